@@ -49,15 +49,16 @@ def _verdict(assessment: Mapping[str, Any]) -> Record:
     status = {"fine": "fine", "not acceptable": "bad"}.get(assessment["status"], "barred")
     worst = assessment["checks"][0]
     reached = quantity(worst["value"], worst["unit"])
-    near = f", near {worst['near']}" if worst.get("near") else ""
+    cause = worst.get("cause")
     share = "" if worst["used"] is None else f", {format_usage(worst['used'])} of"
     return {
         "status": status,
         "headline": assessment["sentence"].partition(":")[0],
         "sentences": [
             f"{worst['limit'].capitalize()}, {worst['place']}: {reached} at "
-            f"{fixed(worst['speed_rpm'])} 1/min{near}{share or '; permitted is'} "
-            f"{'the permitted ' if share else ''}{quantity(worst['permitted'], worst['unit'])}."
+            f"{fixed(worst['speed_rpm'])} 1/min{share or '; permitted is'} "
+            f"{'the permitted ' if share else ''}{quantity(worst['permitted'], worst['unit'])}.",
+            *([] if cause is None else [f"{cause['sentence'][0].upper()}{cause['sentence'][1:]}."]),
         ],
         "ranges": [
             {

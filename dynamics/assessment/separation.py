@@ -1,6 +1,6 @@
 """How far critical speeds stay away from the speeds at which an engine runs."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -117,6 +117,7 @@ def critical_ranges(
     running_range: tuple[float, float],
     *,
     within: float = 2.0 * USUAL_MARGIN,
+    damped: Callable[[int, float], float] | None = None,
 ) -> tuple[CriticalRange, ...]:
     """Find where critical speeds may lie that come near the speeds at which an engine runs.
 
@@ -131,6 +132,9 @@ def critical_ranges(
         Lowest and highest running speed [rad/s].
     within : float
         Critical speeds with a larger margin are left out.
+    damped : callable, optional
+        Mode, 1 the lowest, and order to the critical speed with damping over that without; nan where
+        the order has no peak at the mode, which then is left out. Undamped speeds by default.
 
     Returns
     -------
@@ -145,7 +149,8 @@ def critical_ranges(
 
     Notes
     -----
-    The bounds are exact, those of `frequency_bounds` over the order.
+    Without damping the bounds are exact, those of `frequency_bounds` over the order; with it they
+    move as the nominal speed does.
     """
     excited = positive_vector("orders", orders, "", "they count cycles per revolution")
     first, last = checked_running_range(running_range)
@@ -156,10 +161,12 @@ def critical_ranges(
     for mode in range(modes.rigid, nominal.size):
         speeds = 2.0 * np.pi * np.array([nominal[mode], low[mode], high[mode]])
         for order in excited.tolist():
-            middle, least, most = (speeds / order).tolist()
+            number = mode - modes.rigid + 1
+            shift = 1.0 if damped is None else damped(number, order)
+            if np.isnan(shift):
+                continue
+            middle, least, most = (shift * speeds / order).tolist()
             margin, own = separation_margin([least, middle], [most, middle], (first, last)).tolist()
             if margin <= within:
-                found.append(
-                    CriticalRange(mode - modes.rigid + 1, order, middle, least, most, margin, own)
-                )
+                found.append(CriticalRange(number, order, middle, least, most, margin, own))
     return tuple(sorted(found, key=lambda one: (one.nominal, one.mode, one.order)))

@@ -30,6 +30,7 @@ from dynamics.assessment.limits import (
 )
 from dynamics.plots.quantities import SPEED_LABEL, in_unit
 from dynamics.plots.speed_curves import draw_barred, set_speed_axis
+from dynamics.response.peak_cause import PeakCause
 from dynamics.running_limits import at_most, within
 
 # Checks that a diagram of the verdict draws: those of which most is used.
@@ -57,9 +58,8 @@ class LimitCheck:
         Speeds that the limit or the calculation leaves out.
     judged : tuple of two floats
         The speeds judged [rad/s].
-    near : str
-        Resonance within whose width the worst speed lies, such as "order 7.5 of torsional mode 1
-        (118.5 Hz)"; empty if there is none, or it is not known.
+    cause : PeakCause or None
+        The orders that make the amplitude at the worst speed, where they are known.
     """
 
     limit: VibrationLimit
@@ -69,7 +69,7 @@ class LimitCheck:
     permitted: float
     remarks: tuple[str, ...]
     judged: tuple[float, float]
-    near: str = ""
+    cause: PeakCause | None = None
 
     @property
     def used(self) -> float:
@@ -90,8 +90,6 @@ class LimitCheck:
     def sentence(self) -> str:
         """What was found, with its numbers and the limit's source."""
         unit, speed = self.limit.unit, format_quantity(self.worst_speed, "rad/s", 4)
-        if self.near:
-            speed = f"{speed}, near {self.near}"
         allowed = format_quantity(self.permitted, unit, 4)
         source = self.limit.source + (", assumed" if self.limit.assumed else "")
         if np.isinf(self.worst_value):
@@ -106,7 +104,10 @@ class LimitCheck:
                 f"reaches {format_quantity(self.worst_value, unit, 4)} at {speed}, "
                 f"{self.used:.3g} times the permitted {allowed}"
             )
-        return f"{self.limit.name}, {self.curve.name}: {found} ({source})."
+        text = f"{self.limit.name}, {self.curve.name}: {found} ({source})."
+        if self.cause is None:
+            return text
+        return f"{text} {self.cause.reasons[0].upper()}{self.cause.reasons[1:]}."
 
     def plot(self, axes: Axes | None = None) -> Axes:
         """Draw the amplitude over the speed with what is permitted, and a dot at the worst speed.

@@ -85,7 +85,7 @@ def harmonic_response(
     used. Modes that damping does not reach are answered one by one.
     """
     check_choice("method", method, get_args(Method), "these are the ways to solve the equations")
-    frequencies, modal = angular_frequencies, _DampedModes.of(system)
+    frequencies, modal = angular_frequencies, DampedModes.of(system)
     singular, unbounded = modal.undamped_resonance(frequencies, forces)
     if np.any(unbounded):
         forces = np.where(unbounded[:, np.newaxis], 0.0, forces)
@@ -132,8 +132,8 @@ def _residuals(
 
 
 @dataclass(frozen=True, eq=False)
-class _DampedModes:
-    """Damped modes of a system, and undamped ones for what damping does not reach."""
+class DampedModes:
+    """Damped modes of a system in the state space, and undamped ones for what damping does not reach."""
 
     eigenvalues: ComplexArray  # (s,)
     inputs: ComplexArray  # (s, q): force to amplitude of each damped mode
@@ -144,7 +144,8 @@ class _DampedModes:
     alone_shapes: FloatArray
 
     @classmethod
-    def of(cls, system: LinearSystem) -> "_DampedModes":
+    def of(cls, system: LinearSystem) -> "DampedModes":
+        """Find all of a system."""
         natural, shapes, rigid = system.natural, system.shapes, system.rigid.shape[1]
         damping = shapes.T @ system.damping @ shapes
         loss = shapes.T @ system.loss @ shapes

@@ -111,8 +111,8 @@ def synthesis(
         spectrum = np.zeros((unit.shape[1], size // 2 + 1), dtype=np.complex128)
         spectrum[:, multiples] = 0.5 * size * unit.T
         samples = np.fft.irfft(spectrum, n=size, axis=1)
-        highest[part] = scale * _peaks(multiples, unit, samples)
-        lowest[part] = -scale * _peaks(multiples, -unit, -samples)
+        highest[part] = scale * _peaks(multiples, unit, samples)[0]
+        lowest[part] = -scale * _peaks(multiples, -unit, -samples)[0]
     endless = np.zeros(speeds.size, dtype=bool) if unbounded is None else np.any(unbounded, axis=0)
     where = endless.reshape(endless.shape + (1,) * (len(places) - 1))
     top, bottom = highest.reshape(places), lowest.reshape(places)
@@ -163,8 +163,25 @@ def common_order(orders: FloatArray) -> tuple[NDArray[np.int64], float]:
     return np.array([number // share for number in above]), float(common)
 
 
-def _peaks(multiples: NDArray[np.int64], phasors: ComplexArray, samples: FloatArray) -> FloatArray:
-    """Return the highest value of each sum (p,), from its phasors (K, p) and samples (p, m).
+def extreme_angles(orders: FloatArray, phasors: ComplexArray) -> tuple[float, float]:
+    """Return the shaft angles [rad] at which the sum of the orders (K,) is highest and lowest."""
+    multiples, common = common_order(orders)
+    size = 2 ** int(np.ceil(np.log2(SAMPLES_PER_CYCLE * int(multiples[-1]))))
+    spectrum = np.zeros(size // 2 + 1, dtype=np.complex128)
+    scale = float(np.sum(np.abs(phasors))) or 1.0
+    spectrum[multiples] = 0.5 * size * phasors / scale
+    samples = np.fft.irfft(spectrum, n=size)[np.newaxis]
+    unit = phasors[:, np.newaxis] / scale
+    highest, lowest = (
+        float(_peaks(multiples, sign * unit, sign * samples)[1][0]) / common for sign in (1.0, -1.0)
+    )
+    return highest, lowest
+
+
+def _peaks(
+    multiples: NDArray[np.int64], phasors: ComplexArray, samples: FloatArray
+) -> tuple[FloatArray, FloatArray]:
+    """Return the highest value of each sum (p,) and its angle, from phasors (K, p) and samples (p, m).
 
     A true peak, counted from the middle of the extremes, stands above a sample beside it by the
     factor 1/cos(pi N / m) at most: samples below the highest by more than that are left alone.
@@ -190,6 +207,7 @@ def _peaks(multiples: NDArray[np.int64], phasors: ComplexArray, samples: FloatAr
         bend = -(multiples.astype(np.float64) ** 2 @ terms.real)
         move = np.divide(slope, -bend, out=np.zeros_like(slope), where=bend < 0.0)
         angle = np.clip(angle + move, start - step, start + step)
-    highest: FloatArray = top.copy()
-    np.maximum.at(highest, row, found)
-    return highest
+    highest, angles = top.copy(), step * np.argmax(samples, axis=1)
+    rising = np.argsort(found)  # so that the highest of each sum is the one that stays
+    highest[row[rising]], angles[row[rising]] = found[rising], angle[rising]
+    return highest, angles

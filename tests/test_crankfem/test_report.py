@@ -108,7 +108,7 @@ def without_study(results):
 
 def with_unbounded_vibration(results):
     for forced in results["vibration"]["forced"].values():
-        forced["resonances"][0] |= {"amplitude": None, "estimate": None, "unbounded": True}
+        forced["resonances"][0] |= {"amplitude": None, "unbounded": True}
         forced["loads"][0]["peak"] = None
     results["vibration"]["assessment"]["checks"][0] |= {"value": None, "used": None}
     return results
@@ -173,8 +173,8 @@ def test_the_first_screen_says_what_matters(results, page):
         "76.8 Hz",
         "87.0 Hz",
         "whole crankshaft in its bearings: 81.1 Hz",
-        "511.8 9 (major) 341 µm",
-        "434.9 12 (major) 1.42 mrad",
+        "512.1 9 (major) 341 µm",
+        "434.8 12 (major) 1.42 mrad",
     ):
         assert shown in first
 
@@ -456,13 +456,13 @@ AS_STORED = [
     ("verdict", "crankshaft in its bearings: 81.1 Hz"),
     (
         "verdict",
-        "axial 511.8 9 (major) 341 µm axial 383.8 12 (major) 116 µm axial 438.6 10.5 58.3 µm",
+        "axial 512.1 9 (major) 341 µm axial 384.0 12 (major) 116 µm axial 439.1 10.5 58.5 µm",
     ),
     (
         "verdict",
-        "by that order alone vibration speed [1/min] order amplitude axial 511.8 9 (major)",
+        "by that order alone vibration speed [1/min] order amplitude axial 512.1 9 (major)",
     ),
-    ("verdict", "torsional 434.9 12 (major) 1.42 mrad torsional 497.0 10.5 1.01 mrad"),
+    ("verdict", "torsional 434.8 12 (major) 1.42 mrad torsional 496.9 10.5 1.01 mrad"),
     ("verdict", "cylinder 4 - cylinder 5, 498 1/min 24.48 MPa 21.21 MPa 115 %"),
     ("inputs", "Crank radius R 170 mm Main journal diameter 220 mm Crankpin diameter 180 mm"),
     (
@@ -532,15 +532,15 @@ AS_STORED = [
     ),
     (
         "response",
-        "times magnifier speed [1/min] order mode section 0 [µm] by magnifier kind 383.8 12 1 116.0",
+        "speed [1/min] order mode section 0 [µm] undamped damping [%] kind 384.0 12 1 116.1 383.8 1.25",
     ),
     (
         "response",
-        "484.8 9.5 1 33.04 33.29 minor 511.8 9 1 340.8 342.7 major Magnifier",
+        "485.4 9.5 1 33.17 484.8 1.25 minor 512.1 9 1 341.2 511.8 1.25 major Magnifier",
     ),
     (
         "response",
-        "mode free end [mrad] by magnifier kind 434.9 12 1 1.417 1.417 major",
+        "mode free end [mrad] undamped damping [%] kind 434.8 12 1 1.417 434.9 1.25 major",
     ),
     (
         "response",
@@ -607,7 +607,7 @@ CHANGED = [
         "torsional stress of crankshaftcylinder 4 - cylinder 5, 498 1/min 2449 MPa 21.21 MPa 11545 %",
     ),
     ("limits", "5 to 95 % of 200 samples lie from 341 µm to 512 µm."),
-    ("response", "383.8 12 1 unbounded unbounded major"),
+    ("response", "384.0 12 1 unbounded 383.8 1.25 major"),
     ("checks", "7 of 11 checks that are judged hold."),
 ]
 
@@ -652,7 +652,7 @@ def changed(results):
         "percentile_95": 512e-6,
     }
     strongest = vibration["forced"]["axial"]["resonances"]
-    next(one for one in strongest if one["order"] == 12.0).update(amplitude=None, estimate=None)
+    next(one for one in strongest if one["order"] == 12.0).update(amplitude=None, unbounded=True)
     checks = {one["name"]: one for one in results["checks"]}
     checks["Error of the axial compliance"]["met"] = False
     checks["Error of the fillet stresses"]["met"] = False

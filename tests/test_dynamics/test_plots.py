@@ -51,10 +51,12 @@ from dynamics.hinge.spring import GasSpring
 from dynamics.mechanism.rods import ConnectingRod
 from dynamics.plots.stars import KIND_COLORS
 from dynamics.response.campbell_diagram import campbell_diagram
+from dynamics.response.complex_modes import complex_modes
 from dynamics.response.damping import damped
 from dynamics.response.forced import forced_response
 from dynamics.response.loads import element_loads
 from dynamics.response.order_excitation import OrderExcitation
+from dynamics.response.peak_cause import peak_cause
 from dynamics.response.power import power_balance
 from dynamics.response.resonance import resonances
 from dynamics.torque.pin_harmonics import pin_force_harmonics
@@ -828,6 +830,14 @@ def test_tables_refuse_wrong_options():
 # Of each table: the object, and some columns with their values and units.
 TABLES = {
     "Modes": (modes, lambda o: {"frequency": (o.frequencies, "Hz")}),
+    "PeakCause": (
+        lambda: peak_cause(response(), response().nodes, 0, 0),
+        lambda o: {"contribution": ([one.contribution for one in o.parts], "SI")},
+    ),
+    "ComplexModes": (
+        lambda: complex_modes(response()),
+        lambda o: {"frequency": (o.frequencies, "Hz"), "damping_ratio": (o.damping_ratios, "1")},
+    ),
     "Harmonics": (
         lambda: harmonics([0.0, 1.0, 0.0, -1.0], 4),
         lambda o: {"order": (o.orders, "1"), "amplitude": (o.amplitude, "unit of the samples")},

@@ -11,7 +11,7 @@ from crankbase.tables.frames import table
 from crankfem.analyses.shaft.chains import damped_engine_chain
 from crankfem.analyses.shaft.sources import FE, FE_PINNED
 from crankfem.analyses.shaft.throw_analyses import Analyses, analyses_by_name
-from crankfem.analyses.vibration.engine_limits import engine_limits, limit_findings
+from crankfem.analyses.vibration.engine_limits import engine_limits, limit_findings, limited_series
 from crankfem.analyses.vibration.forced import ForcedVibration
 from crankfem.files.engine.engine_file import EngineFile
 from dynamics.assessment.barred_ranges import BarredRangeRule
@@ -24,15 +24,14 @@ from dynamics.assessment.verdict import LimitCheck, Verdict, judge
 from dynamics.chains.chain import Chain
 from dynamics.critical import engine_orders
 from dynamics.response.forced import forced_response
+from dynamics.response.peak_cause import PeakCause, peak_cause
+from dynamics.response.series import OrderSeries
 from dynamics.response.synthesis import synthesis
 from dynamics.running_limits import within
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-# Resonances that are named are this severe at least beside the worst of their kind, and this wide: without
-# damping the worst speed is the resonance's own.
-LEAST_SEVERITY, LEAST_WIDTH = 0.02, 1e-4
 # The estimate of the discretization error may be off by this factor.
 ERROR_FACTOR = 2.0
 FE_ERROR = {
@@ -164,7 +163,17 @@ def assess(
         else given.barred_rule(engine.rated_speed)
     )
     verdict = judge(findings, running, rule)
-    checks = tuple(replace(one, near=_nearest(one, axial, torsional)) for one in verdict.checks)
+    limited = {
+        (limit.name, place): (forced, series)
+        for name, limit in limits.items()
+        for forced in (axial if name.startswith("axial") else torsional,)
+        for series in (limited_series(name, engine_file, axial, torsional),)
+        for place in series.names
+    }
+    checks = tuple(
+        replace(one, cause=_cause(one, *limited[one.limit.name, one.curve.name], torsional))
+        for one in verdict.checks
+    )
     return Assessment(
         verdict=replace(verdict, checks=checks),
         limits=limits,
@@ -174,22 +183,30 @@ def assess(
     )
 
 
-def _nearest(check: LimitCheck, axial: ForcedVibration, torsional: ForcedVibration) -> str:
-    """Name the resonance within whose half bandwidth the worst speed lies, the nearest one."""
-    # Torsion excites axial vibration too, which then is largest where torsion resounds.
-    kinds = (axial, torsional) if check.limit.quantity.startswith("axial") else (torsional,)
-    found = [
-        (abs(check.worst_speed - one.speed), own.kind, one)
-        for own in kinds
-        for one in own.resonances
-        if one.severity >= LEAST_SEVERITY
-        and abs(check.worst_speed - one.speed) <= max(0.5 / one.magnifier, LEAST_WIDTH) * one.speed
-    ]
-    if not found:
-        return ""
-    _, kind, one = min(found, key=lambda item: item[0])
-    above = "" if one.in_running_range else ", above the running range"
-    return f"order {one.order:g} of {kind} mode {one.mode} ({one.frequency:.4g} Hz{above})"
+def _cause(
+    check: LimitCheck, forced: ForcedVibration, series: OrderSeries, torsional: ForcedVibration
+) -> PeakCause:
+    """Find the orders that make what was found at a check's worst speed."""
+    index = int(np.argmin(np.abs(series.speeds - check.worst_speed)))
+    driven = None
+    if forced.by_torque is not None:
+        # The torsional vibration that stretches the shaft is largest in one of its elements.
+        elements = torsional.crank_elements
+        place = int(np.argmax(elements.synthesis.amplitude[index]))
+        twist = peak_cause(
+            torsional.response, elements, place, index, kind=torsional.kind, modes=torsional.modes
+        )
+        driven = (forced.by_torque, twist)
+    return peak_cause(
+        forced.response,
+        series,
+        check.curve.name,
+        index,
+        unit=check.limit.unit,
+        kind=forced.kind,
+        modes=forced.modes,
+        driven=driven,
+    )
 
 
 def _uncertainty(
@@ -218,7 +235,9 @@ def _uncertainty(
         lowest=low[rigid:],
         nominal=chain.modes().frequencies[rigid:],
         highest=high[rigid:],
-        critical=critical_ranges(chain, spreads, orders, running, within=margin),
+        critical=critical_ranges(
+            chain, spreads, orders, running, within=margin, damped=forced.damped_shift
+        ),
         amplitudes=amplitudes,
     )
 

@@ -150,7 +150,7 @@ def excitation_along_shaft(
     shaft: ShaftCompliances,
     cranks: EngineChain,
     twisted: ForcedResponse,
-) -> tuple[OrderExcitation, tuple[str, ...]]:
+) -> tuple[OrderExcitation, OrderExcitation | None, tuple[str, ...]]:
     """Return the axial force of each throw by radial forces and by torques in the shaft.
 
     Whatever the source of the chain's compliances, the exciting forces are those of the finite
@@ -171,6 +171,8 @@ def excitation_along_shaft(
     Returns
     -------
     excitation : OrderExcitation
+    by_torque : OrderExcitation or None
+        The part that torques in the shaft bring.
     remarks : tuple of str
         What is left out.
     """
@@ -179,15 +181,17 @@ def excitation_along_shaft(
         forces, axial.chain, axial.compliances, scale * shaft.influence, engine_file.pins
     )
     if shaft.tangential.shape[1] != len(shaft.axial):
-        return by_radial, (
+        several = (
             "the axial force that torque in the shaft excites is left out, because throws have several "
-            "pins",
+            "pins"
         )
+        return by_radial, None, (several,)
     if np.any(twisted.unbounded):
-        return by_radial, (
+        endless = (
             "the axial force that torque in the shaft excites is left out, because torsional vibration "
-            "is unbounded",
+            "is unbounded"
         )
+        return by_radial, None, (endless,)
     # The finite elements count angles as the file does, torques here are positive as the shaft turns.
     sense = engine_file.engine.turning_sense
     influence = torsion_influence(
@@ -196,7 +200,7 @@ def excitation_along_shaft(
     by_torque = axial_excitation_of_torsion(
         twisted, cranks, axial.chain, axial.compliances, scale * influence
     )
-    return combined_excitation(by_radial, by_torque), ()
+    return combined_excitation(by_radial, by_torque), by_torque, ()
 
 
 def excitation_remarks(engine_file: EngineFile, kind: Kind) -> tuple[str, ...]:

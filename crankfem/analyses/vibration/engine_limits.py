@@ -127,7 +127,7 @@ def limit_findings(
     return [
         (limit, curve)
         for name, limit in limits.items()
-        for curve in _curves(name, engine_file, axial, torsional)
+        for curve in curves_of(limited_series(name, engine_file, axial, torsional))
     ]
 
 
@@ -153,10 +153,10 @@ def even_firing_interval(firing_angles: Sequence[float], strokes: int) -> float 
     return round(even, 2) if np.all(np.abs(intervals - even) < UNEVEN) else None
 
 
-def _curves(
+def limited_series(
     name: str, engine_file: EngineFile, axial: Limited, torsional: Limited
-) -> tuple[AmplitudeCurve, ...]:
-    """Curves over the speed that a limit applies to.
+) -> OrderSeries:
+    """Return what a limit of `engine_limits` applies to, by orders.
 
     Raises
     ------
@@ -165,14 +165,15 @@ def _curves(
     """
     if name == "crankshaft_stress":
         assert torsional.stress is not None
-        return curves_of(torsional.stress)
+        return torsional.stress
     if name == "torsional_amplitude":
-        return curves_of(torsional.free_end)
+        return torsional.free_end
     if name == "axial_amplitude":
-        return curves_of(axial.free_end)
+        return axial.free_end
     if name == "axial_force":
-        return curves_of(axial.crank_elements)
-    elements = torsional.loads.elements.names
+        return axial.crank_elements
+    loads = torsional.loads.elements
+    elements = loads.names
     if name == "coupling_torque":
         coupling = "flywheel - driven machine"
         if coupling not in elements:
@@ -180,7 +181,8 @@ def _curves(
                 "limits.coupling_torque: given without the section [driven]; allowed are both, because the "
                 "coupling joins the driven machine."
             )
-        return tuple(c for c in curves_of(torsional.loads.elements) if c.name == coupling)
+        place = elements.index(coupling)
+        return replace(loads, values=loads.values[:, :, [place]], names=(coupling,))
     element = name.removeprefix("shaft: ")
     if element not in elements:
         raise InputError(
@@ -191,4 +193,4 @@ def _curves(
         own for own in (engine_file.limits or LimitsInput()).shafts if own.element == element
     )
     modulus = float(section_modulus("torsional", shaft.diameter))
-    return curves_of(alternating_stress(torsional.loads, {element: modulus}))
+    return alternating_stress(torsional.loads, {element: modulus})

@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
@@ -28,21 +29,23 @@ from crankfem.analyses.vibration.engine_excitation import (
 )
 from crankfem.analyses.vibration.engine_limits import assessment_end_speeds, limit_findings
 from crankfem.analyses.vibration.modes import Vibration
+from crankfem.analyses.vibration.resonances import resonances_of
 from crankfem.files.engine.engine_file import EngineFile
 from dynamics.assessment.barred_ranges import limit_end_speed
 from dynamics.assessment.limits import usage
 from dynamics.assessment.worst_speeds import refined_maxima
 from dynamics.chains.engine_chains import EngineChain
-from dynamics.critical import major_orders
 from dynamics.excitation.axial_comparison import AxialForceComparison
 from dynamics.excitation.chain_excitation import torque_excitation
 from dynamics.excitation.cylinder_harmonics import CylinderHarmonics
 from dynamics.excitation.cylinders import CylinderForces
 from dynamics.plots.quantities import Quantity
+from dynamics.response.complex_modes import ComplexModes, complex_modes
+from dynamics.response.damped_criticals import DampedCritical
 from dynamics.response.forced import ForcedResponse, forced_response
 from dynamics.response.loads import ElementLoads, alternating_stress, element_loads, section_modulus
+from dynamics.response.order_excitation import OrderExcitation
 from dynamics.response.power import PowerBalance, power_balance
-from dynamics.response.resonance import Resonance, resonances
 from dynamics.response.series import OrderSeries
 from fem.shaft import ShaftCompliances
 from geometry.throw import CrankThrow
@@ -52,7 +55,7 @@ if TYPE_CHECKING:
 
 Forced = Literal["amplitude", "load", "stress", "power", "axial forces"]
 # Unit that a resonance tells, which does not know whether it is an axial one.
-EITHER = "rad or m"
+EITHER = "SI"
 FORCED: tuple[Forced, ...] = ("amplitude", "load", "stress", "power", "axial forces")
 
 
@@ -77,9 +80,12 @@ class ForcedVibration:
     stress : OrderSeries or None
         Nominal torsional stress of the crankshaft's elements [Pa]; None in the axial direction.
     power : PowerBalance
-    resonances : tuple of Resonance
-        At all speeds judged, with the amplitude of the free end, ascending speed: the running range,
-        and above it as far as a limit holds.
+    resonances : tuple of DampedCritical
+        Where each order by itself makes the free end move most, with all damping, ascending speed, at
+        all speeds judged: the running range, and above it as far as a limit holds. Those at which an
+        order meets a mode but makes no peak have no speed and come last.
+    by_torque : OrderExcitation or None
+        Of axial vibration, the part of its excitation that torques in the shaft bring.
     axial_forces : AxialForceComparison or None
         Exciting force of each throw by its own coefficient and by the assembled shaft.
     running_range, judged_range : tuple of two floats
@@ -96,10 +102,39 @@ class ForcedVibration:
     loads: ElementLoads
     stress: OrderSeries | None
     power: PowerBalance
-    resonances: tuple[Resonance, ...]
+    resonances: tuple[DampedCritical, ...]
+    by_torque: OrderExcitation | None
     axial_forces: AxialForceComparison | None
     running_range: tuple[float, float]
     judged_range: tuple[float, float]
+
+    @cached_property
+    def modes(self) -> ComplexModes:
+        """The damped modes of the chain."""
+        return complex_modes(self.response)
+
+    @property
+    def frequencies(self) -> FloatArray:
+        """Damped natural frequencies [Hz] by the number of the mode; undamped where one only creeps."""
+        found = self.modes.undamped.copy()
+        numbered = self.modes.numbers > 0
+        found[self.modes.numbers[numbered] - 1] = self.modes.frequencies[numbered]
+        return found
+
+    def damped_shift(self, mode: int, order: float) -> float:
+        """Return the critical speed of an order and a mode with damping over that without.
+
+        Beyond the speeds judged it is the ratio of the mode's frequencies.
+        """
+        for one in self.resonances:
+            if (one.mode, one.order) == (mode, order):
+                return one.speed / one.undamped_speed
+        return float(self.frequencies[mode - 1] / self.modes.undamped[mode - 1])
+
+    @property
+    def peaks(self) -> tuple[DampedCritical, ...]:
+        """The resonances that have a speed."""
+        return tuple(one for one in self.resonances if one.has_peak)
 
     @property
     def free_end(self) -> OrderSeries:
@@ -173,6 +208,8 @@ class ForcedVibration:
 
     def to_pandas(self) -> Any:
         """Return a table of the resonances at the speeds judged, with the free end's amplitude.
+
+        A resonance without a peak has no speed (nan).
 
         Returns
         -------
@@ -255,7 +292,7 @@ def forced_vibrations(
         twisted = forced_response(
             chains[1], with_propeller(engine_file, cranks, torque_excitation(forces, cranks))
         )
-        pressed, remarks = excitation_along_shaft(
+        pressed, by_torque, remarks = excitation_along_shaft(
             engine_file, forces, pulled, shaft, cranks, twisted
         )
         lengthened = forced_response(chains[0], with_propeller(engine_file, pulled.chain, pressed))
@@ -272,6 +309,7 @@ def forced_vibrations(
                 stress=None,
                 power=power_balance(response),
                 resonances=(),
+                by_torque=by_torque if chain.kind == "axial" else None,
                 axial_forces=None,
                 running_range=(engine.lowest_speed, engine.highest_speed),
                 judged_range=(ends[0], min(ends[-1], float(speeds[-1]))),
@@ -294,8 +332,8 @@ def forced_vibrations(
     )
     lengthened, twisted = responses(merged_speeds(speeds, worst))
     return (
-        replace(lengthened, resonances=_resonances(engine_file, lengthened)),
-        replace(twisted, resonances=_resonances(engine_file, twisted)),
+        replace(lengthened, resonances=resonances_of(engine_file, lengthened)),
+        replace(twisted, resonances=resonances_of(engine_file, twisted)),
     )
 
 
@@ -321,20 +359,6 @@ def _limit_usage(engine_file: EngineFile, answers: Answers) -> FloatArray:
     kept = [np.where(speeds >= engine.lowest_speed, own, 0.0) for own in used]
     moved = [own.free_end.synthesis.amplitude[:, 0] for own in answers]
     return np.array([*used, *kept, *moved])
-
-
-def _resonances(engine_file: EngineFile, forced: ForcedVibration) -> tuple[Resonance, ...]:
-    """Resonances at all speeds judged; major are those of orders in which all cylinders fire in phase."""
-    response = forced.response
-    major = major_orders(response.orders, engine_file.engine.firing_angles)
-    return tuple(
-        replace(
-            one,
-            kind="major" if np.any(np.isclose(major, one.order)) else "minor",
-            in_running_range=one.speed <= forced.running_range[1],
-        )
-        for one in resonances(response, 0, speed_range=forced.judged_range)
-    )
 
 
 def nominal_section_modulus(throw: CrankThrow) -> float:

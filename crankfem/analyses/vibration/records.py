@@ -17,7 +17,8 @@ from crankfem.analyses.vibration.run_up import RunUp
 from dynamics.assessment.barred_ranges import BarredRange, limit_end_speed
 from dynamics.assessment.verdict import LimitCheck
 from dynamics.excitation.axial_comparison import AxialForceComparison
-from dynamics.response.resonance import Resonance
+from dynamics.response.damped_criticals import DampedCritical
+from dynamics.response.peak_cause import PeakCause
 from dynamics.response.series import OrderSeries
 
 # SI units of loads in records.
@@ -120,13 +121,25 @@ def _rpm(speeds: Sequence[float]) -> list[float]:
     return [speed * RPM for speed in speeds]
 
 
-def _resonance(found: Resonance) -> Record:
-    record = attributes(
-        found,
-        *("mode", "frequency", "order", "speed_rpm", "amplitude", "estimate", "magnifier"),
-        *("share", "severity", "kind", "unbounded", "in_running_range"),
+def _resonance(found: DampedCritical) -> Record:
+    """Return a peak; null in its place where an order meets a mode without one."""
+    beside = {
+        "undamped_rpm": found.undamped_speed * RPM,
+        "locked_rpm": found.locked_speed * RPM,
+    }
+    names = (
+        *(
+            "mode",
+            "order",
+            "speed_rpm",
+            "frequency",
+            "amplitude",
+            "mode_frequency",
+            "damping_ratio",
+        ),
+        *("mode_share", "severity", "kind", "unbounded", "in_running_range"),
     )
-    return record if found.severity > ROUND_OFF else record | {"amplitude": 0.0, "estimate": 0.0}
+    return attributes(found, *names) | plain(beside)
 
 
 def forced_columns(forced: ForcedVibration) -> tuple[dict[str, FloatArray], str]:
@@ -246,13 +259,25 @@ def _check(check: LimitCheck, highest_speed: float) -> Record:
             "limit": check.limit.name,
             "place": check.curve.name,
             "speed_rpm": check.worst_speed * RPM,
-            "near": check.near or None,
+            "cause": None if check.cause is None else _cause(check.cause),
             "in_running_range": check.worst_speed <= highest_speed,
             "value": check.worst_value,
             **attributes(check, "permitted", "used", "passed"),
             **attributes(check.limit, "unit", "source", "assumed"),
         }
     )
+
+
+def _cause(found: PeakCause) -> Record:
+    """Return the parts of the orders in a peak, and what they say."""
+    names = (
+        *("order", "contribution", "amplitude", "state", "kind", "mode", "mode_share"),
+        *("magnifier", "detuning"),
+    )
+    return {
+        "sentence": found.reasons,
+        "orders": [attributes(one, *names) for one in found.parts],
+    }
 
 
 def _range(found: BarredRange) -> Record:

@@ -204,10 +204,10 @@ class EngineVibration:
         orders = engine_orders(engine.strokes, self.engine_file.vibration.highest_order)
         draw_campbell(
             axes,
-            vibration.chosen.elastic_frequencies,
+            vibration.chosen.elastic_frequencies if forced is None else forced.frequencies,
             orders,
             (engine.lowest_speed, engine.highest_speed),
-            vibration.criticals if forced is None else forced.resonances,
+            vibration.criticals if forced is None else forced.peaks,
         )
         write_title(axes, f"{engine.name}, {vibration.kind}")
 

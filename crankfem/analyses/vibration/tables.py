@@ -1,6 +1,7 @@
 """The tables of an engine's vibration, from its plain records: the command line and the report show them."""
 
 from collections.abc import Callable
+from dataclasses import replace
 
 from crankbase.tables.output_units import SI, OutputUnits
 from crankbase.tables.table import Column, Table
@@ -46,7 +47,7 @@ def mode_table(record: Record) -> Table:
 def critical_table(record: Record) -> Table:
     """Return the critical speeds of one kind; marked are those at which the cylinders act together."""
     return Table(
-        f"{record['kind'].capitalize()} critical speeds in the running range",
+        f"{record['kind'].capitalize()} critical speeds in the running range, without damping",
         [
             SPEED,
             Column("order", digits=None),
@@ -97,29 +98,39 @@ def resonance_table(record: Record, units: OutputUnits = SI) -> Table:
     kind, found = record["kind"], record["resonances"]
     worst = sorted(found, key=lambda one: -one["severity"])[:ROWS_SHOWN]
     motion = MOTION[kind].printed
+    ring = any(one.get("locked_rpm") is not None for one in found)
+    speed = replace(SPEED, missing="no peak")
     return Table(
         f"{kind.capitalize()} resonances {_assessed_range(record, units)}"
         + (f", the {ROWS_SHOWN} most severe of {len(found)}" if len(found) > ROWS_SHOWN else ""),
         [
-            SPEED,
+            speed,
             Column("order", digits=None),
             Column("mode"),
-            Column(record["free_end"]["node"], motion, missing=UNBOUNDED),
-            Column("by magnifier", motion, missing=UNBOUNDED, bare=True),
+            Column(record["free_end"]["node"], motion),
+            Column("undamped", "1/min", decimals=1, bare=True),
+            *([Column("ring locked", "1/min", decimals=1, bare=True)] if ring else []),
+            Column("damping", "%", decimals=2),
             Column("kind", words=True),
         ],
         [
             [
-                one["speed_rpm"] / RPM,
+                _from_rpm(one["speed_rpm"]),
                 one["order"],
                 one["mode"],
-                one["amplitude"],
-                one["estimate"],
+                UNBOUNDED if one["unbounded"] else one["amplitude"],
+                _from_rpm(one.get("undamped_rpm")),
+                *([_from_rpm(one["locked_rpm"])] if ring else []),
+                one.get("damping_ratio"),
                 one["kind"] + ("" if one.get("in_running_range", True) else ", above"),
             ]
-            for one in sorted(worst, key=lambda one: float(one["speed_rpm"]))
+            for one in sorted(worst, key=lambda one: one["speed_rpm"] or float("inf"))
         ],
     )
+
+
+def _from_rpm(speed: float | None) -> float | None:
+    return None if speed is None else speed / RPM
 
 
 def element_table(record: Record) -> Table:

@@ -28,7 +28,7 @@ from dynamics.plots.campbell import (
 )
 from dynamics.plots.quantities import SPEED_LABEL
 from dynamics.plots.stars import KIND_COLORS
-from dynamics.response.resonance import Resonance
+from dynamics.response.damped_criticals import DampedCritical
 
 Array = NDArray[np.float64]
 
@@ -44,7 +44,7 @@ def campbell(
     frequencies: Array,
     orders: Array,
     speed_range: tuple[float, float],
-    found: Sequence[Resonance],
+    found: Sequence[DampedCritical],
     title: str,
 ) -> Figure:
     """Draw natural frequencies and order lines over speed, with a dot at each resonance.
@@ -58,7 +58,7 @@ def campbell(
         In cycles per revolution.
     speed_range : tuple of two floats
         Running range [rad/s].
-    found : sequence of Resonance
+    found : sequence of DampedCritical
         Dots grow with their severity.
     title : str
 
@@ -136,7 +136,7 @@ def _mode_line(place: int, frequency: float, left: float, right: float) -> Part:
     )
 
 
-def _dots(kind: str, name: str, own: Sequence[Resonance], color: str) -> Part:
+def _dots(kind: str, name: str, own: Sequence[DampedCritical], color: str) -> Part:
     """Return the resonances of major or of minor orders; what they tell stands in their text."""
     return dots(
         [one.speed_rpm for one in own],
@@ -150,7 +150,7 @@ def _dots(kind: str, name: str, own: Sequence[Resonance], color: str) -> Part:
     )
 
 
-def _hover_text(kind: str, one: Resonance) -> str:
+def _hover_text(kind: str, one: DampedCritical) -> str:
     motion = MOTION[kind]
     size = (
         "unbounded: nothing damps it"

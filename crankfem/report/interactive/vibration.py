@@ -65,10 +65,10 @@ def _campbell(run: EngineVibration, vibration: Vibration, title: str) -> Figure:
     engine, forced = run.engine_file.engine, run.forced(vibration.kind)
     return campbell(
         vibration.kind,
-        vibration.chosen.elastic_frequencies,
+        vibration.chosen.elastic_frequencies if forced is None else forced.frequencies,
         engine_orders(engine.strokes, run.engine_file.vibration.highest_order),
         (engine.lowest_speed, engine.highest_speed),
-        () if forced is None else forced.resonances,
+        () if forced is None else forced.peaks,
         title,
     )
 

@@ -1,0 +1,58 @@
+"""The resonances of an engine at all speeds judged: peaks of the free end by single orders."""
+
+from dataclasses import replace
+from typing import Protocol
+
+import numpy as np
+
+from crankfem.files.engine.engine_file import EngineFile
+from dynamics.critical import major_orders
+from dynamics.response.complex_modes import ComplexModes
+from dynamics.response.damped_criticals import DampedCritical, damped_criticals
+from dynamics.response.forced import ForcedResponse
+
+
+class Answer(Protocol):
+    """What vibrates; `crankfem.analyses.vibration.forced.ForcedVibration` is one."""
+
+    @property
+    def response(self) -> ForcedResponse:
+        """Motion of the chain."""
+
+    @property
+    def modes(self) -> ComplexModes:
+        """The damped modes of the chain."""
+
+    @property
+    def running_range(self) -> tuple[float, float]:
+        """Speeds at which the engine runs [rad/s]."""
+
+    @property
+    def judged_range(self) -> tuple[float, float]:
+        """Speeds at which vibration is judged [rad/s]."""
+
+
+def resonances_of(engine_file: EngineFile, forced: Answer) -> tuple[DampedCritical, ...]:
+    """Return the peaks of modes, ascending speed, and then what has no peak.
+
+    Major are those of orders in which all cylinders fire in phase. Where the exciting forces have a peak
+    and no mode is near, there is no resonance.
+    """
+    response = forced.response
+    major = major_orders(response.orders, engine_file.engine.firing_angles)
+    found = damped_criticals(response, node=0, speed_range=forced.judged_range, modes=forced.modes)
+    told = [
+        replace(
+            one,
+            kind="major" if np.any(np.isclose(major, one.order)) else "minor",
+            in_running_range=_speed(one) <= forced.running_range[1],
+        )
+        for one in found
+        if one.in_band or not one.has_peak
+    ]
+    return tuple(sorted(told, key=lambda one: (not one.has_peak, _speed(one))))
+
+
+def _speed(critical: DampedCritical) -> float:
+    """Speed of a peak; without one that at which the order meets the mode undamped [rad/s]."""
+    return critical.speed if critical.has_peak else critical.undamped_speed

@@ -1,0 +1,285 @@
+"""Damped modes of a chain or system: frequencies, damping ratios, shapes, and what damps each."""
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.linalg import null_space
+from scipy.optimize import linear_sum_assignment
+
+from crankbase.checks.arrays import ComplexArray, FloatArray
+from crankbase.summaries import summarized
+from crankbase.tables.frames import table
+from dynamics.chains.chain import Chain
+from dynamics.chains.chain_modes import elastic_modes
+from dynamics.response.damping import DampedChain
+from dynamics.response.forced import ForcedResponse, chain_and_system
+from dynamics.response.harmonic import UNBOUNDED_WITHIN, DampedModes
+from dynamics.response.linear_system import LinearSystem
+from dynamics.response.loads import dashpot_names
+
+if TYPE_CHECKING:
+    from pandas import DataFrame
+
+# A motion whose eigenvalue has an imaginary part below this share of its size creeps back without
+# vibrating: a damping ratio of 0.995 and more.
+LEAST_OSCILLATION = 0.1
+MODAL_DAMPING, SYSTEM_DAMPING = "modal damping", "damping of the system"
+
+
+@summarized("frequencies [Hz]", "damping_ratios", "undamped [Hz]", "locked [Hz]")
+@dataclass(frozen=True, eq=False)
+class ComplexModes:
+    """Damped vibrations x = Re X exp(s t) that a system makes when left alone, ascending frequency.
+
+    Parameters
+    ----------
+    eigenvalues : ndarray of shape (m,), complex
+        s, with a positive imaginary part: the damped angular frequency [rad/s].
+    numbers : ndarray of shape (m,), int
+        Of the undamped elastic mode that each one comes from, 1 the lowest; 0 where damping made a
+        vibration that comes from none.
+    shapes : ndarray of shape (n, m), complex
+        X of the nodes, the largest displacement 1.
+    undamped : ndarray of shape (e,)
+        Natural frequencies without any damping, where the ring of a viscous damper turns free [Hz].
+    locked : ndarray of shape (e,) or None
+        The same with all dashpots rigid, as a ring that turns with its housing [Hz]; None without a
+        dashpot, or where the number of modes differs.
+    sources : tuple of m dicts of str to float
+        What damps each mode, the largest share first; shares sum to 1.
+    system : LinearSystem
+    terms : DampedModes
+        All eigenvalues with what excites them and what they move.
+    places : ndarray of shape (s,), int
+        To which mode each eigenvalue of the terms belongs, from 0; -1 for motions that only creep.
+    """
+
+    eigenvalues: ComplexArray
+    numbers: NDArray[np.int64]
+    shapes: ComplexArray
+    undamped: FloatArray
+    locked: FloatArray | None
+    sources: tuple[dict[str, float], ...]
+    system: LinearSystem
+    terms: DampedModes
+    places: NDArray[np.int64]
+
+    @property
+    def frequencies(self) -> FloatArray:
+        """Damped natural frequencies [Hz], those of a decay, (m,)."""
+        return self.eigenvalues.imag / (2.0 * np.pi)
+
+    @property
+    def damping_ratios(self) -> FloatArray:
+        """Share of critical damping of each mode, -Re s / |s|, (m,)."""
+        return np.asarray(np.maximum(-self.eigenvalues.real, 0.0) / np.abs(self.eigenvalues))
+
+    def magnifiers(self, angular_frequencies: FloatArray) -> FloatArray:
+        """Return the dynamic magnifier of each mode at frequencies (f,) [rad/s], (f, m).
+
+        That of one mass with the mode's frequency and damping ratio: amplitude over static one.
+        """
+        squares = np.abs(self.eigenvalues) ** 2
+        w = angular_frequencies[:, np.newaxis]
+        apart = squares - w**2 - 2j * self.eigenvalues.real * w
+        with np.errstate(divide="ignore"):
+            return np.asarray(squares / np.abs(apart))
+
+    @property
+    def largest_magnifiers(self) -> FloatArray:
+        """Dynamic magnifier of each mode at its peak, 1 where it has none, inf where undamped, (m,)."""
+        ratios = self.damping_ratios
+        with np.errstate(divide="ignore"):
+            peaks = 0.5 / (ratios * np.sqrt(1.0 - ratios**2))
+        return np.where(ratios < np.sqrt(0.5), peaks, 1.0)
+
+    def contributions(
+        self, angular_frequencies: FloatArray, forces: ComplexArray, rows: FloatArray
+    ) -> ComplexArray:
+        """Return what each mode gives to a linear combination of the motion.
+
+        Parameters
+        ----------
+        angular_frequencies : ndarray of shape (f,)
+            [rad/s].
+        forces : ndarray of shape (f, q), complex
+            On the unknowns of the system.
+        rows : ndarray of shape (f, q)
+            What is looked at, per motion of the unknowns; rigid motions must not change it.
+
+        Returns
+        -------
+        ndarray of shape (f, m + 1), complex
+            The last one is what only creeps; all together are the whole response.
+        """
+        terms = self.terms
+        eigenvalues, inputs, outputs = _with_undamped(terms)
+        gap = 1j * angular_frequencies[:, np.newaxis] - eigenvalues
+        met = np.abs(gap) <= UNBOUNDED_WITHIN * np.abs(eigenvalues)
+        parts = (forces @ inputs.T) * (rows @ outputs.T) / np.where(met, np.inf, gap)
+        found = np.zeros((angular_frequencies.size, self.eigenvalues.size + 1), dtype=np.complex128)
+        np.add.at(found.T, self.places, parts.T)
+        return found
+
+    def to_pandas(self) -> "DataFrame":
+        """Return a table: number, frequency, damping ratio, frequencies of ring free and locked.
+
+        Returns
+        -------
+        pandas.DataFrame
+            Units are in ``frame.attrs["units"]``; nan where a mode comes from no undamped one.
+
+        Raises
+        ------
+        MissingLibraryError
+            If pandas is not installed.
+        """
+        known = np.where(self.numbers > 0, self.numbers - 1, 0)
+        columns = {
+            "mode": (self.numbers, "1"),
+            "frequency": (self.frequencies, "Hz"),
+            "damping_ratio": (self.damping_ratios, "1"),
+            "undamped": (np.where(self.numbers > 0, self.undamped[known], np.nan), "Hz"),
+            "damped_by": ([next(iter(own), "") for own in self.sources], ""),
+        }
+        if self.locked is not None:
+            locked = np.where(self.numbers > 0, self.locked[known], np.nan)
+            columns["locked"] = (locked, "Hz")
+        return table(columns)
+
+
+def complex_modes(given: Chain | LinearSystem | DampedChain | ForcedResponse) -> ComplexModes:
+    """Find the damped modes of a chain or a system, with all of its damping.
+
+    Parameters
+    ----------
+    given : Chain, LinearSystem, DampedChain or ForcedResponse
+        The chain or system that vibrates, or a response of it.
+
+    Returns
+    -------
+    ComplexModes
+        Those that vibrate: motions of damping ratio 0.995 and more are left out.
+
+    Notes
+    -----
+    (s^2 M + s C + K + i H) X = 0, of which the eigenvalues s with a positive imaginary part count,
+    as H, the loss factors' part, is that of positive frequencies. With the energies
+    X* M X and so on that a mode has, its imaginary part says
+
+        -2 Re s  X* M X = X* C X + X* H X / Im s:
+
+    what each damper and element brings to the right side is its share of the mode's damping.
+
+    A mode has the number of the undamped mode that is nearest in frequency, of those between ring
+    free and ring locked in the middle of both, so that all together are as near as can be.
+    """
+    if isinstance(given, ForcedResponse):
+        chain, system = given.chain, given.system
+    else:
+        chain, system = chain_and_system(given)
+    terms = DampedModes.of(system)
+    eigenvalues, _, outputs = _with_undamped(terms)
+    vibrating = np.flatnonzero(eigenvalues.imag > LEAST_OSCILLATION * np.abs(eigenvalues))
+    vibrating = vibrating[np.argsort(eigenvalues[vibrating].imag)]
+    own, motion = eigenvalues[vibrating], outputs[vibrating]
+    undamped, locked = system.elastic_frequencies, _locked_frequencies(chain, system)
+    nodes = motion @ system.expand.T
+    largest = nodes[np.arange(own.size), np.argmax(np.abs(nodes), axis=1)]
+    return ComplexModes(
+        eigenvalues=own,
+        numbers=_numbers(np.abs(own) / (2.0 * np.pi), undamped, locked),
+        shapes=(nodes / largest[:, np.newaxis]).T,
+        undamped=undamped,
+        locked=locked,
+        sources=_sources(chain, system, own, motion),
+        system=system,
+        terms=terms,
+        places=_places(eigenvalues, vibrating),
+    )
+
+
+def _with_undamped(terms: DampedModes) -> tuple[ComplexArray, ComplexArray, ComplexArray]:
+    """Return eigenvalues, inputs and outputs with those of undamped modes, two each.
+
+    1 / (w_n^2 - w^2) = (1 / (i w - i w_n) - 1 / (i w + i w_n)) / (2 i w_n).
+    """
+    inputs = terms.alone_shapes.T / (2j * terms.alone[:, np.newaxis])
+    return (
+        np.concatenate((terms.eigenvalues, 1j * terms.alone, -1j * terms.alone)),
+        np.concatenate((terms.inputs, inputs, -inputs)),
+        np.concatenate((terms.outputs, terms.alone_shapes.T, terms.alone_shapes.T)),
+    )
+
+
+def _places(eigenvalues: ComplexArray, vibrating: NDArray[np.intp]) -> NDArray[np.int64]:
+    """Return the mode of each eigenvalue: its own, or that of which it is the mirror image."""
+    places = np.full(eigenvalues.size, -1, dtype=np.int64)
+    mirrored = np.flatnonzero(eigenvalues.imag < 0.0)
+    apart = np.abs(eigenvalues[vibrating, np.newaxis].imag + eigenvalues[mirrored].imag)
+    rows, columns = linear_sum_assignment(apart)
+    places[mirrored[columns]] = rows
+    places[vibrating] = np.arange(vibrating.size)
+    return places
+
+
+def _locked_frequencies(chain: Chain | None, system: LinearSystem) -> FloatArray | None:
+    """Return the natural frequencies with rigid dashpots [Hz]; None without them."""
+    if chain is None or not chain.dashpots:
+        return None
+    free = null_space(chain.dashpot_elongations() @ system.expand)
+    rows = chain.spring_rows() @ system.expand @ free
+    mass = free.T @ system.mass @ free
+    frequencies, _ = elastic_modes(rows, mass, int(np.linalg.matrix_rank(rows)))
+    same = frequencies.size == system.elastic_frequencies.size
+    return frequencies / (2.0 * np.pi) if same else None
+
+
+def _numbers(
+    found: FloatArray, undamped: FloatArray, locked: FloatArray | None
+) -> NDArray[np.int64]:
+    """Number modes by the undamped ones that they come from."""
+    middle = undamped if locked is None else np.sqrt(undamped * locked)
+    apart = np.abs(np.log(found[:, np.newaxis] / middle))
+    rows, columns = linear_sum_assignment(apart)
+    numbers = np.zeros(found.size, dtype=np.int64)
+    numbers[rows] = columns + 1
+    return numbers
+
+
+def _sources(
+    chain: Chain | None, system: LinearSystem, eigenvalues: ComplexArray, motion: ComplexArray
+) -> tuple[dict[str, float], ...]:
+    """Return the shares of damping of each mode (m, q) by what damps it."""
+    w = eigenvalues.imag[:, np.newaxis]
+    damping, loss = system.damping, system.loss
+    names: tuple[str, ...] = ()
+    parts = [np.empty((len(motion), 0))]
+    if chain is not None:
+        nodes, expand = motion @ system.expand.T, system.expand
+        damping = damping - expand.T @ chain.damping_matrix() @ expand
+        loss = loss - expand.T @ chain.loss_matrix() @ expand
+        sizes = np.array([dashpot.damping for dashpot in chain.dashpots])
+        elements = chain.damping + chain.stiffness * chain.loss_factor / w
+        parts += [
+            elements * np.abs(nodes @ chain.elongations().T) ** 2,
+            sizes * np.abs(nodes @ chain.dashpot_elongations().T) ** 2,
+            chain.ground_damping * np.abs(nodes) ** 2,
+        ]
+        names = (
+            *chain.elements,
+            *dashpot_names(chain),
+            *(f"{own} to ground" for own in chain.names),
+        )
+    rest = np.sum((np.conj(motion) * (motion @ damping + motion @ loss / w)).real, axis=1)
+    shares = np.column_stack((*parts, rest))
+    # What nothing damps has no shares; added damping is a difference, of which round-off goes.
+    whole = np.sum(np.abs(shares), axis=1, keepdims=True)
+    shares = np.where(shares > 1e-12 * whole, shares, 0.0)
+    names = (*names, SYSTEM_DAMPING if chain is None else MODAL_DAMPING)
+    return tuple(
+        {names[place]: float(own[place] / np.sum(own)) for place in np.argsort(-own) if own[place]}
+        for own in shares
+    )

@@ -1,0 +1,379 @@
+"""What makes a peak: the part of each order in it, and whether a resonance makes that order large."""
+
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Literal
+
+import numpy as np
+
+from crankbase.summaries import summarized
+from crankbase.tables.frames import Row, table_of
+from crankbase.units.quantity import format_quantity
+from dynamics.indices import index_of_name
+from dynamics.response.complex_modes import ComplexModes, complex_modes
+from dynamics.response.damped_criticals import BAND
+from dynamics.response.forced import ForcedResponse
+from dynamics.response.order_excitation import OrderExcitation, checked_speed_index
+from dynamics.response.place_rows import named_row
+from dynamics.response.series import OrderSeries
+from dynamics.response.synthesis import extreme_angles
+
+if TYPE_CHECKING:
+    from pandas import DataFrame
+
+# A mode makes an order's amplitude if it gives more than half of it.
+DOMINATES = 0.5
+# Of an amplitude D times the static one, (D - 1) / D comes from resonance: half and more from D = 2 on.
+AMPLIFIED = 2.0
+# Beyond the mode's band, near it: within the usual margin of critical speeds from running speeds, 10 %.
+NEAR_RESONANCE = 0.1
+# Orders with a part below this share of the peak are told together.
+LEAST_PART = 0.02
+# So many orders and more are told as "0.5 to 5", and up to so many small ones between them with them.
+RUN, BRIDGED = 3, 2
+
+State = Literal["at resonance", "near resonance", "forced"]
+
+
+@summarized("order", "contribution", "amplitude", "state", "mode")
+@dataclass(frozen=True)
+class OrderPart:
+    """The part of one order in a peak of all orders together.
+
+    Parameters
+    ----------
+    order : float
+        In cycles per crankshaft revolution.
+    contribution : float
+        Half the difference of the order's values at the two angles at which the sum of all orders is
+        highest and lowest: these add up to the peak. Negative where it makes the peak smaller.
+    amplitude : float
+        Of the order by itself; the contribution is no larger.
+    state : {"at resonance", "near resonance", "forced"}
+        Whether a resonance makes the order's amplitude what it is; see `peak_cause`.
+    mode : int
+        Number of the elastic mode that gives most of the order's amplitude, 0 where none does.
+    mode_share : float
+        Part of the order's amplitude that this mode gives.
+    magnifier : float
+        Dynamic magnifier of this mode at the order's frequency.
+    detuning : float
+        Frequency of the order over that of the mode, less 1.
+    kind : str
+        Of the vibration that the mode belongs to, "torsional" or "axial"; may be empty.
+    """
+
+    order: float
+    contribution: float
+    amplitude: float
+    state: State
+    mode: int
+    mode_share: float
+    magnifier: float
+    detuning: float
+    kind: str = ""
+
+    def row(self) -> Row:
+        """Return what a table of orders shows, each value with its unit; see `table_of`."""
+        return {
+            "order": (self.order, "1"),
+            "contribution": (self.contribution, "SI"),
+            "amplitude": (self.amplitude, "SI"),
+            "state": (self.state, ""),
+            "kind": (self.kind, ""),
+            "mode": (self.mode, "1"),
+            "mode_share": (self.mode_share, "1"),
+            "magnifier": (self.magnifier, "1"),
+            "detuning": (self.detuning, "1"),
+        }
+
+
+Orders = tuple[OrderPart, ...]
+
+
+@summarized("place", "speed [rad/s]", "amplitude", "parts")
+@dataclass(frozen=True)
+class PeakCause:
+    """What makes a vibration as large as it is at one speed.
+
+    Parameters
+    ----------
+    place : str
+        Element or node that vibrates.
+    kind : str
+        Of the vibration, "torsional" or "axial", for the names of modes; may be empty.
+    unit : str
+        Of the amplitudes, in SI.
+    speed : float
+        [rad/s].
+    amplitude : float
+        Half of the range over the cycle, all orders together; inf where unbounded.
+    parts : tuple of OrderPart
+        Of all orders, ascending; their contributions add up to the amplitude.
+    """
+
+    place: str
+    kind: str
+    unit: str
+    speed: float
+    amplitude: float
+    parts: tuple[OrderPart, ...]
+
+    @property
+    def resonant(self) -> tuple[OrderPart, ...]:
+        """Parts of orders at a resonance, the largest contribution first."""
+        found = [one for one in self.parts if one.state == "at resonance"]
+        return tuple(sorted(found, key=lambda one: -one.contribution))
+
+    def share(self, state: State, mode: int | None = None) -> float:
+        """Return which share of the peak orders of a state make, of one mode or of all."""
+        chosen = [
+            one.contribution
+            for one in self.parts
+            if one.state == state and mode in (None, one.mode)
+        ]
+        return sum(chosen) / self.amplitude if self.amplitude else 0.0
+
+    @property
+    def sentence(self) -> str:
+        """The amplitude, its speed, and the orders that make it with their shares."""
+        return f"{self._quantity(self.amplitude)} at {self._speed}: {self.reasons}."
+
+    @property
+    def reasons(self) -> str:
+        """The orders that make the amplitude, with their shares, the largest first."""
+        if np.isinf(self.amplitude):
+            return "; ".join(
+                f"order {one.order:g} excites {_mode(one)}, which nothing damps"
+                for one in self.parts
+                if np.isinf(one.amplitude)
+            )
+        least = LEAST_PART * self.amplitude
+        groups = [self._runs(own, least) for own in self._together()]
+        named = [one for runs in groups for run in runs for one in run]
+        if not named:
+            return "no order makes a part of it worth naming"
+        groups = sorted((runs for runs in groups if runs), key=lambda runs: -abs(_total(runs)))
+        texts = [self._group(runs) for runs in groups]
+        rest = self.amplitude - sum(one.contribution for one in named)
+        if abs(rest) >= least:
+            texts.append(f"all others {_verb(rest, many=True)} {self._quantity(abs(rest))}")
+        return "; ".join(texts)
+
+    def to_pandas(self) -> "DataFrame":
+        """Return a table with a row for each order.
+
+        Returns
+        -------
+        pandas.DataFrame
+            Units are in ``frame.attrs["units"]``.
+
+        Raises
+        ------
+        MissingLibraryError
+            If pandas is not installed.
+        """
+        return table_of(self.parts)
+
+    def _together(self) -> list[Orders]:
+        """Return the orders that are told together: those of one resonance, and all that are forced."""
+        found: dict[tuple[str, str], list[OrderPart]] = {}
+        for one in self.parts:
+            key = (one.state, "" if one.state == "forced" else _mode(one))
+            found.setdefault(key, []).append(one)
+        return [tuple(own) for own in found.values()]
+
+    def _runs(self, parts: Orders, least: float) -> tuple[Orders, ...]:
+        """Return the main orders of those told together: runs of them, with the small ones between.
+
+        Runs of fewer than three main orders are single ones.
+        """
+        main = [place for place, one in enumerate(parts) if abs(one.contribution) >= least]
+        if not main:
+            return ()
+        # Orders that are told elsewhere end a run too.
+        along = [self.parts.index(parts[place]) for place in main]
+        apart = np.diff(along)
+        gaps = 1 + np.flatnonzero((apart > 1 + BRIDGED) | (apart > np.diff(main)))
+        runs: list[Orders] = []
+        for run in np.split(np.array(main), gaps):
+            if len(run) >= RUN:
+                runs.append(parts[run[0] : run[-1] + 1])
+            else:
+                runs += [(parts[place],) for place in run]
+        return tuple(runs)
+
+    def _group(self, runs: tuple[Orders, ...]) -> str:
+        total, first = _total(runs), runs[0][0]
+        where = {
+            "at resonance": f"at the resonance of {_mode(first)}",
+            "near resonance": f"near the resonance of {_mode(first)}",
+            "forced": "forced without resonance",
+        }[first.state]
+        parts = [one for run in runs for one in run]
+        many = len(parts) > 1
+        texts = [
+            f"{run[0].order:g} to {run[-1].order:g}" if len(run) > 1 else f"{run[0].order:g}"
+            for run in runs
+        ]
+        listed = " and ".join([", ".join(texts[:-1]), texts[-1]] if len(texts) > 1 else texts)
+        text = (
+            f"order{'s' if many else ''} {listed}, {where}, {_verb(total, many)} "
+            f"{self._quantity(abs(total))} ({100.0 * abs(total) / self.amplitude:.0f} %)"
+        )
+        most = max(parts, key=lambda one: one.contribution)
+        if many and 0.5 * total <= most.contribution <= total:
+            text += f", {self._quantity(most.contribution)} of it by order {most.order:g}"
+        return text
+
+    def _quantity(self, value: float) -> str:
+        if np.isinf(value):
+            return "unbounded"
+        text = format_quantity(value, self.unit, 3)
+        return format_quantity(value, self.unit, 4) if "e+" in text else text
+
+    @property
+    def _speed(self) -> str:
+        return format_quantity(self.speed, "rad/s", 4)
+
+
+def peak_cause(
+    response: ForcedResponse,
+    series: OrderSeries,
+    place: int | str,
+    speed_index: int,
+    *,
+    unit: str = "rad or m",
+    kind: str = "",
+    modes: ComplexModes | None = None,
+    driven: tuple[OrderExcitation, PeakCause] | None = None,
+) -> PeakCause:
+    """Find what makes a vibration as large as it is at one speed.
+
+    Parameters
+    ----------
+    response : ForcedResponse
+    series : OrderSeries
+        What is looked at: motions, loads or stresses of the response, at its orders and speeds.
+    place : int or str
+        Element or node of the series, by number from 0 or name; one of the response by its name.
+    speed_index : int
+        Which of the speeds, from 0.
+    unit : str, optional
+        Of the series, in SI, for the text.
+    kind : str, optional
+        "torsional" or "axial", for the names of modes in the text.
+    modes : ComplexModes, optional
+        Of the response's system, where they are known.
+    driven : tuple of OrderExcitation and PeakCause, optional
+        The part of the excitation that another vibration brings, as torques do in a shaft that
+        lengthens when it is twisted, at the same speeds and at some of the orders, and the cause of
+        that vibration at the same speed.
+
+    Returns
+    -------
+    PeakCause
+
+    Raises
+    ------
+    InputError
+        If there is no such place or speed, or the place is none of the response.
+
+    Notes
+    -----
+    y(phi) = Re sum_k Y_k exp(i k phi) is highest at one angle and lowest at another. Half of the
+    difference of order k's values there is its contribution; all together are the amplitude exactly,
+    whatever the phases.
+
+    Each order's Y_k is a sum over the damped modes. The order is at a resonance of a mode if
+
+    - the mode gives more than half of Y_k, counted in phase with it;
+    - its dynamic magnifier D at the order's frequency is 2 or more. Of an amplitude D times the
+      static one, the share (D - 1) / D comes from resonance: half of it and more;
+    - D is at least half of the largest that the mode's damping allows, 1 / (2 d sqrt(1 - d^2)):
+      near a lightly damped resonance, within 1.7 half bandwidths of it.
+
+    It is near the resonance if in place of the last the frequencies are within 10 %, the usual margin
+    of critical speeds. Otherwise it is forced: its size is that of its forces. Where more than half of
+    these, by what they bring about, come from another vibration whose order is at a resonance or near
+    one, that resonance is named.
+    """
+    number = index_of_name("place", place, series.names, "the series", "a peak is that of a place")
+    index = checked_speed_index(speed_index, series.speeds)
+    row = named_row(response, series.names[number])
+    modes = complex_modes(response) if modes is None else modes
+    speed = float(series.speeds[index])
+    phasors = series.values[:, index, number]
+    endless = series.unbounded[:, index]
+    highest, lowest = extreme_angles(series.orders, phasors)
+    turned = np.exp(1j * highest * series.orders) - np.exp(1j * lowest * series.orders)
+    contributions = 0.5 * (phasors * turned).real
+    w = series.orders * speed
+    forces = response.excitation.forces[:, index] @ response.system.expand
+    rows = np.broadcast_to(row, forces.shape)
+    given = modes.contributions(w, forces, rows)
+    whole = np.sum(given, axis=1, keepdims=True)
+    size = np.where(whole == 0.0, 1.0, np.abs(whole))
+    shares = (given / size * np.conj(whole / size)).real[:, :-1]
+    magnifiers, largest = modes.magnifiers(w), modes.largest_magnifiers
+    brought = np.zeros(w.size)
+    if driven is not None:
+        own = np.isin(series.orders, driven[0].orders)
+        other = np.zeros(forces.shape, dtype=np.complex128)
+        other[own] = driven[0].forces[:, index] @ response.system.expand
+        through = np.sum(modes.contributions(w, other, rows), axis=1, keepdims=True)
+        brought = (through / size * np.conj(whole / size)).real[:, 0]
+    parts = []
+    for at, order in enumerate(series.orders.tolist()):
+        own = np.abs(modes.eigenvalues.imag - w[at]) if endless[at] else -shares[at]
+        most = int(np.argmin(own)) if own.size else -1
+        part = OrderPart(
+            order, float(contributions[at]), float(np.abs(phasors[at])), "forced", 0, 0.0, 1.0, 0.0
+        )
+        if most >= 0 and (endless[at] or shares[at, most] > DOMINATES):
+            magnifier = float(magnifiers[at, most])
+            detuning = float(w[at] / np.abs(modes.eigenvalues[most])) - 1.0
+            part = replace(
+                part,
+                amplitude=float("inf") if endless[at] else part.amplitude,
+                state=_state(magnifier, float(largest[most]), detuning),
+                mode=int(modes.numbers[most]),
+                mode_share=1.0 if endless[at] else float(shares[at, most]),
+                magnifier=magnifier,
+                detuning=detuning,
+                kind=kind,
+            )
+        if driven is not None and part.state == "forced" and brought[at] > DOMINATES:
+            part = _resonance_of(part, driven[1])
+        parts.append(part)
+    total = float("inf") if np.any(endless) else float(np.sum(contributions))
+    return PeakCause(series.names[number], kind, unit, speed, total, tuple(parts))
+
+
+def _resonance_of(part: OrderPart, other: PeakCause) -> OrderPart:
+    """Return a part with the resonance of the same order of another vibration, if it has one."""
+    for one in other.parts:
+        if one.order == part.order and one.state != "forced":
+            own = {name: getattr(part, name) for name in ("contribution", "amplitude")}
+            return replace(one, **own)
+    return part
+
+
+def _state(magnifier: float, largest: float, detuning: float) -> State:
+    if magnifier < AMPLIFIED:
+        return "forced"
+    if magnifier >= BAND * largest:
+        return "at resonance"
+    return "near resonance" if abs(detuning) <= NEAR_RESONANCE else "forced"
+
+
+def _mode(part: OrderPart) -> str:
+    return f"{part.kind} mode {part.mode}".strip()
+
+
+def _total(runs: tuple[Orders, ...]) -> float:
+    return sum(one.contribution for run in runs for one in run)
+
+
+def _verb(value: float, many: bool) -> str:
+    verb = "make" if value >= 0.0 else "take away"
+    return verb if many else {"make": "makes", "take away": "takes away"}[verb]

@@ -1,0 +1,68 @@
+"""What loads and motions of places are per motion of a system's unknowns."""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from crankbase.checks.arrays import FloatArray
+from crankbase.errors import InputError
+from dynamics.indices import index_of_name
+from dynamics.response.forced import ForcedResponse
+from dynamics.response.linear_system import LinearSystem
+from dynamics.response.loads import chain_of
+
+Rows = tuple[FloatArray, tuple[str, ...]]
+
+
+def load_rows(response: ForcedResponse, elements: Sequence[int | str] | None = None) -> Rows:
+    """Return the loads k d of elements, (p, q), and their names; of all elements by default.
+
+    Raises
+    ------
+    InputError
+        If there is no such element, or the response is not that of a chain.
+    """
+    chain = chain_of(response)
+    why = "a load is that of an element"
+    chosen = range(len(chain.elements)) if elements is None else elements
+    places = [index_of_name("elements", one, chain.elements, "elements", why) for one in chosen]
+    rows = chain.stiffness[:, np.newaxis] * chain.elongations() @ response.system.expand
+    return rows[places], tuple(chain.elements[place] for place in places)
+
+
+def motion_row(response: ForcedResponse, node: int | str) -> Rows:
+    """Return the motion of a node less that of the rigid body, (1, q), and its name.
+
+    Raises
+    ------
+    InputError
+        If there is no such node.
+    """
+    why = "an amplitude is that of a node"
+    place = index_of_name("node", node, response.names, "nodes", why)
+    row = _elastic(response.system, response.system.expand[place])
+    return row[np.newaxis], (response.names[place],)
+
+
+def named_row(response: ForcedResponse, name: str) -> FloatArray:
+    """Return what the element or node of a name does, (q,): its load or its motion.
+
+    Raises
+    ------
+    InputError
+        If the response has no such element or node.
+    """
+    if response.chain is not None and name in response.chain.elements:
+        return np.asarray(load_rows(response, [name])[0][0])
+    if name in response.names:
+        return np.asarray(motion_row(response, name)[0][0])
+    raise InputError(
+        f"place: given {name!r}; allowed are elements and nodes of the response, because modes tell how "
+        "these move."
+    )
+
+
+def _elastic(system: LinearSystem, row: FloatArray) -> FloatArray:
+    """Return a combination of unknowns (q,) without what the motion of the rigid body gives to it."""
+    rigid = system.shapes[:, : system.rigid.shape[1]]
+    return np.asarray(row - system.mass @ rigid @ (rigid.T @ row))
