@@ -24,6 +24,7 @@ from crankfem.analyses.shaft.whole_shaft import (
 )
 from crankfem.analyses.vibration.assessment import Assessment, assess
 from crankfem.analyses.vibration.engine_excitation import engine_harmonics
+from crankfem.analyses.vibration.engine_load import EngineLoad, engine_load
 from crankfem.analyses.vibration.forced import ForcedVibration, forced_vibrations
 from crankfem.analyses.vibration.modes import Vibration, axial_vibration, torsional_vibration
 from crankfem.files.engine.engine_file import EngineFile, load_engine
@@ -74,6 +75,8 @@ class EngineVibration:
     comparison : ShaftComparison or None
         Coupled response of the whole crankshaft, and how far the chains agree with it; without the latter
         where the chains have a shaft line or a propeller, which the whole crankshaft has not.
+    load : EngineLoad or None
+        At which load each speed was taken; None where nothing is forced.
     """
 
     engine_file: EngineFile
@@ -86,6 +89,7 @@ class EngineVibration:
     assessment: Assessment | None
     whole: WholeShaft | None
     comparison: ShaftComparison | None
+    load: EngineLoad | None = None
 
     @property
     def analysis(self) -> ThrowAnalysis:
@@ -258,6 +262,7 @@ def engine_vibration(
     _check_same_engine(read, analyses, mechanism)
     forcing = read.gas is not None or read.gas_map is not None
     harmonics = engine_harmonics(read, mechanism) if forcing else None
+    load = engine_load(read, mechanism) if forcing else None
     if not forcing and read.limits is not None:
         raise InputError(
             "limits: given without gas pressure; allowed are both, because amplitudes need what excites "
@@ -315,6 +320,7 @@ def engine_vibration(
         assessment=assessment,
         whole=whole,
         comparison=comparison,
+        load=load,
     )
 
 
@@ -334,7 +340,8 @@ def _check_same_engine(
                 "analysis: given that of another throw or material; allowed is that of the engine's own, by "
                 f"analyze_throw(engine.{throw}, engine.material), because its compliances are used."
             )
-    if (mechanism.gas, mechanism.layout) != (engine.gas, layout_of(engine)):
+    described = (engine.gas, engine.load, layout_of(engine))
+    if (mechanism.gas, mechanism.load, mechanism.layout) != described:
         raise InputError(
             "mechanism: given one with other cylinders, rods or pressure than the engine's; allowed is its "
             "own, by mechanism_of(engine), because its forces are used."
