@@ -7,8 +7,8 @@ from numpy.typing import NDArray
 
 from crankbase.errors import InputError
 from crankfem.analyses.shaft.throw_analyses import Analyses, crank_analyses
-from crankfem.analyses.vibration.engine_load import pressure_over_speeds
 from crankfem.analyses.vibration.engine_limits import assessment_end_speeds
+from crankfem.analyses.vibration.engine_load import pressure_over_speeds
 from crankfem.analyses.vibration.modes import SourceResult
 from crankfem.files.engine.engine_file import EngineFile
 from crankfem.files.engine.mechanism_file import MechanismFile
