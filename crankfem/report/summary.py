@@ -82,7 +82,7 @@ def power_and_load(vibration: Mapping[str, Any]) -> list[str]:
     if load is None:
         return []
     rated = load["rated"]
-    found = [] if rated is None or rated["consistent"] else [rated["sentence"]]
+    found = [] if rated["consistent"] else [rated["sentence"]]
     return [f"{text[0].upper()}{text[1:]}." for text in (*found, load["sentence"])]
 
 

@@ -1,5 +1,7 @@
 """Rated power and load of engine files: what is refused, what is told, and what pressure follows."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -9,8 +11,11 @@ from crankbase.errors import InputError
 from crankfem.analyses.vibration.engine_excitation import calculated_speeds, engine_harmonics
 from crankfem.analyses.vibration.engine_load import engine_load
 from crankfem.analyses.vibration.records import load_record
+from crankfem.cli.tables.vibration_tables import print_load
 from crankfem.files.engine.mechanism_load import pressures_at
+from crankfem.files.sections.excitation_sections import GasMap
 from crankfem.files.sections.load_section import LoadSection
+from crankfem.report.summary import power_and_load
 
 RPM = np.pi / 30.0
 POINTS = [
@@ -76,9 +81,7 @@ def test_sections_that_do_not_fit_each_other(engine):
 
 def test_a_load_that_the_cycle_cannot_reach(engine):
     changed = engine.changed(load=pointed(peak_pressure="2 bar"))
-    with pytest.raises(
-        InputError, match=r"^load: at 200 1/min and load 1: peak_pressure"
-    ):
+    with pytest.raises(InputError, match=r"^load: at 200 1/min and load 1: peak_pressure"):
         engine_load(changed, cf.engines.mechanism_of(changed))
 
 
@@ -159,6 +162,29 @@ def test_a_constant_load_is_what_no_section_says(engine):
     assert "intake_pressure" not in load_record(found[0])["speeds"][0]
 
 
+def test_a_pressure_map_is_checked_in_place_of_the_gas(engine, tmp_path):
+    pressure = cf.engines.mechanism_of(engine).pressure[0]
+    rows = zip(np.degrees(pressure.angles), pressure.pressure / 1e5, strict=True)
+    for name, share in (("low", 0.5), ("full", 1.0)):
+        lines = [f"{angle:.9g},{share * bar:.9g}" for angle, bar in rows]
+        text = "\n".join(["crank_angle_deg,absolute_pressure_bar", *lines])
+        (tmp_path / f"{name}.csv").write_text(f"{text}\n", encoding="utf-8")
+        rows = zip(np.degrees(pressure.angles), pressure.pressure / 1e5, strict=True)
+    points = [
+        {"speed": "200 1/min", "load": 0.5, "pressure_table": "low.csv"},
+        {"speed": "515 1/min", "load": 1.0, "pressure_table": "full.csv"},
+    ]
+    section = GasMap.from_text({"points": points, "method": "linear"})
+    changed = engine.changed(engine={"rated_power": 330e3}, gas=None, gas_map=section)
+    changed = replace(changed, path=tmp_path / "engine.toml")
+    told = engine_load(changed, cf.engines.mechanism_of(changed))
+    mean = 1.366668e6 * np.interp(told.speeds / RPM, [200.0, 515.0], [0.5, 1.0])
+    assert told.law == "map"
+    assert told.mean_pressure == close(mean, 1e-4)
+    assert told.rated.indicated == close(570.2277e3 * mean[3] / 1.366668e6, 1e-4)
+    assert "load of the section [gas_map]" in told.sentence
+
+
 def test_console_tells_power_and_load(call, tmp_path):
     text = cf.engines.mechanism_of(cf.load_engine("6s50mc-c")).path.read_text(encoding="utf-8")
     file = tmp_path / "engine.toml"
@@ -172,3 +198,31 @@ def test_console_tells_power_and_load(call, tmp_path):
     assert fine["rated"]["mechanical_efficiency"] == close(0.9504, 1e-3)
     # Friction of 1 bar beside a quarter of 19 bar.
     assert fine["mean_indicated_pressure"] == close(1.9e6 / 4.0 + 0.1e6, 1e-2)
+
+
+def test_the_first_screen_of_a_report_tells_both(engine):
+    changed = engine.changed(engine={"rated_power": 330e3}, load={"law": "propeller"})
+    told = load_record(engine_load(changed, cf.engines.mechanism_of(changed)))
+    first, second = power_and_load({"load": told})
+    assert first == (
+        "The file is inconsistent: rated power 330 kW (mean effective pressure 0.7909 MPa) is 0.579 of the "
+        "indicated power 570.2 kW at 500 1/min, mean indicated pressure 1.367 MPa; usual mechanical "
+        "efficiencies are 0.75 to 0.97, so correct engine.rated_power or the section [gas]."
+    )
+    assert second.startswith(
+        "Each speed is taken at the load of a propeller: mean indicated pressure"
+    )
+    # Rated and indicated power that do not fit tell nothing of friction.
+    assert "friction" not in second
+    assert power_and_load({}) == power_and_load({"load": None}) == []
+
+
+def test_the_console_tells_the_load_of_each_speed(engine, capsys):
+    changed = engine.changed(engine={"rated_power": 480e3}, load={"law": "propeller"})
+    told = load_record(engine_load(changed, cf.engines.mechanism_of(changed)))
+    print_load(told)
+    out = " ".join(capsys.readouterr().out.split())
+    assert "rated power 480 kW (mean effective pressure 1.15 MPa) is 0.842 of it" in out
+    assert "power at the flywheel with its cube, friction takes 2.16 bar at every speed" in out
+    assert "Load of the engine" in out
+    assert out.count("570.2") == 2

@@ -56,8 +56,8 @@ class EngineLoad:
         Absolute, where the cycle is calculated along a load [Pa].
     friction_pressure : float
         What a propeller's law leaves to friction at every speed [Pa].
-    rated : EnginePower or None
-        Power at rated speed and full load beside the rated power; None without a section [gas].
+    rated : EnginePower
+        Power of [gas], or of the pressure map in its place, at rated speed beside the rated power.
     """
 
     law: str
@@ -68,7 +68,7 @@ class EngineLoad:
     peak_pressure: FloatArray
     intake_pressure: FloatArray | None
     friction_pressure: float
-    rated: EnginePower | None
+    rated: EnginePower
 
     @property
     def sentence(self) -> str:
@@ -76,8 +76,8 @@ class EngineLoad:
         if self.law == "constant":
             source = "as [load] says" if self.given else "for the file gives no section [load]"
             return (
-                f"every speed is taken at full load, that of [gas], {source}; an engine with less load at "
-                "lower speeds, as with a propeller, vibrates less there"
+                f"every speed is taken at full load, that of [gas], {source}; where the load falls with the "
+                "speed, as with a propeller, the gas excites less than told here"
             )
         if self.law == "map":
             return "each speed is taken at the load of the section [gas_map] there"
@@ -86,15 +86,17 @@ class EngineLoad:
                 "each speed is taken at the load between the points of the section [load], along straight "
                 "lines"
             )
-        friction = (
-            f" beside {self.friction_pressure / 1e5:.3g} bar of friction"
-            if self.friction_pressure
-            else ""
-        )
+        held = "above rated speed the mean pressure is that of full load"
+        if not self.friction_pressure:
+            return (
+                "each speed is taken at the load of a propeller: mean indicated pressure goes with the "
+                f"square of the speed, power and boost with its cube; {held}"
+            )
         return (
-            "each speed is taken at the load of a propeller: mean pressure goes with the square of the "
-            f"speed{friction}, power and boost with the cube; above rated speed the mean pressure is that "
-            "of full load"
+            "each speed is taken at the load of a propeller: mean effective pressure goes with the square of "
+            f"the speed, power at the flywheel with its cube, friction takes "
+            f"{self.friction_pressure / 1e5:.3g} bar at every speed, and boost goes with the indicated "
+            f"power; {held}"
         )
 
 
@@ -148,14 +150,15 @@ def engine_load(engine_file: EngineFile, mechanism: MechanismFile) -> EngineLoad
         indicated_power(mechanism.layout, pressures, speed)
         for pressures, speed in zip(found, speeds.tolist(), strict=True)
     ]
-    law, section = "constant", engine_file.load
+    law, section, rated = "constant", engine_file.load, mechanism.power
     if engine_file.gas_map is not None:
         law = "map"
+        at_rated = indicated[int(np.flatnonzero(speeds == engine.rated_speed)[0])]
+        rated = EnginePower(engine.rated_speed, *at_rated, engine.rated_power)
     elif section is not None:
         law = section.law or "points"
-    friction = (
-        0.0 if law != "propeller" or mechanism.power is None else mechanism.power.friction_pressure
-    )
+    assert rated is not None  # of [gas], where there is no map
+    friction = rated.friction_pressure if law == "propeller" else 0.0
     return EngineLoad(
         law=law,
         given=section is not None,
@@ -167,7 +170,7 @@ def engine_load(engine_file: EngineFile, mechanism: MechanismFile) -> EngineLoad
             None if law in ("constant", "map") else curve_at(mechanism, speeds).intake_pressure
         ),
         friction_pressure=friction,
-        rated=mechanism.power,
+        rated=rated,
     )
 
 

@@ -56,7 +56,7 @@ def load_record(load: EngineLoad) -> Record:
     known = {name: values.tolist() for name, values in columns.items() if values is not None}
     return {
         **attributes(load, "law", "given", "sentence"),
-        "rated": None if load.rated is None else power_record(load.rated),
+        "rated": power_record(load.rated),
         "speeds": [
             dict(zip(known, values, strict=True)) for values in zip(*known.values(), strict=True)
         ],

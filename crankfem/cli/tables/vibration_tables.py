@@ -26,7 +26,7 @@ def print_run(record: Record, units: OutputUnits = SI) -> None:
     """Print all of an engine's vibration, the verdict last; critical speeds only where nothing is forced."""
     forced = record["forced"]
     if record["load"] is not None:
-        _print_load(record["load"], units)
+        print_load(record["load"], units)
     for kind in ("axial", "torsional"):
         own = record[kind]
         print_table(mode_table(own), units)
@@ -50,12 +50,12 @@ def print_run_up(record: Record, units: OutputUnits = SI) -> None:
     print_notes(record["notes"], units)
 
 
-def _print_load(record: Record, units: OutputUnits) -> None:
-    """Print power, how the load goes with the speed, and the load of some speeds."""
-    sentences = [] if record["rated"] is None else [record["rated"]["sentence"]]
-    for text in (*sentences, record["sentence"]):
+def print_load(record: Record, units: OutputUnits = SI) -> None:
+    """Print power, how the load goes with the speed, and the load of some speeds if it does."""
+    for text in (record["rated"]["sentence"], record["sentence"]):
         print_line(units.text(f"{text[0].upper()}{text[1:]}."))
-    print_table(load_table(record), units)
+    if record["law"] != "constant":
+        print_table(load_table(record), units)
 
 
 def _print_forced(record: Record, units: OutputUnits) -> None:
