@@ -108,7 +108,7 @@ def test_without_rated_power_nothing_checks(engine):
     )
 
 
-def test_points_are_met_and_lie_on_straight_lines_between(engine):
+def test_two_points_are_met_with_a_straight_line_between(engine):
     points = [
         POINTS[0] | {"peak_pressure": "40 bar", "intake_pressure": "1.1 bar"},
         POINTS[1] | {"peak_pressure": "84 bar", "intake_pressure": "2.0 bar"},

@@ -83,20 +83,19 @@ class EngineLoad:
             return "each speed is taken at the load of the section [gas_map] there"
         if self.law == "points":
             return (
-                "each speed is taken at the load between the points of the section [load], along straight "
-                "lines"
+                "each speed is taken at the load of the points of the section [load], along a smooth curve "
+                "between them"
             )
-        held = "above rated speed the mean pressure is that of full load"
         if not self.friction_pressure:
             return (
                 "each speed is taken at the load of a propeller: mean indicated pressure goes with the "
-                f"square of the speed, power and boost with its cube; {held}"
+                "square of the speed, power and boost with its cube, above rated speed too"
             )
         return (
             "each speed is taken at the load of a propeller: mean effective pressure goes with the square of "
             f"the speed, power at the flywheel with its cube, friction takes "
             f"{self.friction_pressure / 1e5:.3g} bar at every speed, and boost goes with the indicated "
-            f"power; {held}"
+            "power, above rated speed too"
         )
 
 

@@ -1,6 +1,7 @@
 """The pressure in each cylinder over the speed, along the load that an engine file gives."""
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -20,9 +21,9 @@ from dynamics.gas.cycle_values import LEAST_EXHAUST
 from dynamics.gas.gas_cycle import GasCycleResult
 from dynamics.gas.pressure import ATMOSPHERE
 
-# Speeds of calculated diagrams lie this share apart at most: straight lines between them miss the square of
-# the speed by less than 0.1 %.
-SPACING = 0.05
+# Speeds of calculated diagrams lie this share apart at most; splines pass between them without a bend, for a
+# bend of the excitation would look like a resonance.
+SPACING = 0.1
 
 
 @dataclass(frozen=True, eq=False)
@@ -78,27 +79,28 @@ def load_curve(
     Notes
     -----
     The mean effective pressure of a propeller goes with the square of the speed, its power with the cube;
-    above rated speed full load is held, as the limit of the fuel holds it. The boost goes with the power,
-    because the exhaust drives the turbocharger. Between points all goes along straight lines.
+    both go on above rated speed, for a propeller that turns faster takes more. The boost goes with the power,
+    because the exhaust drives the turbocharger. Curves between points are smooth and pass no point above or
+    below its neighbors.
     """
     known = np.array([point.speed for point in section.points])
     points = [section.points[place] for place in np.argsort(known)]
     known = np.sort(known)
     if points:
         _check_within(speeds, known)
-        mean = np.interp(speeds, known, [point.mean_effective_pressure for point in points])
-        share = np.asarray(mean / full.mean_effective_pressure)
+        mean = _between(speeds, known, [point.mean_effective_pressure for point in points])
+        share = mean / full.mean_effective_pressure
     else:
         friction = friction_pressure / full.mean_effective_pressure
-        share = friction + (1.0 - friction) * np.minimum(speeds / rated_speed, 1.0) ** 2
-    boost, peak = share * np.minimum(speeds / rated_speed, 1.0), None
+        share = friction + (1.0 - friction) * (speeds / rated_speed) ** 2
+    boost, peak = share * speeds / rated_speed, None
     taken_in = _boosted(full.cycle.intake_pressure, ATMOSPHERE, boost)
     above = [point.peak_pressure for point in points if point.peak_pressure is not None]
     if above:
-        peak = np.interp(speeds, known, above) + ATMOSPHERE
+        peak = _between(speeds, known, above) + ATMOSPHERE
     intake = [point.intake_pressure for point in points if point.intake_pressure is not None]
     if intake:
-        taken_in = np.interp(speeds, known, intake)
+        taken_in = _between(speeds, known, intake)
         at_full = max(full.cycle.intake_pressure - ATMOSPHERE, 0.0)
         boost = np.maximum(taken_in - ATMOSPHERE, 0.0) / at_full if at_full else boost
     exhaust = _boosted(full.cycle.exhaust_pressure, LEAST_EXHAUST, boost)
@@ -155,7 +157,7 @@ def _map_along(
             ),
             intake_pressure=curve.intake_pressure[column],
             exhaust_pressure=curve.exhaust_pressure[column],
-            method="linear",
+            method="cubic",
         )
     except InputError as error:
         raise InputError(f"load: {error}") from None
@@ -166,6 +168,14 @@ def _boosted(at_full: float, ambient: float, boost: FloatArray) -> FloatArray:
     if at_full <= ambient:
         return np.full(boost.shape, at_full)
     return np.asarray(ambient + (at_full - ambient) * boost)
+
+
+def _between(speeds: FloatArray, known: FloatArray, values: Sequence[float]) -> FloatArray:
+    """Return values between those that are known, without a bend and without passing them."""
+    from scipy.interpolate import PchipInterpolator  # here: loading it takes a quarter second
+
+    within = np.clip(speeds, known[0], known[-1])  # by round-off only
+    return np.asarray(PchipInterpolator(known, values)(within), dtype=np.float64)
 
 
 def _check_within(speeds: FloatArray, known: FloatArray) -> None:
@@ -184,7 +194,7 @@ def _check_within(speeds: FloatArray, known: FloatArray) -> None:
 def load_speeds(
     section: LoadSection, rated_speed: float, speed_range: tuple[float, float]
 ) -> FloatArray:
-    """Return speeds so close that straight lines between their diagrams serve [rad/s].
+    """Return speeds so close that splines between their diagrams serve [rad/s].
 
     Parameters
     ----------
