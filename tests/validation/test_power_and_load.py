@@ -99,7 +99,7 @@ def test_friction_stays_where_the_rated_power_tells_it(figure):
 
 @pytest.mark.slow
 def test_slow_speeds_are_not_taken_at_full_load(figure):
-    """A tenth of the torque excites a tenth of the vibration: the shaft at 59 1/min had 798 MPa."""
+    """At half speed the torque that excites has a quarter of the mean at full load."""
     engine = cf.load_engine(FOLDER / "5-42-176-propeller.toml")
     throw = cf.analyze_throw(engine.throw, engine.material, accuracy=0.1)
     part = cf.engine_vibration(engine, analysis=throw)
