@@ -70,6 +70,12 @@ class SourceResult:
         """Natural frequencies without rigid-body modes [Hz]."""
         return self.modes.elastic_frequencies
 
+    @property
+    def first_frequency(self) -> float | None:
+        """Lowest frequency of the crankshaft itself [Hz]; see `EngineChain.first_mode`."""
+        first = self.chain.first_mode(self.modes)
+        return None if first is None else float(self.modes.frequencies[first])
+
     def plot(self, axes: "Axes | None" = None, count: int = SHAPES_SHOWN) -> "Axes":
         """Draw the first elastic mode shapes of the chain over its nodes.
 
