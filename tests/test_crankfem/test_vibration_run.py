@@ -149,7 +149,8 @@ def test_forced_vibration_of_an_engine(run):
     assert torsional.stress.amplitude == close(elastic / modulus)
     # Far below all resonances the engine's torque twists the chain statically; order 3 leads there.
     assert {one.mode for one in torsional.resonances} == {1}
-    assert max(torsional.resonances, key=lambda one: one.severity).order == 12.0
+    running = [one for one in torsional.resonances if one.in_running_range]
+    assert max(running, key=lambda one: one.severity).order == 12.0
     # In phase on a rigid shaft, which the first mode resembles but is not.
     assert [one.order for one in torsional.resonances if one.kind == "major"] == [12.0]
 
@@ -325,7 +326,11 @@ def test_uncertain_values_widen_the_critical_speeds(coarse, tmp_path):
         assert kind.amplitudes.nominal == close(amplitude[runs].max(), rel=1e-3)
     assert torsional.amplitudes.nominal < 0.9 * amplitude.max()
     # The flywheel's inertia matters little to the first mode: nearly the root of the factor.
-    assert torsional.nominal[0] / torsional.lowest[0] == close(1.1**0.5, rel=0.06)
+    # Softer main bearings than the nominal ones come on top of it.
+    swept = given.bearings.chains["torsional"]
+    softer = swept[3] / swept.min()
+    assert softer > 1.02
+    assert torsional.nominal[0] / torsional.lowest[0] == close(1.1**0.5 * softer, rel=0.06)
     assert torsional.amplitudes.values.shape == (4,)
     assert found.axial.amplitudes is not None
     assert all(own.low <= own.nominal <= own.high for own in torsional.critical)
