@@ -16,7 +16,11 @@ from crankfem.analyses.shaft.sources import compliances_in_shaft
 from crankfem.analyses.shaft.throw_analyses import Analyses
 from crankfem.analyses.shaft.whole_shaft import WholeShaft, unmodeled_sections
 from crankfem.analyses.vibration.engine_excitation import calculated_range
-from crankfem.analyses.vibration.engine_limits import assessment_end_speeds, limit_findings
+from crankfem.analyses.vibration.engine_limits import (
+    assessment_end_speeds,
+    engine_limits,
+    limit_findings,
+)
 from crankfem.analyses.vibration.forced import ForcedVibration, forced_vibrations
 from crankfem.analyses.vibration.modes import Vibration, axial_vibration, torsional_vibration
 from crankfem.files.engine.engine_file import EngineFile
@@ -36,7 +40,7 @@ from regression.models.compliance_model import ComplianceModel
 KINDS = ("axial", "torsional")
 # Speeds of the even grid, and others about each critical speed in half bandwidths: 97 % of a peak is read.
 POINTS = 40
-NEAR = np.array([-1.0, -0.5, 0.0, 0.5, 1.0])
+NEAR = np.array([-0.5, 0.0, 0.5])
 
 
 @dataclass(frozen=True, eq=False)
@@ -49,6 +53,7 @@ class HeldChains:
         Lateral, of each main bearing [N/m].
     shaft : ShaftCompliances
     axial, torsional : Vibration
+        With the chosen compliances alone.
     """
 
     stiffness: float
@@ -170,8 +175,8 @@ def held_chains(
     return HeldChains(
         stiffness,
         shaft,
-        axial_vibration(engine_file, analysis, shaft, model),
-        torsional_vibration(engine_file, analysis, shaft, model),
+        axial_vibration(engine_file, analysis, shaft, model, chosen_alone=True),
+        torsional_vibration(engine_file, analysis, shaft, model, chosen_alone=True),
     )
 
 
@@ -311,7 +316,9 @@ def _verdict(
 def _coarse_speeds(engine_file: EngineFile, orders: FloatArray, held: HeldChains) -> FloatArray:
     low, high = calculated_range(engine_file)
     found = [np.linspace(low, high, POINTS), np.clip(assessment_end_speeds(engine_file), low, high)]
-    for kind in KINDS:
+    limits, _ = engine_limits(engine_file)
+    judged = ("torsional", *(["axial"] if any(name.startswith("axial") for name in limits) else []))
+    for kind in judged:
         system = damped_engine_chain(engine_file, held.chain(kind)).system
         ratios = system.damping_ratios()
         found += [
