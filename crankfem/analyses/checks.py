@@ -304,7 +304,7 @@ def _chain_checks(whole: Mapping[str, Any] | None) -> list[Record]:
                 + (
                     "The chain suffices."
                     if chain["suffices"]
-                    else f"The chain does not suffice: {' '.join(chain['reasons'])}"
+                    else f"Lumped model inadequate: {' '.join(chain['reasons'])}"
                 ),
                 unit="%",
                 # Frequencies, shares of the energy and amplitudes decide together.

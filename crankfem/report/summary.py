@@ -180,15 +180,21 @@ def _compliance(results: Mapping[str, Any]) -> Record:
 
 def _frequency(vibration: Mapping[str, Any], kind: str) -> Record:
     own = vibration[kind]
-    first = next((mode["frequency"] for mode in own["modes"] if not mode["rigid"]), None)
+    elastic = [mode for mode in own["modes"] if not mode["rigid"]]
+    shown = next((mode for mode in elastic if mode.get("of_crankshaft", True)), None)
+    first = None if shown is None else shown["frequency"]
     details = [] if first is None else [f"{first * 60.0:.0f} 1/min, chain of the throws"]
     assessment, whole = vibration["assessment"], vibration["whole"]
-    if assessment is not None and assessment["uncertainty"][kind]["frequencies"]:
-        bounds = assessment["uncertainty"][kind]["frequencies"][0]
+    if assessment is not None and shown is not None:
+        bounds = assessment["uncertainty"][kind]["frequencies"][shown["number"] - 1]
         details[0] = f"{fixed(bounds['low'])} to {fixed(bounds['high'])} Hz with what is uncertain"
     if whole is not None and whole["chains"].get(kind, {}).get("modes"):
         shaft = whole["chains"][kind]["modes"][0]["shaft_frequency"]
         details.append(f"whole crankshaft in its bearings: {fixed(shaft)} Hz")
+    beside = elastic.index(shown) if shown is not None else len(elastic)
+    if beside:
+        lower = ", ".join(fixed(mode["frequency"]) for mode in elastic[:beside])
+        details.append(f"lower ones of coupling, damper or line: {lower} Hz")
     return {
         "label": f"First {kind} frequency",
         "symbol": None,

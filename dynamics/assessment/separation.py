@@ -118,6 +118,7 @@ def critical_ranges(
     *,
     within: float = 2.0 * USUAL_MARGIN,
     damped: Callable[[int, float], float] | None = None,
+    others: Sequence[Chain] = (),
 ) -> tuple[CriticalRange, ...]:
     """Find where critical speeds may lie that come near the speeds at which an engine runs.
 
@@ -135,6 +136,8 @@ def critical_ranges(
     damped : callable, optional
         Mode, 1 the lowest, and order to the critical speed with damping over that without; nan where
         the order has no peak at the mode, which then is left out. Undamped speeds by default.
+    others : sequence of Chain, optional
+        That the chain may be as well; see `frequency_bounds`.
 
     Returns
     -------
@@ -156,7 +159,7 @@ def critical_ranges(
     first, last = checked_running_range(running_range)
     modes = chain.modes()
     nominal = modes.frequencies
-    low, high = frequency_bounds(chain, spreads)
+    low, high = frequency_bounds(chain, spreads, others)
     found = []
     for mode in range(modes.rigid, nominal.size):
         speeds = 2.0 * np.pi * np.array([nominal[mode], low[mode], high[mode]])

@@ -179,8 +179,18 @@ def frequency_samples(
     return Samples(tuple(spreads), factors, both[1:], both[0])
 
 
-def frequency_bounds(chain: Chain, spreads: Sequence[Spread]) -> tuple[FloatArray, FloatArray]:
+def frequency_bounds(
+    chain: Chain, spreads: Sequence[Spread], others: Sequence[Chain] = ()
+) -> tuple[FloatArray, FloatArray]:
     """Find the lowest and highest possible natural frequencies, exactly.
+
+    Parameters
+    ----------
+    chain : Chain
+    spreads : sequence of Spread
+    others : sequence of Chain, optional
+        That the chain may be as well, such as in bearings of other stiffness: of the same nodes, with the
+        same spreads. The bounds hold for all of them.
 
     Returns
     -------
@@ -205,8 +215,9 @@ def frequency_bounds(chain: Chain, spreads: Sequence[Spread]) -> tuple[FloatArra
     softer = np.array([_softens(spread) for spread in spreads], dtype=bool)
     lowest = np.where(softer, ends[:, 1], ends[:, 0])
     highest = np.where(softer, ends[:, 0], ends[:, 1])
-    low, high = _frequencies(chain, spreads, np.vstack((lowest, highest)))
-    return low, high
+    corners = np.vstack((lowest, highest))
+    found = np.array([_frequencies(own, spreads, corners) for own in (chain, *others)])
+    return np.min(found[:, 0], axis=0), np.max(found[:, 1], axis=0)
 
 
 def frequency_sensitivities(chain: Chain, spreads: Sequence[Spread]) -> FloatArray:

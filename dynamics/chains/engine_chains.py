@@ -33,6 +33,9 @@ PASSIVE = "damping takes energy away"
 
 Kind = Literal["axial", "torsional"]
 FREE_END, FLYWHEEL = "free end", "flywheel"
+# From this share of its strain energy in the crankshaft on, a mode is one of the crankshaft itself; with less
+# it is one of the coupling, the damper's ring or the shaft line.
+CRANKSHAFT_MODE = 0.5
 
 
 @summarized("kind", "chain.inertia", "chain.stiffness", "throw_nodes")
@@ -81,6 +84,14 @@ class EngineChain:
         elements = np.arange(len(modes.strain_shares))
         others = (elements >= self.crank_elements) & (elements < len(modes.connections))
         return np.asarray(1.0 - modes.strain_shares[others].sum(axis=0))
+
+    def first_mode(self, modes: Modes) -> int | None:
+        """Return the lowest elastic mode of the crankshaft itself, rigid ones counted.
+
+        Modes of a coupling, a damper's ring or a shaft line are passed over. None if there is no other.
+        """
+        own = np.flatnonzero(self.crankshaft_shares(modes)[modes.rigid :] >= CRANKSHAFT_MODE)
+        return modes.rigid + int(own[0]) if own.size else None
 
     def with_chain(self, chain: Chain) -> "EngineChain":
         """Return the same engine with its chain changed by the functions that edit chains.

@@ -9,12 +9,15 @@ from crankbase.errors import InputError
 from crankbase.summaries import summarized
 from dynamics.chains.engine_chains import EngineChain
 from dynamics.crankshaft.assembly import AssembledShaft
-from dynamics.crankshaft.chain_comparison import match_modes
+from dynamics.crankshaft.mode_matches import match_modes
 from dynamics.crankshaft.shaft_modes import crankshaft_modes
+from dynamics.crankshaft.shaft_throw import RX, RY
 from dynamics.crankshaft.stations import Stations
 
 # Share of the shaft's own mass matrix that stays in every step: without any mass a motion has no frequency.
 RESIDUAL = 1e-6
+# Causes of less are not told [Hz]: they print as nothing.
+SHOWN = 0.05
 CAUSES = ("bearings", "mass distribution", "flywheel tilt", "lateral inertia", "eccentric masses")
 
 
@@ -47,6 +50,26 @@ class FrequencyDifference:
     chain: float
     shaft: float
     causes: dict[str, float]
+
+    @property
+    def sentence(self) -> str:
+        """Such as "torsional mode 1: whole crankshaft 88.5 Hz, chain 85.0 Hz: flywheel tilt +2.8 Hz"."""
+        name = f"{self.kind} mode {self.mode}"
+        text = f"{name}: whole crankshaft {self.shaft:.1f} Hz, chain {self.chain:.1f} Hz"
+        return f"{text}: {self.shown_causes}" if self.shown_causes else text
+
+    @property
+    def shown_causes(self) -> str:
+        """What makes the whole crankshaft differ from the chain in the same bearings, the most first.
+
+        Causes of less than 0.05 Hz are left out.
+        """
+        apart = {name: by for name, by in self.causes.items() if name != CAUSES[0]}
+        shown = sorted(
+            ((name, by) for name, by in apart.items() if abs(by) >= SHOWN),
+            key=lambda one: -abs(one[1]),
+        )
+        return ", ".join(f"{name} {by:+.1f} Hz" for name, by in shown)
 
     @property
     def largest(self) -> str:
@@ -96,6 +119,60 @@ def frequency_difference(
         chain=frequencies[1],
         shaft=frequencies[-1],
         causes=dict(zip(CAUSES, np.diff(frequencies).tolist(), strict=True)),
+    )
+
+
+@summarized("kind", "mode", "without [Hz]", "shaft [Hz]")
+@dataclass(frozen=True)
+class FlywheelTilt:
+    """What the flywheel's inertia about a diameter does to a mode of the whole crankshaft.
+
+    Attributes
+    ----------
+    kind : {"axial", "torsional"}
+    mode : int
+        Elastic mode of the chain, from 1, that the mode is like.
+    without, shaft : float
+        Frequency with no such inertia, and with that of the shaft [Hz].
+    """
+
+    kind: str
+    mode: int
+    without: float
+    shaft: float
+
+    @property
+    def sentence(self) -> str:
+        """Such as "torsional mode 1 from 75.0 Hz without to 84.0 Hz with it"."""
+        name = f"{self.kind} mode {self.mode}"
+        return f"{name} from {self.without:.1f} Hz without to {self.shaft:.1f} Hz with it"
+
+
+def flywheel_tilt(shaft: AssembledShaft, chain: EngineChain, mode: int = 1) -> FlywheelTilt:
+    """Find what the flywheel's inertia about a diameter, often assumed, does to a mode.
+
+    Parameters
+    ----------
+    shaft : AssembledShaft
+        With a flywheel, the last of its stations.
+    chain : EngineChain
+    mode : int
+        Elastic mode of the chain, from 1.
+
+    Returns
+    -------
+    FlywheelTilt
+
+    Raises
+    ------
+    InputError
+        As `frequency_difference`.
+    """
+    stations = shaft.stations
+    tilts = stations.motions[-1, [RX, RY]]
+    light = replace(shaft, mass=shaft.mass - stations.diametral[-1] * tilts.T @ tilts)
+    return FlywheelTilt(
+        chain.kind, mode, _matched(light, chain, mode), _matched(shaft, chain, mode)
     )
 
 

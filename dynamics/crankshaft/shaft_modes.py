@@ -13,6 +13,7 @@ from crankbase.errors import InputError
 from crankbase.library_types import Axes, DataFrame, Dataset
 from crankbase.summaries import summarized
 from crankbase.tables.frames import grid, table
+from dynamics.chains.engine_chains import CRANKSHAFT_MODE
 from dynamics.crankshaft.assembly import AssembledShaft
 from dynamics.crankshaft.stations import CLASSES
 from dynamics.plots.coordinates import name_axis
@@ -21,8 +22,6 @@ from dynamics.response.linear_system import natural_modes
 
 # A mode is called pure above this share of one class.
 PURE = 0.95
-# Of a mode of the crankshaft itself, the least share of its strain energy outside coupling and damper.
-CRANKSHAFT_MODE = 0.5
 
 
 @summarized("frequencies [Hz]", "rigid", "names")

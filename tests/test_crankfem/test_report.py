@@ -568,7 +568,7 @@ AS_STORED = [
     ),
     ("modes", "rigid body 0.00 0 moves as one 1 86.97 5218 6.60 2 249.58 14975 2.33, 6.95"),
     ("modes", "finite elements 0.7503 76.8, 161.9, 334.9 1.000 superelements"),
-    ("whole", "at most 17 % of the lowest natural frequency"),
+    ("whole", "at most 17 % of the frequency of the lowest bending mode"),
     ("whole", "up to its square, 2.9 %, as far as"),
     ("whole", "433 µm by the chain, 411 µm by the whole"),
     ("whole", "6.42 mrad by the chain, 5.80 mrad by the whole"),

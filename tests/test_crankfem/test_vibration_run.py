@@ -152,7 +152,7 @@ def test_forced_vibration_of_an_engine(run):
     # Order 9 is met at 568 1/min, above the running range and below 1.15 of the rated speed.
     assert max(torsional.resonances, key=lambda one: one.severity).order == 9.0
     # In phase on a rigid shaft, which the first mode resembles but is not.
-    assert [one.order for one in torsional.resonances if one.kind == "major"] == [12.0]
+    assert [one.order for one in torsional.resonances if one.kind == "major"] == [12.0, 9.0]
 
 
 @pytest.mark.slow
@@ -326,7 +326,11 @@ def test_uncertain_values_widen_the_critical_speeds(coarse, tmp_path):
         assert kind.amplitudes.nominal == close(amplitude[runs].max(), rel=1e-3)
     assert torsional.amplitudes.nominal < 0.9 * amplitude.max()
     # The flywheel's inertia matters little to the first mode: nearly the root of the factor.
-    assert torsional.nominal[0] / torsional.lowest[0] == close(1.1**0.5, rel=0.06)
+    # Softer main bearings than the nominal ones come on top of it.
+    swept = given.bearings.chains["torsional"]
+    softer = swept[3] / swept.min()
+    assert softer > 1.02
+    assert torsional.nominal[0] / torsional.lowest[0] == close(1.1**0.5 * softer, rel=0.06)
     assert torsional.amplitudes.values.shape == (4,)
     assert found.axial.amplitudes is not None
     assert all(own.low <= own.nominal <= own.high for own in torsional.critical)

@@ -17,18 +17,19 @@ from crankfem.analyses.shaft.chains import (
 )
 from crankfem.analyses.shaft.plots.shaft_mode_plots import plot_shaft_modes
 from crankfem.analyses.shaft.sources import compliances_in_shaft
+from crankfem.analyses.shaft.whole_difference import whole_shaft_remark
 from crankfem.analyses.shaft.whole_records import whole_record
 from crankfem.analyses.shaft.whole_shaft import (
     ShaftComparison,
     highest_exciting_frequency,
     shaft_response,
     whole_shaft,
-    whole_shaft_remark,
 )
 from crankfem.analyses.vibration.run import engine_vibration
 from crankfem.files.engine.mechanism_file import load_mechanism
 from dynamics.chains.chain import Chain
-from dynamics.crankshaft.chain_comparison import ModeMatch, ResponseMatch, chain_verdict
+from dynamics.crankshaft.chain_comparison import ResponseMatch, chain_verdict
+from dynamics.crankshaft.mode_matches import ModeMatch
 from dynamics.crankshaft.shaft_system import crankshaft_system
 from dynamics.crankshaft.surroundings import MainBearings
 from dynamics.excitation.cylinder_harmonics import cylinder_harmonics
@@ -206,8 +207,8 @@ def test_difference_of_the_whole_shaft_is_told_beside_the_verdict():
     )
     bad = ShaftComparison(None, good, verdict("torsional", 13.1e-3, 8.752e-3, (118.5, 126.4)))
     assert whole_shaft_remark(bad) == (
-        "Judged with chains; the whole crankshaft differs: torsional amplitude of the free end 8.75 instead "
-        "of 13.1 mrad.",
+        "Judged with chains; lumped model inadequate, the whole crankshaft differs: torsional amplitude "
+        "of the free end 8.75 instead of 13.1 mrad.",
     )
     other = verdict("axial", 1.266e-3, 1.27e-3, (105.6, 115.0))
     mixed = verdict("torsional", 1e-2, 1e-2, share=0.48)

@@ -18,10 +18,10 @@ from dynamics.crankshaft.chain_comparison import (
     ModeMatch,
     ResponseMatch,
     chain_verdict,
-    matching_modes,
     matching_response,
 )
 from dynamics.crankshaft.coupled_response import coupled_response
+from dynamics.crankshaft.mode_matches import matching_modes
 from dynamics.crankshaft.pin_excitation import pins_of_cylinders, shaft_excitation
 from dynamics.crankshaft.shaft_system import crankshaft_system
 from dynamics.crankshaft.shaft_throw import ShaftThrow

@@ -33,10 +33,40 @@ def whole_record(whole: WholeShaft, comparison: ShaftComparison | None) -> Recor
                 for mode in range(min(modes.rigid + MODES_SHOWN, len(modes.names)))
             ],
             "rotation_ratio": whole.rotation_ratios[0],
+            "bending": _bending(whole),
             "chains": {one.kind: _chain(one) for one in verdicts},
+            "differences": [
+                attributes(
+                    one, "kind", "mode", "rigid_chain", "chain", "shaft", "causes", "sentence"
+                )
+                for one in (() if comparison is None else comparison.differences)
+            ],
+            "flywheel_tilt": None if comparison is None else _tilts(whole, comparison),
             "axial_split": None if coupled is None else _split(coupled),
         }
     )
+
+
+def _bending(whole: WholeShaft) -> Record | None:
+    """Return the lowest bending mode, and the speed of rotation over its frequency."""
+    first = whole.first_bending
+    if first is None:
+        return None
+    return {"frequency": whole.modes.frequencies[first], "rotation_ratio": whole.bending_ratio}
+
+
+def _tilts(whole: WholeShaft, comparison: ShaftComparison) -> Record | None:
+    """Return what the flywheel's inertia about a diameter does to the first modes."""
+    if not comparison.tilts:
+        return None
+    inertia = float(whole.crankshaft.shaft.stations.diametral[-1])
+    moved = ", ".join(one.sentence for one in comparison.tilts)
+    return {
+        "inertia": inertia,
+        "modes": [attributes(one, "kind", "mode", "without", "shaft") for one in comparison.tilts],
+        "sentence": f"The flywheel's inertia about a diameter, assumed as half of that about the shaft, "
+        f"{inertia:.3g} kg m^2, moves {moved}.",
+    }
 
 
 def _chain(verdict: ChainVerdict) -> Record:

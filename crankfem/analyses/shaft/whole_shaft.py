@@ -16,8 +16,6 @@ from crankbase.checks.choices import check_choice, check_not_given
 from crankbase.errors import InputError
 from crankbase.summaries import summarized
 from crankbase.tables.frames import table_of
-from crankbase.units.number_formats import UNBOUNDED
-from crankfem.analyses.shaft.motion import MOTION
 from crankfem.analyses.shaft.shaft_surroundings import shaft_surroundings
 from crankfem.analyses.shaft.throw_analyses import Analyses, crank_analyses
 from crankfem.analyses.shaft.whole_damping import damping_remarks, modal_damping
@@ -25,14 +23,13 @@ from crankfem.files.engine.engine_file import EngineFile
 from dynamics.chains.engine_chains import EngineChain
 from dynamics.crankshaft.assembly import assemble_crankshaft
 from dynamics.crankshaft.chain_comparison import (
-    FREQUENCY_LIMIT,
-    RESPONSE_LIMIT,
     ChainVerdict,
     chain_verdict,
-    matching_modes,
     matching_response,
 )
+from dynamics.crankshaft.chain_difference import FlywheelTilt, FrequencyDifference
 from dynamics.crankshaft.coupled_response import CoupledResponse, coupled_response
+from dynamics.crankshaft.mode_matches import matching_modes
 from dynamics.crankshaft.shaft_modes import ShaftModes, rotation_ratio
 from dynamics.crankshaft.shaft_system import CrankshaftSystem, crankshaft_system
 from dynamics.crankshaft.shaft_throw import ShaftThrow
@@ -81,6 +78,17 @@ class WholeShaft:
         """Natural modes, told apart by their shares."""
         return self.crankshaft.modes
 
+    @property
+    def first_bending(self) -> int | None:
+        """The lowest elastic mode in which bending has the largest share, by its place in the modes."""
+        return self.modes.first("bending")
+
+    @property
+    def bending_ratio(self) -> float | None:
+        """Highest speed of rotation over the frequency of the lowest bending mode; None without one."""
+        first = self.first_bending
+        return None if first is None else float(self.rotation_ratios[first - self.modes.rigid])
+
     def plot(
         self,
         axes: "Axes | None" = None,
@@ -107,11 +115,18 @@ class ShaftComparison:
         None where nothing is forced.
     axial, torsional : ChainVerdict or None
         None where the chains hold what the whole shaft does not; see `unmodeled_sections`.
+    differences : tuple of FrequencyDifference
+        What makes the whole shaft's frequencies others than the chains', of the first mode of the
+        crankshaft itself of each kind, where the whole shaft has one like it.
+    tilts : tuple of FlywheelTilt
+        What the flywheel's inertia about a diameter does to the same modes.
     """
 
     coupled: CoupledResponse | None
     axial: ChainVerdict | None = None
     torsional: ChainVerdict | None = None
+    differences: tuple[FrequencyDifference, ...] = ()
+    tilts: tuple[FlywheelTilt, ...] = ()
 
     @property
     def verdicts(self) -> tuple[ChainVerdict, ...]:
@@ -353,47 +368,4 @@ def compare_with_chains(
         if coupled is not None and answer is not None:
             response = matching_response(coupled, chain, answer)
         verdicts.append(chain_verdict(matches, response))
-    return ShaftComparison(coupled, *verdicts)
-
-
-def whole_shaft_remark(comparison: ShaftComparison) -> tuple[str, ...]:
-    """Remark on a verdict, which judges the chains, how far the whole crankshaft differs from them.
-
-    Returns
-    -------
-    tuple of str
-        A sentence; none where the chains suffice.
-    """
-    differing = [_difference(one) for one in comparison.verdicts[::-1] if not one.suffices]
-    if not differing:
-        return ()
-    return (f"Judged with chains; the whole crankshaft differs: {'; '.join(differing)}.",)
-
-
-def _difference(verdict: ChainVerdict) -> str:
-    """Tell what weighs most: another amplitude, another frequency, else a mode of mixed motion."""
-    motion, found = MOTION[verdict.kind], verdict.response
-    if found is not None and abs(found.difference) > RESPONSE_LIMIT:
-        chain, shaft = (
-            _three_digits(peak / motion.size) if np.isfinite(peak) else UNBOUNDED
-            for peak in (float(np.max(found.chain)), float(np.max(found.shaft)))
-        )
-        return (
-            f"{verdict.kind} amplitude of the free end {shaft} instead of {chain} {motion.printed}"
-        )
-    for match in verdict.modes:
-        number = match.chain_mode - match.chain_rigid + 1
-        if match.shaft_frequency is None:
-            return f"it has no mode like {verdict.kind} mode {number}"
-        if abs(match.difference) > FREQUENCY_LIMIT:
-            return (
-                f"{verdict.kind} mode {number} at {match.shaft_frequency:.1f} instead of "
-                f"{match.chain_frequency:.1f} Hz"
-            )
-    mixed = min(verdict.modes, key=lambda match: match.share)
-    number = mixed.chain_mode - mixed.chain_rigid + 1
-    return f"{verdict.kind} mode {number} is {verdict.kind} by {100.0 * mixed.share:.0f} % only"
-
-
-def _three_digits(value: float) -> str:
-    return f"{value:.0f}" if value >= 1000.0 else f"{value:.3g}"
+    return ShaftComparison(coupled, verdicts[0], verdicts[1])

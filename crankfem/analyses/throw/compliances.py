@@ -50,7 +50,9 @@ def compliance_tables(results: Mapping[str, Any]) -> Record:
                 "name": name,
                 "value": value,
                 "beside": value / fe,
-                "frequency": None if own is None else own["first_frequencies"][0],
+                "frequency": None
+                if own is None
+                else own.get("first_frequency", own["first_frequencies"][0]),
                 "applies": applies,
                 "notes": sorted(note(text) for text in remarks),
             }

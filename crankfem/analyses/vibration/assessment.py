@@ -1,5 +1,6 @@
 """What an engine's forced vibration means: limits, verdict, and how sure it is."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
@@ -11,10 +12,10 @@ from crankbase.tables.frames import table
 from crankfem.analyses.shaft.chains import damped_engine_chain
 from crankfem.analyses.shaft.sources import FE, FE_PINNED
 from crankfem.analyses.shaft.throw_analyses import Analyses, analyses_by_name
+from crankfem.analyses.vibration.bearing_sweep import HeldChains, barred_rule, other_chains
 from crankfem.analyses.vibration.engine_limits import engine_limits, limit_findings, limited_series
 from crankfem.analyses.vibration.forced import ForcedVibration
 from crankfem.files.engine.engine_file import EngineFile
-from dynamics.assessment.barred_ranges import BarredRangeRule
 from dynamics.assessment.limits import VibrationLimit
 from dynamics.assessment.response_curves import with_resonances
 from dynamics.assessment.separation import USUAL_MARGIN, CriticalRange, critical_ranges
@@ -104,8 +105,8 @@ class Assessment:
         What was not judged, or assumed.
     axial, torsional : Uncertainty
     beside : tuple of str
-        How far a calculation of the whole crankshaft differs from the chains that were judged, a sentence
-        each; none where the chains suffice, or it was not made.
+        How far a calculation of the whole crankshaft differs from the chains that were judged, and where
+        the verdict changes within the range of the bearings' stiffness, a sentence each.
     """
 
     verdict: Verdict
@@ -134,6 +135,7 @@ def assess(
     axial: ForcedVibration,
     torsional: ForcedVibration,
     analysis: Analyses,
+    held: Sequence[HeldChains] = (),
 ) -> Assessment:
     """Hold the forced vibration of an engine against limits, and carry what is uncertain through it.
 
@@ -144,6 +146,8 @@ def assess(
     axial, torsional : ForcedVibration
     analysis : ThrowAnalysis or mapping
         Of the throw, or of each throw by its name, for the largest error of their compliances.
+    held : sequence of HeldChains, optional
+        The chains over the range of the bearings' stiffness, all of which frequencies' bounds hold for.
 
     Raises
     ------
@@ -156,13 +160,7 @@ def assess(
     findings = limit_findings(engine_file, axial, torsional)
     analyses = analyses_by_name(engine_file, analysis).values()
     error = max(own.error_estimate for own in analyses)
-    given = engine_file.limits
-    rule = (
-        BarredRangeRule(engine.rated_speed)
-        if given is None
-        else given.barred_rule(engine.rated_speed)
-    )
-    verdict = judge(findings, running, rule)
+    verdict = judge(findings, running, barred_rule(engine_file))
     limited = {
         (limit.name, place): (forced, series)
         for name, limit in limits.items()
@@ -178,8 +176,8 @@ def assess(
         verdict=replace(verdict, checks=checks),
         limits=limits,
         remarks=remarks,
-        axial=_uncertainty(engine_file, axial, error),
-        torsional=_uncertainty(engine_file, torsional, error),
+        axial=_uncertainty(engine_file, axial, error, held),
+        torsional=_uncertainty(engine_file, torsional, error, held),
     )
 
 
@@ -210,14 +208,18 @@ def _cause(
 
 
 def _uncertainty(
-    engine_file: EngineFile, forced: ForcedVibration, error_estimate: float
+    engine_file: EngineFile,
+    forced: ForcedVibration,
+    error_estimate: float,
+    held: Sequence[HeldChains],
 ) -> Uncertainty:
     """Bounds of frequencies and critical speeds; amplitudes by samples where ranges are given."""
     engine, given = engine_file.engine, engine_file.ranges
     chain, running = forced.engine_chain.chain, (engine.lowest_speed, engine.highest_speed)
     spreads = _spreads(engine_file, forced, error_estimate)
     rigid = chain.modes().rigid
-    low, high = frequency_bounds(chain, spreads)
+    others = other_chains(held, forced.kind)
+    low, high = frequency_bounds(chain, spreads, others)
     orders = engine_orders(engine.strokes, engine_file.vibration.highest_order)
     margin = USUAL_MARGIN if given is None else given.separation_margin
     amplitudes = None
@@ -236,7 +238,13 @@ def _uncertainty(
         nominal=chain.modes().frequencies[rigid:],
         highest=high[rigid:],
         critical=critical_ranges(
-            chain, spreads, orders, running, within=margin, damped=forced.damped_shift
+            chain,
+            spreads,
+            orders,
+            running,
+            within=margin,
+            damped=forced.damped_shift,
+            others=others,
         ),
         amplitudes=amplitudes,
     )

@@ -103,7 +103,7 @@ def calculated_speeds(
         the pressure map or the load's points if there are any [rad/s].
     """
     ratios = [np.maximum(own.system.damping_ratios(), 1e-4) for own in chains]
-    low, high = _speed_range(engine_file)
+    low, high = calculated_range(engine_file)
     speeds = refined_speeds(
         np.concatenate([*(own.system.elastic_frequencies for own in chains), further]),
         np.concatenate([*ratios, np.full(len(further), 0.5 / DEFAULT_MAGNIFIER)]),
@@ -292,7 +292,7 @@ def compared_axial_forces(
     )
 
 
-def _speed_range(engine_file: EngineFile) -> tuple[float, float]:
+def calculated_range(engine_file: EngineFile) -> tuple[float, float]:
     """From half the lowest running speed to above the highest one, within the pressure map."""
     engine = engine_file.engine
     low = BELOW * engine.lowest_speed

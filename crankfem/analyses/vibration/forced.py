@@ -256,6 +256,7 @@ def forced_vibrations(
     shaft: ShaftCompliances,
     analysis: Analyses,
     further: Frequencies = (),
+    speeds: FloatArray | None = None,
 ) -> tuple[ForcedVibration, ForcedVibration]:
     """Calculate the forced vibration of an engine's chains over its speeds.
 
@@ -272,6 +273,9 @@ def forced_vibrations(
         Of the engine's throw, or of each throw by its name.
     further : (m,) array, optional
         Natural frequencies of what else is to be calculated at the same speeds [Hz].
+    speeds : (S,) array, optional
+        Ascending, to calculate at these alone [rad/s]: neither are the worst speeds looked for between
+        them nor resonances.
 
     Returns
     -------
@@ -323,6 +327,8 @@ def forced_vibrations(
             replace(found[1], stress=alternating_stress(found[1].loads, moduli)),
         )
 
+    if speeds is not None:
+        return responses(speeds)
     # The worst speeds are looked for among those of the chains alone, so that what else is to be
     # calculated has no part in them.
     own = calculated_speeds(engine_file, harmonics.orders, chains)

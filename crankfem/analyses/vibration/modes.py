@@ -70,6 +70,12 @@ class SourceResult:
         """Natural frequencies without rigid-body modes [Hz]."""
         return self.modes.elastic_frequencies
 
+    @property
+    def first_frequency(self) -> float | None:
+        """Lowest frequency of the crankshaft itself [Hz]; see `EngineChain.first_mode`."""
+        first = self.chain.first_mode(self.modes)
+        return None if first is None else float(self.modes.frequencies[first])
+
     def plot(self, axes: "Axes | None" = None, count: int = SHAPES_SHOWN) -> "Axes":
         """Draw the first elastic mode shapes of the chain over its nodes.
 
@@ -250,6 +256,7 @@ def axial_vibration(
     analysis: Analyses,
     shaft: ShaftCompliances,
     model: ComplianceModel | None,
+    chosen_alone: bool = False,
 ) -> Vibration:
     """Calculate the axial natural frequencies and critical speeds of an engine.
 
@@ -262,6 +269,8 @@ def axial_vibration(
         From `compliances_in_shaft`.
     model : ComplianceModel or None
         The regression, if there is one.
+    chosen_alone : bool, optional
+        Without other sources and critical speeds.
 
     Raises
     ------
@@ -280,7 +289,7 @@ def axial_vibration(
         return axial_weights(forces, shape[list(named.sections)])[list(engine_file.pins)]
 
     wanted = engine_file.vibration.axial_source
-    return _vibration(engine_file, "axial", wanted, sources, chain, weights)
+    return _vibration(engine_file, "axial", wanted, sources, chain, weights, chosen_alone)
 
 
 def torsional_vibration(
@@ -288,6 +297,7 @@ def torsional_vibration(
     analysis: Analyses,
     shaft: ShaftCompliances,
     model: ComplianceModel | None,
+    chosen_alone: bool = False,
 ) -> Vibration:
     """Calculate the torsional natural frequencies and critical speeds; see `axial_vibration`."""
     sources = torsional_sources(engine_file, analysis, shaft, model)
@@ -302,7 +312,7 @@ def torsional_vibration(
     def weights(named: EngineChain, shape: NDArray[np.float64]) -> NDArray[np.float64]:
         return shape[list(named.throw_nodes)][list(engine_file.throws)]
 
-    return _vibration(engine_file, "torsional", wanted, sources, chain, weights)
+    return _vibration(engine_file, "torsional", wanted, sources, chain, weights, chosen_alone)
 
 
 ChainMaker = Callable[[NDArray[np.float64]], EngineChain]
@@ -317,9 +327,12 @@ def _vibration(
     sources: Sources,
     make_chain: ChainMaker,
     weights: Weights,
+    chosen_alone: bool,
 ) -> Vibration:
     results, unusable = [], []
     for source, (compliances, remark) in sources.items():
+        if chosen_alone and source.casefold() != wanted.casefold():
+            continue
         if np.any(np.isnan(compliances)):
             unusable.append(f"{source}: {remark.rstrip('.')}")
             continue
@@ -337,9 +350,8 @@ def _vibration(
             f"{', '.join(r.source for r in results)}"
             + (f" (not usable here: {'; '.join(unusable)})." if unusable else ".")
         )
-    return Vibration(
-        kind, chosen, tuple(results), tuple(unusable), _criticals(engine_file, chosen, weights)
-    )
+    criticals = () if chosen_alone else _criticals(engine_file, chosen, weights)
+    return Vibration(kind, chosen, tuple(results), tuple(unusable), criticals)
 
 
 def _criticals(

@@ -11,6 +11,7 @@ from crankfem.analyses.record import ASSUMED, Record, attributes, plain
 from crankfem.analyses.shaft.motion import MOTION
 from crankfem.analyses.shaft.whole_records import whole_record
 from crankfem.analyses.vibration.assessment import Assessment, Uncertainty
+from crankfem.analyses.vibration.bearing_sweep import BearingSweep
 from crankfem.analyses.vibration.engine_load import EngineLoad
 from crankfem.analyses.vibration.forced import ForcedVibration
 from crankfem.analyses.vibration.modes import SourceResult, Vibration
@@ -18,6 +19,7 @@ from crankfem.analyses.vibration.run import EngineVibration
 from crankfem.analyses.vibration.run_up import RunUp
 from dynamics.assessment.barred_ranges import BarredRange, limit_end_speed
 from dynamics.assessment.verdict import LimitCheck
+from dynamics.chains.engine_chains import CRANKSHAFT_MODE
 from dynamics.excitation.axial_comparison import AxialForceComparison
 from dynamics.response.damped_criticals import DampedCritical
 from dynamics.response.peak_cause import PeakCause
@@ -33,7 +35,10 @@ ROUND_OFF = 1e-12
 
 
 def run_record(run: EngineVibration) -> Record:
-    """Return modes, forced vibration, verdict and whole crankshaft; null for what was not calculated."""
+    """Return modes, forced vibration, verdict, whole crankshaft and what the main bearings' range does.
+
+    Null for what was not calculated.
+    """
     forced = (run.forced_axial, run.forced_torsional)
     return {
         **{own.kind: vibration_record(own) for own in (run.axial, run.torsional)},
@@ -41,6 +46,7 @@ def run_record(run: EngineVibration) -> Record:
         "load": None if run.load is None else load_record(run.load),
         "assessment": None if run.assessment is None else assessment_record(run.assessment),
         "whole": None if run.whole is None else whole_record(run.whole, run.comparison),
+        "bearings": None if run.bearings is None else sweep_record(run.bearings),
     }
 
 
@@ -61,6 +67,12 @@ def load_record(load: EngineLoad) -> Record:
             dict(zip(known, values, strict=True)) for values in zip(*known.values(), strict=True)
         ],
     }
+
+
+def sweep_record(sweep: BearingSweep) -> Record:
+    """Return what the range of the main bearings' stiffness does, in SI units."""
+    names = ("stiffness", "chains", "shaft", "used", "statuses", "flips", "sentences")
+    return {"assumed": sweep.bearings.assumed, **attributes(sweep, *names)}
 
 
 def vibration_record(vibration: Vibration) -> Record:
@@ -84,9 +96,8 @@ def vibration_record(vibration: Vibration) -> Record:
             {
                 "source": result.source,
                 "first_frequencies": result.elastic_frequencies[:3].tolist(),
-                "beside_chosen": float(
-                    result.elastic_frequencies[0] / chosen.elastic_frequencies[0]
-                ),
+                "first_frequency": result.first_frequency,
+                "beside_chosen": _beside(result, chosen),
                 "mean_compliance": float(result.compliances.mean()),
                 "remark": result.remark,
             }
@@ -96,14 +107,24 @@ def vibration_record(vibration: Vibration) -> Record:
     }
 
 
+def _beside(result: SourceResult, chosen: SourceResult) -> float:
+    """First frequency of the crankshaft itself beside that with the chosen source."""
+    if result.first_frequency is None or chosen.first_frequency is None:
+        return float(result.elastic_frequencies[0] / chosen.elastic_frequencies[0])
+    return result.first_frequency / chosen.first_frequency
+
+
 def _mode_records(result: SourceResult) -> list[Record]:
     modes = result.modes
+    shares = result.chain.crankshaft_shares(modes)
     return [
         plain(
             {
                 "number": mode + 1 - modes.rigid,
                 "frequency": modes.frequencies[mode],
                 "rigid": mode < modes.rigid,
+                "crankshaft_share": shares[mode],
+                "of_crankshaft": shares[mode] >= CRANKSHAFT_MODE,
                 "node_positions": modes.node_positions[mode],
                 "shape": modes.shapes[:, mode],
             }

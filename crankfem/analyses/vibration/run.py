@@ -1,5 +1,6 @@
 """The whole vibration calculation of an engine: modes, forced response, verdict, whole crankshaft."""
 
+import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -13,6 +14,7 @@ from crankbase.summaries import summarized
 from crankbase.tables.frames import table
 from crankfem.analyses.shaft.sources import compliances_in_shaft
 from crankfem.analyses.shaft.throw_analyses import Analyses, analyses_by_name, analyze_throws
+from crankfem.analyses.shaft.whole_difference import whole_shaft_remark, with_differences
 from crankfem.analyses.shaft.whole_shaft import (
     ShaftComparison,
     WholeShaft,
@@ -20,9 +22,14 @@ from crankfem.analyses.shaft.whole_shaft import (
     shaft_response,
     unmodeled_sections,
     whole_shaft,
-    whole_shaft_remark,
 )
 from crankfem.analyses.vibration.assessment import Assessment, assess
+from crankfem.analyses.vibration.bearing_sweep import (
+    BearingSweep,
+    bearing_sweep,
+    chains_over_bearings,
+    held_chains,
+)
 from crankfem.analyses.vibration.engine_excitation import engine_harmonics
 from crankfem.analyses.vibration.engine_load import EngineLoad, engine_load
 from crankfem.analyses.vibration.forced import ForcedVibration, forced_vibrations
@@ -77,6 +84,8 @@ class EngineVibration:
         where the chains have a shaft line or a propeller, which the whole crankshaft has not.
     load : EngineLoad or None
         At which load each speed was taken; None where nothing is forced.
+    bearings : BearingSweep or None
+        What the range of the main bearings' stiffness does; None where the file gives no range.
     """
 
     engine_file: EngineFile
@@ -90,6 +99,7 @@ class EngineVibration:
     whole: WholeShaft | None
     comparison: ShaftComparison | None
     load: EngineLoad | None = None
+    bearings: BearingSweep | None = None
 
     @property
     def analysis(self) -> ThrowAnalysis:
@@ -275,6 +285,7 @@ def engine_vibration(
     shaft = compliances_in_shaft(read, analyses)
     axial = axial_vibration(read, analyses, shaft, model)
     torsional = torsional_vibration(read, analyses, shaft, model)
+    held = chains_over_bearings(read, analyses, model)
     lengthened = twisted = assessment = whole = comparison = None
     if coupled:
         tell("Calculating the whole crankshaft")
@@ -292,7 +303,7 @@ def engine_vibration(
         )
         if read.ranges is not None:
             tell("Sampling what is uncertain")
-        assessment = assess(read, lengthened, twisted, analyses)
+        assessment = assess(read, lengthened, twisted, analyses, held)
     if whole is not None:
         answer = None if twisted is None else shaft_response(read, whole, twisted.forces)
         comparison = (
@@ -307,8 +318,23 @@ def engine_vibration(
                 None if twisted is None else twisted.response,
             )
         )
-    if assessment is not None and comparison is not None:
-        assessment = replace(assessment, beside=whole_shaft_remark(comparison))
+        rigid = held_chains(read, analyses, model, math.inf)
+        comparison = with_differences(
+            comparison,
+            whole,
+            (axial.chosen.chain, torsional.chosen.chain),
+            (rigid.chain("axial"), rigid.chain("torsional")),
+        )
+    sweep = None
+    if held:
+        tell("Varying the main bearings")
+        verdict = None if assessment is None else assessment.verdict
+        sweep = bearing_sweep(read, held, analyses, whole, harmonics, verdict)
+    if assessment is not None:
+        beside = () if comparison is None else whole_shaft_remark(comparison)
+        if sweep is not None and sweep.flips:
+            beside += sweep.sentences[1:]
+        assessment = replace(assessment, beside=beside)
     return EngineVibration(
         engine_file=read,
         analyses=analyses,
@@ -321,6 +347,7 @@ def engine_vibration(
         whole=whole,
         comparison=comparison,
         load=load,
+        bearings=sweep,
     )
 
 

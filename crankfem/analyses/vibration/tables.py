@@ -32,7 +32,7 @@ def mode_table(record: Record) -> Table:
         ],
         [
             [
-                "rigid body" if one["rigid"] else str(one["number"]),
+                "rigid body" if one["rigid"] else f"{one['number']}{_beside_crankshaft(one)}",
                 one["frequency"],
                 60.0 * one["frequency"],
                 "moves as one" if one["rigid"] else one["node_positions"] or None,
@@ -69,6 +69,10 @@ def load_table(record: Record) -> Table:
         ],
         note="Peak and intake pressure are absolute.",
     )
+
+
+def _beside_crankshaft(mode: Record) -> str:
+    return "" if mode.get("of_crankshaft", True) else " (coupling, damper or line)"
 
 
 def critical_table(record: Record) -> Table:

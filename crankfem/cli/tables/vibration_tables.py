@@ -38,6 +38,8 @@ def print_run(record: Record, units: OutputUnits = SI) -> None:
             _print_forced(forced[kind], units)
     if record["whole"] is not None:
         _print_whole(record["whole"], units)
+    for line in (record["bearings"] or {"sentences": ()})["sentences"]:
+        print_line(units.text(line))
     if record["assessment"] is None:
         print_line(NOT_FORCED)
     else:
@@ -81,7 +83,11 @@ def _print_whole(record: Record, units: OutputUnits) -> None:
             print_line(f"The {kind} chain suffices in place of the whole crankshaft.")
         else:
             reasons = " ".join(chain["reasons"])
-            print_line(units.text(f"The {kind} chain does not suffice: {reasons}"))
+            print_line(units.text(f"Lumped model inadequate ({kind} chain): {reasons}"))
+    for one in record["differences"]:
+        print_line(f"{one['sentence'][0].upper()}{one['sentence'][1:]}.")
+    if record["flywheel_tilt"] is not None:
+        print_line(units.text(record["flywheel_tilt"]["sentence"]))
     split = record["axial_split"]
     if split is not None:
         print_line(

@@ -1,0 +1,105 @@
+"""How far the whole crankshaft of an engine differs from its chains, why, and what is told of it."""
+
+from dataclasses import replace
+
+import numpy as np
+
+from crankbase.errors import InputError
+from crankbase.units.number_formats import UNBOUNDED
+from crankfem.analyses.shaft.motion import MOTION
+from crankfem.analyses.shaft.whole_shaft import ShaftComparison, WholeShaft
+from dynamics.chains.engine_chains import EngineChain
+from dynamics.crankshaft.chain_comparison import FREQUENCY_LIMIT, RESPONSE_LIMIT, ChainVerdict
+from dynamics.crankshaft.chain_difference import (
+    FrequencyDifference,
+    flywheel_tilt,
+    frequency_difference,
+)
+
+
+def with_differences(
+    comparison: ShaftComparison,
+    whole: WholeShaft,
+    chains: tuple[EngineChain, ...],
+    rigid_chains: tuple[EngineChain, ...],
+) -> ShaftComparison:
+    """Add to a comparison what makes the first frequencies of the crankshaft itself differ.
+
+    Parameters
+    ----------
+    comparison : ShaftComparison
+    whole : WholeShaft
+    chains, rigid_chains : tuples of EngineChain
+        Axial and torsional, in the engine's main bearings and in laterally rigid ones.
+
+    Returns
+    -------
+    ShaftComparison
+        Without a chain whose first mode the whole crankshaft has not at every step; the same where no
+        chain is compared.
+    """
+    if not comparison.verdicts:
+        return comparison
+    shaft, differences, tilts = whole.crankshaft.shaft, [], []
+    for chain, rigid in zip(chains, rigid_chains, strict=True):
+        modes = chain.chain.modes()
+        first = chain.first_mode(modes)
+        if first is None:
+            continue
+        number = first - modes.rigid + 1
+        try:
+            differences.append(frequency_difference(shaft, chain, rigid, number))
+            tilts.append(flywheel_tilt(shaft, chain, number))
+        except InputError:
+            continue
+    return replace(comparison, differences=tuple(differences), tilts=tuple(tilts))
+
+
+def whole_shaft_remark(comparison: ShaftComparison) -> tuple[str, ...]:
+    """Remark on a verdict, which judges the chains, how far the whole crankshaft differs from them.
+
+    Returns
+    -------
+    tuple of str
+        A sentence; none where the chains suffice.
+    """
+    causes = {(one.kind, one.mode): one for one in comparison.differences}
+    differing = [_difference(one, causes) for one in comparison.verdicts[::-1] if not one.suffices]
+    if not differing:
+        return ()
+    return (
+        f"Judged with chains; lumped model inadequate, the whole crankshaft differs: {'; '.join(differing)}.",
+    )
+
+
+def _difference(verdict: ChainVerdict, causes: dict[tuple[str, int], FrequencyDifference]) -> str:
+    """Tell what weighs most: another amplitude, another frequency, else a mode of mixed motion."""
+    motion, found = MOTION[verdict.kind], verdict.response
+    if found is not None and abs(found.difference) > RESPONSE_LIMIT:
+        chain, shaft = (
+            _three_digits(peak / motion.size) if np.isfinite(peak) else UNBOUNDED
+            for peak in (float(np.max(found.chain)), float(np.max(found.shaft)))
+        )
+        first = next((one for one in causes.values() if one.kind == verdict.kind), None)
+        said = (
+            f"{verdict.kind} amplitude of the free end {shaft} instead of {chain} {motion.printed}"
+        )
+        return said if first is None else f"{said} ({first.sentence})"
+    for match in verdict.modes:
+        number = match.chain_mode - match.chain_rigid + 1
+        if match.shaft_frequency is None:
+            return f"it has no mode like {verdict.kind} mode {number}"
+        if abs(match.difference) > FREQUENCY_LIMIT:
+            said = (
+                f"{verdict.kind} mode {number} at {match.shaft_frequency:.1f} instead of "
+                f"{match.chain_frequency:.1f} Hz"
+            )
+            own = causes.get((verdict.kind, number))
+            return f"{said} ({own.shown_causes})" if own and own.shown_causes else said
+    mixed = min(verdict.modes, key=lambda match: match.share)
+    number = mixed.chain_mode - mixed.chain_rigid + 1
+    return f"{verdict.kind} mode {number} is {verdict.kind} by {100.0 * mixed.share:.0f} % only"
+
+
+def _three_digits(value: float) -> str:
+    return f"{value:.0f}" if value >= 1000.0 else f"{value:.3g}"

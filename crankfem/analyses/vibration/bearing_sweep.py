@@ -1,0 +1,339 @@
+"""An engine's vibration over the range in which the stiffness of its main bearings is believed."""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from crankbase.checks.arrays import FloatArray
+from crankbase.summaries import summarized
+from crankbase.tables.frames import table
+from crankfem.analyses.shaft.bearings import BearingStiffness, bearing_stiffness
+from crankfem.analyses.shaft.chains import damped_engine_chain
+from crankfem.analyses.shaft.sources import compliances_in_shaft
+from crankfem.analyses.shaft.throw_analyses import Analyses
+from crankfem.analyses.shaft.whole_shaft import WholeShaft, unmodeled_sections
+from crankfem.analyses.vibration.engine_excitation import calculated_range
+from crankfem.analyses.vibration.engine_limits import (
+    assessment_end_speeds,
+    engine_limits,
+    limit_findings,
+)
+from crankfem.analyses.vibration.forced import ForcedVibration, forced_vibrations
+from crankfem.analyses.vibration.modes import Vibration, axial_vibration, torsional_vibration
+from crankfem.files.engine.engine_file import EngineFile
+from dynamics.assessment.barred_ranges import BarredRangeRule
+from dynamics.assessment.verdict import Verdict, judge
+from dynamics.chains.chain import Chain
+from dynamics.chains.engine_chains import EngineChain
+from dynamics.crankshaft.assembly import AssembledShaft
+from dynamics.crankshaft.mode_matches import match_modes
+from dynamics.crankshaft.shaft_modes import crankshaft_modes
+from dynamics.crankshaft.shaft_throw import UX, UY
+from dynamics.critical import critical_speeds
+from dynamics.excitation.cylinder_harmonics import CylinderHarmonics
+from fem.shaft import ShaftCompliances
+from regression.models.compliance_model import ComplianceModel
+
+KINDS = ("axial", "torsional")
+# Speeds of the even grid, and others about each critical speed in half bandwidths: 97 % of a peak is read.
+POINTS = 40
+NEAR = np.array([-0.5, 0.0, 0.5])
+
+
+@dataclass(frozen=True, eq=False)
+class HeldChains:
+    """An engine's chains in main bearings of one stiffness.
+
+    Attributes
+    ----------
+    stiffness : float
+        Lateral, of each main bearing [N/m].
+    shaft : ShaftCompliances
+    axial, torsional : Vibration
+        With the chosen compliances alone.
+    """
+
+    stiffness: float
+    shaft: ShaftCompliances
+    axial: Vibration
+    torsional: Vibration
+
+    def chain(self, kind: str) -> EngineChain:
+        """Return the chain of one kind with the chosen compliances."""
+        own = self.axial if kind == "axial" else self.torsional
+        return own.chosen.chain
+
+
+@summarized("stiffness [N/m]", "chains [Hz]", "shaft [Hz]", "used", "statuses")
+@dataclass(frozen=True, eq=False)
+class BearingSweep:
+    """What the stiffness of the main bearings does to frequencies, limits and the verdict.
+
+    Attributes
+    ----------
+    bearings : BearingStiffness
+    stiffness : (k,) array
+        Lateral, of each main bearing, ascending over the range [N/m].
+    chains, shaft : dict of str to (k,) array
+        By kind: the first frequency of the crankshaft itself by its chain, and that of the whole
+        crankshaft's mode most like it [Hz]; nan where there is none. Empty where there is no whole
+        crankshaft to compare.
+    used : dict of str to (k,) array
+        By limit: the largest share of it that is used. Calculated at a coarse grid of speeds, within
+        3 % of a peak, but for the nominal stiffness. Empty where nothing is judged.
+    statuses : tuple of k str
+        Verdict at each stiffness.
+    """
+
+    bearings: BearingStiffness
+    stiffness: FloatArray
+    chains: dict[str, FloatArray]
+    shaft: dict[str, FloatArray]
+    used: dict[str, FloatArray]
+    statuses: tuple[str, ...]
+
+    @property
+    def flips(self) -> bool:
+        """Whether the verdict is not the same over the whole range."""
+        return len(set(self.statuses)) > 1
+
+    @property
+    def sentences(self) -> tuple[str, ...]:
+        """What the range does to first frequencies and to limits, and whether the verdict changes."""
+        held = self.bearings
+        over = f"Main bearings of {_stiffness(held.lowest)} to {_stiffness(held.highest)} N/m"
+        over += " (assumed)" if held.assumed else ""
+        moved = [
+            f"{kind} {_range(own, '.1f')} Hz by the {by}"
+            for kind in KINDS[::-1]
+            for by, own in (
+                ("chain", self.chains.get(kind)),
+                ("whole crankshaft", self.shaft.get(kind)),
+            )
+            if own is not None and np.any(np.isfinite(own))
+        ]
+        found = [f"{over}: first frequency of the crankshaft {', '.join(moved)}."]
+        if self.used:
+            uses = ", ".join(
+                f"{_range(100.0 * own, '.0f')} % of the limit on {name}"
+                for name, own in self.used.items()
+            )
+            said = (
+                f"the verdict changes within this range: {self.status_by_stiffness}"
+                if self.flips
+                else f'the verdict is "{self.statuses[0]}" over the whole range'
+            )
+            found.append(f"Over that range {uses} are used, and {said}.")
+        return tuple(found)
+
+    @property
+    def status_by_stiffness(self) -> str:
+        """Such as "fine" at 2.2e+08 to 1e+09 N/m, "not acceptable" at 2.2e+09 N/m."""
+        changes = [
+            place
+            for place in range(1, len(self.statuses))
+            if self.statuses[place] != self.statuses[place - 1]
+        ]
+        starts, ends = [0, *changes], [*changes, len(self.statuses)]
+        return ", ".join(
+            f'"{self.statuses[start]}" at {_stiffness(self.stiffness[start])}'
+            + (f" to {_stiffness(self.stiffness[end - 1])}" if end - start > 1 else "")
+            + " N/m"
+            for start, end in zip(starts, ends, strict=True)
+        )
+
+    def to_pandas(self) -> Any:
+        """Return a row for each stiffness.
+
+        Returns
+        -------
+        pandas.DataFrame
+            Units are in ``frame.attrs["units"]``.
+
+        Raises
+        ------
+        MissingLibraryError
+            If pandas is not installed.
+        """
+        return table(
+            {"stiffness": (self.stiffness, "N/m")}
+            | {f"{kind} chain": (own, "Hz") for kind, own in self.chains.items()}
+            | {f"{kind} whole crankshaft": (own, "Hz") for kind, own in self.shaft.items()}
+            | {f"used of {name}": (own, "1") for name, own in self.used.items()}
+            | ({"status": (list(self.statuses), "")} if self.statuses else {})
+        )
+
+
+def held_chains(
+    engine_file: EngineFile, analysis: Analyses, model: ComplianceModel | None, stiffness: float
+) -> HeldChains:
+    """Return an engine's chains in main bearings of a lateral stiffness [N/m], rigid ones if infinite."""
+    shaft = compliances_in_shaft(engine_file, analysis, stiffness)
+    return HeldChains(
+        stiffness,
+        shaft,
+        axial_vibration(engine_file, analysis, shaft, model, chosen_alone=True),
+        torsional_vibration(engine_file, analysis, shaft, model, chosen_alone=True),
+    )
+
+
+def chains_over_bearings(
+    engine_file: EngineFile, analysis: Analyses, model: ComplianceModel | None = None
+) -> tuple[HeldChains, ...]:
+    """Return an engine's chains at each stiffness of the sweep; none where the file gives no range."""
+    values = bearing_stiffness(engine_file).sweep
+    if len(values) == 1:
+        return ()
+    return tuple(held_chains(engine_file, analysis, model, value) for value in values.tolist())
+
+
+def bearing_sweep(
+    engine_file: EngineFile,
+    each: Sequence[HeldChains],
+    analysis: Analyses,
+    whole: WholeShaft | None = None,
+    harmonics: CylinderHarmonics | None = None,
+    verdict: Verdict | None = None,
+) -> BearingSweep:
+    """Carry the range of the bearings' stiffness through frequencies, limits and verdict.
+
+    Parameters
+    ----------
+    engine_file : EngineFile
+    each : sequence of HeldChains
+        From `chains_over_bearings`.
+    analysis : ThrowAnalysis or mapping
+        Of the throw, or of each throw by its name.
+    whole : WholeShaft, optional
+        In the nominal bearings.
+    harmonics : CylinderHarmonics, optional
+        What excites; without it nothing is judged.
+    verdict : Verdict, optional
+        At the nominal stiffness, where it is there already.
+    """
+    held = bearing_stiffness(engine_file)
+    nominal = len(each) // 2
+    shafts = (
+        []
+        if whole is None or unmodeled_sections(engine_file)
+        else [in_bearings(whole.crankshaft.shaft, own.stiffness - held.nominal) for own in each]
+    )
+    modes = [crankshaft_modes(shaft) for shaft in shafts]
+    chains, matched = {}, {}
+    for kind in KINDS:
+        chains[kind] = np.array([_first(own.chain(kind)) for own in each])
+        if shafts:
+            matched[kind] = np.array(
+                [
+                    _matched(shaft, own, one.chain(kind))
+                    for shaft, own, one in zip(shafts, modes, each, strict=True)
+                ]
+            )
+    verdicts: list[Verdict] = []
+    if harmonics is not None:
+        verdicts = [
+            verdict
+            if verdict is not None and place == nominal
+            else _verdict(engine_file, one, analysis, harmonics)
+            for place, one in enumerate(each)
+        ]
+    limits = dict.fromkeys(check.limit.name for own in verdicts for check in own.checks)
+    return BearingSweep(
+        bearings=held,
+        stiffness=np.array([own.stiffness for own in each]),
+        chains=chains,
+        shaft=matched,
+        used={
+            name: np.array(
+                [
+                    max(check.used for check in own.checks if check.limit.name == name)
+                    for own in verdicts
+                ]
+            )
+            for name in limits
+        },
+        statuses=tuple(own.status for own in verdicts),
+    )
+
+
+def in_bearings(shaft: AssembledShaft, added: float) -> AssembledShaft:
+    """Return a whole crankshaft in main bearings of more lateral stiffness each [N/m], or less."""
+    across = shaft.sections.reshape(shaft.section_count, 6, -1)[:, [UX, UY]]
+    rows = across.reshape(-1, across.shape[-1])
+    return replace(shaft, stiffness=shaft.stiffness + added * rows.T @ rows)
+
+
+def barred_rule(engine_file: EngineFile) -> BarredRangeRule:
+    """Return the rule by which an engine's speeds may be barred: that of the file, or the usual one."""
+    rated, given = engine_file.engine.rated_speed, engine_file.limits
+    return BarredRangeRule(rated) if given is None else given.barred_rule(rated)
+
+
+def other_chains(each: Sequence[HeldChains], kind: str) -> tuple[Chain, ...]:
+    """Return the chains of one kind, for bounds that hold for all of them."""
+    return tuple(own.chain(kind).chain for own in each)
+
+
+def _first(chain: EngineChain) -> float:
+    modes = chain.chain.modes()
+    first = chain.first_mode(modes)
+    return math.nan if first is None else float(modes.frequencies[first])
+
+
+def _matched(shaft: AssembledShaft, modes: Any, chain: EngineChain) -> float:
+    """Frequency of the whole crankshaft's mode most like the chain's first one of the crankshaft [Hz]."""
+    first = chain.first_mode(chain.chain.modes())
+    if first is None:
+        return math.nan
+    found = match_modes(shaft, modes, chain, [first])[0].shaft_frequency
+    return math.nan if found is None else found
+
+
+def _verdict(
+    engine_file: EngineFile, held: HeldChains, analysis: Analyses, harmonics: CylinderHarmonics
+) -> Verdict:
+    """Judge the forced vibration in bearings of one stiffness, at a coarse grid of speeds."""
+    engine = engine_file.engine
+    answers: tuple[ForcedVibration, ForcedVibration] = forced_vibrations(
+        engine_file,
+        harmonics,
+        held.axial,
+        held.torsional,
+        held.shaft,
+        analysis,
+        speeds=_coarse_speeds(engine_file, harmonics.orders, held),
+    )
+    return judge(
+        limit_findings(engine_file, *answers),
+        (engine.lowest_speed, engine.highest_speed),
+        barred_rule(engine_file),
+    )
+
+
+def _coarse_speeds(engine_file: EngineFile, orders: FloatArray, held: HeldChains) -> FloatArray:
+    low, high = calculated_range(engine_file)
+    found = [np.linspace(low, high, POINTS), np.clip(assessment_end_speeds(engine_file), low, high)]
+    limits, _ = engine_limits(engine_file)
+    judged = ("torsional", *(["axial"] if any(name.startswith("axial") for name in limits) else []))
+    for kind in judged:
+        system = damped_engine_chain(engine_file, held.chain(kind)).system
+        ratios = system.damping_ratios()
+        found += [
+            own.speed * (1.0 + ratios[own.mode] * NEAR)
+            for own in critical_speeds(system.elastic_frequencies, orders, (low, high))
+        ]
+    speeds = np.unique(np.concatenate(found))
+    speeds = speeds[(speeds >= low) & (speeds <= high)]
+    return np.asarray(speeds[np.diff(speeds, prepend=0.0) > 1e-9 * speeds])
+
+
+def _stiffness(value: float) -> str:
+    return f"{value:.3g}"
+
+
+def _range(values: FloatArray, form: str) -> str:
+    low, high = (format(float(end), form) for end in (np.nanmin(values), np.nanmax(values)))
+    return low if low == high else f"{low} to {high}"

@@ -1,0 +1,210 @@
+"""Which modes of a whole crankshaft are those of its chains."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from crankbase.checks.arrays import FloatArray, positive_number
+from crankbase.errors import InputError
+from crankbase.summaries import summarized
+from crankbase.tables.frames import Row
+from dynamics.chains.engine_chains import (
+    CRANKSHAFT_MODE,
+    FLYWHEEL,
+    FREE_END,
+    EngineChain,
+    Kind,
+)
+from dynamics.crankshaft.assembly import AssembledShaft
+from dynamics.crankshaft.shaft_modes import ShaftModes
+from dynamics.crankshaft.shaft_system import CrankshaftSystem
+from dynamics.crankshaft.shaft_throw import RZ, UZ
+from dynamics.crankshaft.stations import CLASSES
+
+# A mode of the shaft is looked for within this factor of the chain's frequency.
+SEARCHED = 2.0
+
+
+@summarized(
+    "kind", "chain_frequency [Hz]", "shaft_frequency [Hz]", "difference", "share", "likeness"
+)
+@dataclass(frozen=True)
+class ModeMatch:
+    """A mode of a chain and the mode of the whole shaft that is most like it.
+
+    Attributes
+    ----------
+    kind : {"axial", "torsional"}
+    chain_mode : int
+        Among all modes of the chain, rigid ones included.
+    chain_frequency : float
+        [Hz]
+    shaft_mode : int or None
+        Among all modes of the shaft, rigid ones included; None if none is near.
+    shaft_frequency : float or None
+        [Hz]
+    share : float
+        Of the shaft mode's energy that is of this kind.
+    likeness : float
+        Squared cosine, weighted by the chain's inertias, between both shapes; 1 for the same.
+    chain_rigid, shaft_rigid : int
+        Number of rigid modes of either; tables count elastic modes from 1.
+    """
+
+    kind: Kind
+    chain_mode: int
+    chain_frequency: float
+    shaft_mode: int | None
+    shaft_frequency: float | None
+    share: float
+    likeness: float
+    chain_rigid: int = 0
+    shaft_rigid: int = 0
+
+    @property
+    def difference(self) -> float:
+        """Frequency of the chain over that of the shaft, less 1; inf if there is no match."""
+        if self.shaft_frequency is None:
+            return np.inf
+        return self.chain_frequency / self.shaft_frequency - 1.0
+
+    def row(self) -> Row:
+        """Return what a table of matches shows, each value with its unit; see `table_of`.
+
+        Elastic modes are counted from 1: ``mode`` is that of the chain, as in all tables of a chain,
+        and ``shaft_mode`` that of the whole shaft.
+        """
+        shaft = None if self.shaft_mode is None else self.shaft_mode - self.shaft_rigid + 1
+        return {
+            "kind": (self.kind, ""),
+            "mode": (self.chain_mode - self.chain_rigid + 1, "1"),
+            "chain_frequency": (self.chain_frequency, "Hz"),
+            "shaft_mode": (shaft, "1"),
+            "shaft_frequency": (self.shaft_frequency, "Hz"),
+            "share": (self.share, "1"),
+            "likeness": (self.likeness, "1"),
+            "difference": (self.difference, "1"),
+        }
+
+
+def matching_modes(
+    crankshaft: CrankshaftSystem, chain: EngineChain, highest_frequency: float
+) -> tuple[ModeMatch, ...]:
+    """Find for each mode of the crankshaft in a chain the mode of the whole shaft that is most like it.
+
+    Modes of a coupling, a damper's ring or a shaft line, in whose elements more than half of the strain
+    energy is, say nothing of the crankshaft and are left out.
+
+    Parameters
+    ----------
+    crankshaft : CrankshaftSystem
+    chain : EngineChain
+        Axial or torsional, of the same throws.
+    highest_frequency : float
+        Up to which modes of the chain are looked at [Hz].
+
+    Returns
+    -------
+    tuple of ModeMatch
+        Of the mode with the largest product of share and likeness.
+
+    Raises
+    ------
+    InputError
+        If the chain has another number of throws, or the frequency is not above zero.
+    """
+    positive_number("highest_frequency", highest_frequency, "Hz", "modes are compared up to it")
+    modes = chain.chain.modes()
+    own = chain.crankshaft_shares(modes) >= CRANKSHAFT_MODE
+    wanted = np.flatnonzero(own & (modes.frequencies <= highest_frequency))
+    wanted = wanted[wanted >= modes.rigid].tolist()
+    return match_modes(crankshaft.shaft, crankshaft.modes, chain, wanted)
+
+
+def match_modes(
+    shaft: AssembledShaft, modes: ShaftModes, chain: EngineChain, wanted: Sequence[int]
+) -> tuple[ModeMatch, ...]:
+    """Find for some modes of a chain those of the whole shaft that are most like them.
+
+    Parameters
+    ----------
+    shaft : AssembledShaft
+    modes : ShaftModes
+        Of that shaft.
+    chain : EngineChain
+    wanted : sequence of int
+        Modes of the chain, rigid ones counted.
+
+    Returns
+    -------
+    tuple of ModeMatch
+
+    Raises
+    ------
+    InputError
+        If the chain has another number of throws.
+    """
+    if chain.throws != shaft.section_count - 1:
+        raise InputError(
+            f"chain: given one of {chain.throws} throws; allowed is one of {shaft.section_count - 1}, "
+            "because the shaft has so many."
+        )
+    nodes, moved = _moved_nodes(shaft, modes, chain)
+    share = modes.shares[CLASSES.index(chain.kind)]
+    weight = chain.chain.inertia[nodes]
+    sizes = weight @ moved**2
+    chain_modes = chain.chain.modes()
+    rigid = chain_modes.rigid, modes.rigid
+    found = []
+    for number in wanted:
+        frequency = float(chain_modes.frequencies[number])
+        shape = chain_modes.shapes[nodes, number]
+        likeness = (weight * shape) @ moved
+        likeness = likeness**2 / np.where(sizes > 0.0, sizes, 1.0) / (weight @ shape**2)
+        near = (modes.frequencies >= frequency / SEARCHED) & (
+            modes.frequencies <= frequency * SEARCHED
+        )
+        score = np.where(near, share * likeness, 0.0)
+        best = int(np.argmax(score))
+        match: tuple[int | None, float | None, float, float] = (None, None, 0.0, 0.0)
+        if score[best] > 0.0:
+            here = float(modes.frequencies[best])
+            match = (best, here, float(share[best]), float(likeness[best]))
+        found.append(ModeMatch(chain.kind, number, frequency, *match, *rigid))
+    return tuple(found)
+
+
+def _moved_nodes(
+    shaft: AssembledShaft, modes: ShaftModes, chain: EngineChain
+) -> tuple[list[int], FloatArray]:
+    """Return the chain's nodes that the shaft has too, and how each mode moves them, (nodes, q).
+
+    Along the shaft, or about it: throws, ends, damper ring and driven machine. Without these a mode of
+    the ring looks like one of the crankshaft, whose throws it moves alike.
+    """
+    motions = modes.motions
+    sections = shaft.section_count
+    if chain.kind == "axial":
+        return list(chain.sections), motions[:sections, UZ]
+    pins = np.array(shaft.pin_throws)
+    turns = motions[sections : sections + len(pins), RZ]
+    moved = dict(
+        zip(
+            chain.throw_nodes,
+            (turns[pins == throw].mean(axis=0) for throw in np.unique(pins)),
+            strict=True,
+        )
+    )
+    rings = dict(
+        zip(
+            shaft.names[len(shaft.names) - len(shaft.added) :],
+            shaft.added @ modes.shapes,
+            strict=True,
+        )
+    )
+    ends = {FREE_END: motions[0, RZ], FLYWHEEL: motions[sections - 1, RZ]}
+    for node, name in enumerate(chain.nodes):
+        if node not in moved and name in (beside := ends | rings):
+            moved[node] = beside[name]
+    return list(moved), np.array(list(moved.values()))

@@ -1,0 +1,95 @@
+"""The range of the main bearings' stiffness, against calculations in bearings of one stiffness each.
+
+Source: no outside one. The engine is calculated again with a stiffness given without a range, at its
+full grid of speeds with the worst speeds looked for between them; the sweep, at a coarse grid, must find
+the same within 3 %, and the same verdict. The bounds of the chain's first frequency are those of an
+eigenproblem written down here.
+"""
+
+import math
+
+import numpy as np
+import pytest
+
+import crankfem as cf
+from comparing import close
+
+pytestmark = pytest.mark.slow
+
+
+@pytest.fixture(scope="module")
+def engine():
+    return cf.load_engine("6chn25-34")
+
+
+@pytest.fixture(scope="module")
+def analysis(engine):
+    return cf.analyze_throw(engine.throw, engine.material, accuracy=0.1)
+
+
+@pytest.fixture(scope="module")
+def nominal(engine, analysis):
+    return cf.engine_vibration(engine, analysis=analysis)
+
+
+def test_used_shares_are_those_of_full_calculations(engine, analysis, nominal, figure):
+    own = nominal.bearings
+    (used,) = own.used.values()
+    for place in (0, 1, 5, 6):
+        one = engine.changed(bearings={"stiffness": float(own.stiffness[place])})
+        alone = cf.engine_vibration(one, analysis=analysis)
+        assert alone.bearings is None
+        assert alone.assessment.verdict.status == own.statuses[place]
+        figure("used share of the limit", used[place], alone.worst_check.used, 0.03)
+    assert used[3] == close(nominal.worst_check.used)
+
+
+def test_the_verdict_says_that_it_changes():
+    """Of a V8; the limit lies between what the softest and the stiffest bearings make."""
+    engine = cf.load_engine("8chn13-14")
+    analysis = cf.analyze_throw(engine.throw, engine.material, accuracy=0.1)
+
+    def at(stiffness, limit):
+        changed = engine.changed(
+            bearings={"stiffness": stiffness}, limits={"crankshaft_stress": limit}
+        )
+        return cf.engine_vibration(changed, analysis=analysis)
+
+    diameter = engine.throw.main_journal_diameter
+    ends = (1e9 * diameter, 1e11 * diameter)
+    low, high = (at(stiffness, 1e8).worst_check.worst_value for stiffness in ends)
+    limit = math.sqrt(low * high)
+    swept = cf.engine_vibration(
+        engine.changed(limits={"crankshaft_stress": limit}), analysis=analysis
+    )
+    own = swept.bearings
+    assert own.flips
+    for place, stiffness in ((0, ends[0]), (6, ends[1])):
+        assert own.stiffness[place] == close(stiffness)
+        assert at(stiffness, limit).assessment.verdict.status == own.statuses[place]
+    assert (own.statuses[0], own.statuses[-1]) == ("fine", "not acceptable")
+    (said,) = [one for one in swept.assessment.beside if "changes within this range" in one]
+    assert f'"fine" at {ends[0]:.3g}' in said
+    assert f"to {ends[1]:.3g} N/m" in said
+
+
+def test_bounds_hold_over_the_range(engine, analysis, nominal, figure):
+    """Lowest and highest of the chains in all bearings, with the compliances' own spread on top."""
+    found = nominal.assessment.torsional
+    (spread,) = found.spreads
+    own = []
+    for stiffness in nominal.bearings.stiffness.tolist():
+        for factor in (spread.low, spread.high):
+            one = engine.changed(bearings={"stiffness": stiffness})
+            chain = cf.engine_vibration(
+                one.changed(gas=None, limits=None), analysis=analysis
+            ).torsional_chain
+            matrix = chain.stiffness_matrix() / factor
+            squares = np.sort(np.linalg.eigvals(matrix / chain.inertia[:, None]).real)
+            own.append(math.sqrt(squares[1]) / (2.0 * math.pi))
+    figure("lowest first frequency", found.lowest[0], min(own), 1e-9, "Hz")
+    figure("highest first frequency", found.highest[0], max(own), 1e-9, "Hz")
+    for critical in found.critical:
+        if critical.mode == 1:
+            assert critical.low / critical.nominal == close(found.lowest[0] / found.nominal[0])
+            assert critical.high / critical.nominal == close(found.highest[0] / found.nominal[0])

@@ -1,0 +1,73 @@
+"""Which mode is told as the first: that of the crankshaft itself, not of a soft coupling or a damper's ring.
+
+Source: no outside one. Against two inertias on the coupling alone, in closed form: an engine behind a
+coupling of 1e5 N m/rad swings against its generator as one body at 1/(2 pi) sqrt(k (1/J1 + 1/J2)).
+"""
+
+import math
+
+import pytest
+
+import crankfem as cf
+from comparing import close
+from crankfem.analyses.shaft.whole_records import whole_record
+from crankfem.analyses.vibration.records import run_record
+from crankfem.analyses.vibration.tables import mode_table
+from crankfem.report.summary import summary
+
+pytestmark = pytest.mark.slow
+STIFFNESS, GENERATOR = 1.0e5, 200.0  # N m/rad, kg m^2
+
+
+@pytest.fixture(scope="module")
+def run():
+    engine = cf.load_engine("6chn25-34").changed(
+        driven={"inertia": GENERATOR, "coupling_stiffness": STIFFNESS}
+    )
+    analysis = cf.analyze_throw(engine.throw, engine.material, accuracy=0.1)
+    return cf.engine_vibration(engine, analysis=analysis, coupled=True)
+
+
+def test_a_soft_coupling_is_not_told_as_the_first_mode(run, figure):
+    chain = run.torsional_chain
+    engine = sum(chain.inertia) - GENERATOR
+    coupling = math.sqrt(STIFFNESS * (1.0 / engine + 1.0 / GENERATOR)) / (2.0 * math.pi)
+    frequencies = run.torsional.chosen.elastic_frequencies
+    figure("frequency of the coupling", frequencies[0], coupling, 0.01, "Hz")
+    assert run.torsional.chosen.first_frequency == frequencies[1] > 80.0
+    record = run_record(run)["torsional"]
+    shares = {one["number"]: one for one in record["modes"] if not one["rigid"]}
+    assert (shares[1]["of_crankshaft"], shares[2]["of_crankshaft"]) == (False, True)
+    assert shares[1]["crankshaft_share"] < 0.05
+    told = [row[0] for row in mode_table(record).rows]
+    assert told[1:3] == ["1 (coupling, damper or line)", "2"]
+
+
+def test_summary_names_the_mode_of_the_crankshaft(run):
+    results = {
+        "vibration": run_record(run),
+        "throw": {
+            "error_estimate": 0.0,
+            "supports": {"pinned": {"axial_compliance": 1e-9}},
+        },
+    }
+    (found,) = [one for one in summary(results)["figures"] if "torsional" in one["label"]]
+    first = run.torsional.chosen.first_frequency
+    low, high = (getattr(run.assessment.torsional, end)[1] for end in ("lowest", "highest"))
+    assert float(found["value"]) == close(first, rel=0.01)
+    assert found["details"][0].startswith(f"{low:.1f} to {high:.1f} Hz")
+    shaft = run.comparison.torsional.modes[0].shaft_frequency
+    assert any(f"whole crankshaft in its bearings: {shaft:.1f}" in one for one in found["details"])
+    assert any("lower ones of coupling, damper or line" in one for one in found["details"])
+
+
+def test_rotation_is_told_beside_the_lowest_bending_mode(run, figure):
+    modes = run.whole.modes
+    kinds, frequencies = modes.kinds, modes.frequencies
+    first = next(n for n in range(modes.rigid, len(kinds)) if kinds[n] == "bending")
+    assert first > modes.rigid  # The coupling's mode is lower.
+    bending = whole_record(run.whole, run.comparison)["bending"]
+    turns = run.engine_file.engine.highest_speed / (2.0 * math.pi)
+    figure("rotation over bending", bending["rotation_ratio"], turns / frequencies[first], 1e-9)
+    assert bending["frequency"] == frequencies[first]
+    assert bending["rotation_ratio"] < 0.2 < run.whole.rotation_ratios[0]
