@@ -61,7 +61,7 @@ def engine_harmonics(engine_file: EngineFile, mechanism: MechanismFile) -> Cylin
     InputError
         If a pressure cannot be read, or its samples do not resolve the highest order.
     """
-    speed_range = _speed_range(engine_file)
+    speed_range = calculated_range(engine_file)
     pressure = pressure_over_speeds(engine_file, mechanism, speed_range)
     misfire, motored = misfire_shares(engine_file.misfire), None
     if misfire and engine_file.gas is not None:
