@@ -290,7 +290,13 @@ def with_throws(
         static = complex(found.static[1], -sense * found.static[0])
         far = complex(found.dynamic[1], -sense * found.dynamic[0]) / throw.length
         for moment, place in ((static - far, starts[number]), (far, starts[number + 1])):
-            rotating.append(RotatingMass(abs(moment), float(np.angle(moment)) + angle, place))
+            rotating.append(
+                RotatingMass(
+                    abs(moment),
+                    angle_deg=math.degrees(float(np.angle(moment)) + angle),
+                    position=place,
+                )
+            )
     inertia = mechanism.attached_inertia + math.fsum(own.inertia_about_shaft for own in each)
     return replace(mechanism.layout, rotating=tuple(rotating), shaft_inertia=inertia)
 
