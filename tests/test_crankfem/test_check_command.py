@@ -70,3 +70,7 @@ def test_sections_are_told_in_readable_limits(call):
     assert "5 1/min to 30000 1/min" in out
     assert "4.77" not in out
     assert "-85 deg to 85 deg" in " ".join(call("fields", "gas").out.split())
+
+
+def test_check_refuses_a_limit_on_an_element_that_is_not_there(engine_copy, crankfem):
+    pass

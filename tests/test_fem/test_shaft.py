@@ -176,7 +176,7 @@ def test_bearings_that_cannot_be(superelement, bearings):
 
 
 def test_crank_angles_are_degrees_told_by_name(superelement):
-    """Cranks at 0, 120 and 240 deg lie evenly: each throw as stiff as the others, which 0, 120 and 240 rad do not."""
+    """480 deg is 120 deg and -120 deg is 240 deg; the like in radians is not."""
     found = shaft_compliances([superelement] * 3, crank_angles_deg=[0, 120, 240])
     turned = shaft_compliances([superelement] * 3, crank_angles_deg=[0, 480, -120])
     assert found.axial == close(turned.axial)

@@ -24,6 +24,7 @@ from crankfem.analyses.shaft.whole_shaft import (
 )
 from crankfem.analyses.vibration.assessment import Assessment, assess
 from crankfem.analyses.vibration.engine_excitation import engine_harmonics
+from crankfem.analyses.vibration.engine_limits import refuse_limits
 from crankfem.analyses.vibration.forced import ForcedVibration, forced_vibrations
 from crankfem.analyses.vibration.modes import Vibration, axial_vibration, torsional_vibration
 from crankfem.files.engine.engine_file import EngineFile, load_engine
@@ -258,11 +259,7 @@ def engine_vibration(
     _check_same_engine(read, analyses, mechanism)
     forcing = read.gas is not None or read.gas_map is not None
     harmonics = engine_harmonics(read, mechanism) if forcing else None
-    if not forcing and read.limits is not None:
-        raise InputError(
-            "limits: given without gas pressure; allowed are both, because amplitudes need what excites "
-            "them: a section [gas] or [gas_map]."
-        )
+    refuse_limits(read)
     if analyses is None:
         tell("Analyzing the throw" if len(read.named_throws) == 1 else "Analyzing the throws")
         analyses = analyze_throws(read)

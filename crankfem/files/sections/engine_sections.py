@@ -5,10 +5,12 @@ from typing import ClassVar, Literal, Self
 
 from pydantic import Field, model_validator
 
+from crankbase.checks.choices import check_choice
 from crankbase.errors import InputError
 from crankbase.model import InputModel, quantity_field
 from crankbase.units.quantity import format_quantity
 from crankbase.units.units import PER_MINUTE
+from dynamics.assessment.limit_rules import RULE_OF_DRIVEN
 from dynamics.engine.firing import firing_angles_of_order, firing_intervals
 
 # Limits are round numbers in the units in which people read them.
@@ -35,6 +37,11 @@ class Engine(InputModel):
     highest_speed: float = quantity_field(
         "highest running speed", "rad/s", 5.0 * PER_MINUTE, 30_000.0 * PER_MINUTE
     )
+    drives: str = Field(
+        "",
+        description=f"what the engine drives, {' or '.join(RULE_OF_DRIVEN)}: it decides which rule for the "
+        "crankshaft is picked where [limits] gives none",
+    )
     crank_angles: tuple[float, ...] = quantity_field(
         "angle of each crank from the first, cylinder by cylinder, all in one sense of rotation",
         "rad",
@@ -56,6 +63,8 @@ class Engine(InputModel):
 
     @model_validator(mode="after")
     def _fits_together(self) -> Self:
+        if self.drives:
+            check_choice("engine.drives", self.drives, RULE_OF_DRIVEN, "a rule goes by these")
         if self.strokes not in (2, 4):
             raise InputError(f"engine.strokes: given {self.strokes}; allowed are 2 and 4.")
         if not self.lowest_speed < self.highest_speed:
