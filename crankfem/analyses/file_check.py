@@ -174,6 +174,7 @@ def _throw(read: ThrowFile, content: TomlFile) -> CheckedFile:
         (*THROW_COMMANDS, *study),
         read.records,
         read.throw,
+        remarks=() if read.material.remark is None else (read.material.remark,),
         throws={} if PLAIN in read.throws else read.throws,
     )
 

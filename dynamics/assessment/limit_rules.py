@@ -277,10 +277,16 @@ def crankshaft_material_factors(
     Raises
     ------
     InputError
-        If a strength is not above zero, or the tensile strength beyond the rule's formula.
+        If a strength is not above zero, the yield strength above the tensile one, or that beyond the
+        rule's formula.
     """
     strength = positive_number("tensile_strength", tensile, "Pa", "it is that of a steel")
     limit = positive_number("yield_strength", yielding, "Pa", "it is that of a steel")
+    if limit > strength:
+        raise InputError(
+            f"yield_strength: given {limit / 1e6:g} MPa above a tensile strength of {strength / 1e6:g} MPa; "
+            "allowed is that or less, because a steel yields before it breaks."
+        )
     if strength > CRANKSHAFT_STRENGTHS[alloy]:
         most = f"{CRANKSHAFT_STRENGTHS[True] / 1e6:g} MPa"
         stronger = f"for a stronger steel give {most}, which is on the safe side"

@@ -14,6 +14,7 @@ from dynamics.engine.firing import (
     check_firing_order,
     check_order_of_angles,
     firing_angles_of_order,
+    firing_order_from_text,
 )
 from dynamics.mechanism.motion import rod_turn
 from dynamics.mechanism.slider_crank import check_reach
@@ -40,8 +41,8 @@ class EngineLayout:
         R [m].
     cylinders : sequence of n EngineCylinder
         Cylinder 1 first.
-    firing_order : sequence of n int
-        Cylinder numbers in the order of firing; each fires at its top.
+    firing_order : sequence of n int, or str
+        Cylinder numbers in the order of firing, or as text like ``"1-5-3-6-2-4"``; each fires at its top.
     strokes : int, optional
         Strokes per cycle, 2 or 4.
     firing_angles_deg : sequence of n float, optional
@@ -63,7 +64,7 @@ class EngineLayout:
 
     crank_radius: float
     cylinders: Sequence[EngineCylinder]
-    firing_order: Sequence[int]
+    firing_order: Sequence[int] | str
     strokes: int = 4
     _: KW_ONLY
     firing_angles_deg: Sequence[float] | None = None
@@ -82,7 +83,8 @@ class EngineLayout:
             )
         for number, cylinder in enumerate(self.cylinders, start=1):
             self._check_rod(number, cylinder)
-        order = tuple(self.firing_order)
+        given = self.firing_order
+        order = firing_order_from_text(given) if isinstance(given, str) else tuple(given)
         check_firing_order(order, len(self.cylinders))
         object.__setattr__(self, "firing_order", tuple(int(number) for number in order))
         if self.firing_angles_deg is None:
@@ -101,7 +103,7 @@ class EngineLayout:
         if self.firing_angles_deg is not None:
             return tuple(math.radians(angle) for angle in self.firing_angles_deg)
         tops = [cylinder.top_shaft_angle for cylinder in self.cylinders]
-        return firing_angles_of_order(self.firing_order, tops, self.strokes)
+        return firing_angles_of_order(tuple(map(int, self.firing_order)), tops, self.strokes)
 
     @property
     def cycle(self) -> float:
@@ -176,7 +178,7 @@ class EngineLayout:
                     f"{math.degrees(cylinder.top_shaft_angle):g} deg plus whole turns, because it fires "
                     "where its crank lies along its axis."
                 )
-        check_order_of_angles(self.firing_order, angles, self.strokes)
+        check_order_of_angles(tuple(map(int, self.firing_order)), angles, self.strokes)
         return tuple(given.tolist())
 
 

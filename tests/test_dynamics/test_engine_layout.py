@@ -367,3 +367,12 @@ def test_firing_intervals_are_one_cycle_together(strokes, total):
     steps = firing_intervals([0.5, 0.1, 3.0], strokes)
     assert steps[:2] == close((0.4, 2.5))
     assert sum(steps) == close(total * np.pi)
+
+
+def test_a_firing_order_may_be_text():
+    engine = EngineLayout(0.07, in_line(0, 180, 180, 0), "1-3-4-2")
+    assert engine == EngineLayout(0.07, in_line(0, 180, 180, 0), [1, 3, 4, 2])
+    with pytest.raises(
+        InputError, match="firing_order: given '1;3;4;2'; allowed are cylinder numbers"
+    ):
+        EngineLayout(0.07, in_line(0, 180, 180, 0), "1;3;4;2")

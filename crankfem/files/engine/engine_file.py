@@ -343,7 +343,7 @@ def load_engine(path: str | Path | TomlFile) -> EngineFile:
     Raises
     ------
     InputError
-        With one sentence that names the field, what was given and what is allowed.
+        With a sentence for each wrong field, which names it, what was given and what is allowed.
     """
     content = engine_sections(path)
     kind = file_kind(content)
@@ -358,6 +358,13 @@ def load_engine(path: str | Path | TomlFile) -> EngineFile:
             f"{content.path.name}: describes a crank mechanism, not a whole engine; add the sections "
             "[flywheel] and [thrust_bearing], or use it with mechanism, harmonics, throw and draw."
         )
+    with content.all_errors(
+        {name: one.model for name, one in SECTIONS.items() if name != "throws"}
+    ):
+        return _read_engine(content)
+
+
+def _read_engine(content: TomlFile) -> EngineFile:
     check_sections(content)
     throws: dict[str, CrankThrow] = {}
     sections: dict[str, Any] = {}

@@ -88,7 +88,13 @@ def load_throw_file(path: str | Path | TomlFile) -> ThrowFile:
     ------
     InputError
     """
-    content, throws = _throws(path)
+    read = engine_sections(path)
+    with read.all_errors({"throw": CrankThrow, "material": Material, "engine": Engine}):
+        return _read_throw_file(read)
+
+
+def _read_throw_file(read: TomlFile) -> ThrowFile:
+    content, throws = _throws(read)
     material = content.model("material", Material) or STEEL
     content.model("engine", Engine)
     first = free_end_throw_name(throws, content.model("shaft", ShaftLayout))

@@ -3,7 +3,7 @@
 import math
 from typing import ClassVar, Literal, Self
 
-from pydantic import Field, model_validator
+from pydantic import Field, field_validator, model_validator
 
 from crankbase.checks.choices import check_choice
 from crankbase.errors import InputError
@@ -11,7 +11,11 @@ from crankbase.model import InputModel, quantity_field
 from crankbase.units.quantity import format_quantity
 from crankbase.units.units import PER_MINUTE
 from dynamics.assessment.limit_rules import RULE_OF_DRIVEN
-from dynamics.engine.firing import firing_angles_of_order, firing_intervals
+from dynamics.engine.firing import (
+    firing_angles_of_order,
+    firing_intervals,
+    firing_order_from_text,
+)
 
 # Limits are round numbers in the units in which people read them.
 # Firing intervals that differ by less are even, but for the digits of given angles.
@@ -47,7 +51,8 @@ class Engine(InputModel):
         "rad",
     )
     firing_order: tuple[int, ...] = Field(
-        description="cylinder numbers in firing order; each fires when its crank is at the top"
+        description='cylinder numbers in firing order, also as text like "1-5-3-6-2-4"; each fires when its '
+        "crank is at the top"
     )
     bank_angles: tuple[float, ...] | None = quantity_field(
         "of a V engine: angle of each cylinder's axis, cylinder by cylinder, counted as crank_angles",
@@ -60,6 +65,16 @@ class Engine(InputModel):
         "",
         default=None,
     )
+
+    @field_validator("firing_order", mode="before")
+    @classmethod
+    def _read_order(cls, given: object) -> object:
+        if not isinstance(given, str):
+            return given
+        try:
+            return firing_order_from_text(given)
+        except InputError as error:  # the field's name is put in front once more
+            raise ValueError(str(error).removeprefix("firing_order: ")) from None
 
     @model_validator(mode="after")
     def _fits_together(self) -> Self:
