@@ -62,8 +62,8 @@ class Material(InputModel):
         modulus = f"{self.youngs_modulus / 1e9:g} GPa"
         odd = "low" if specific < SPECIFIC_MODULUS[0] else "high"
         return (
-            f"material.youngs_modulus: {modulus} is {odd} for {format_quantity(self.density, 'kg/m^3')}; steel "
-            "has 210 GPa at 7850 kg/m^3, and other metals of crankshafts a like ratio of the two: check both"
+            f"material.youngs_modulus: {modulus} is {odd} for {format_quantity(self.density, 'kg/m^3')}; "
+            "steel has 210 GPa at 7850 kg/m^3, and other metals of crankshafts a like ratio: check both"
         )
 
 

@@ -273,6 +273,7 @@ def _arrangement(engine: Engine) -> Record:
     return {
         **attributes(engine, "cylinders", "strokes", "bore", "stroke", "firing_order"),
         "firing_angles_deg": [firing[number - 1] for number in engine.firing_order],
+        "firing_intervals_deg": list(engine.firing_intervals_deg),
         "crank_angles_deg": degrees(engine.crank_angles),
         "bank_angles_deg": None if engine.bank_angles is None else degrees(engine.bank_angles),
         "rated_speed_rpm": engine.rated_speed * RPM,

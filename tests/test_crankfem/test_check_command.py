@@ -149,3 +149,21 @@ def test_the_rule_follows_what_the_engine_drives(call, tmp_path, six_cylinders, 
     (tmp_path / "mine.toml").write_text(text, encoding="utf-8")
     _, remarks = engine_limits(cf.load_engine("mine.toml"))
     assert any("because the file does not say what the engine drives" in one for one in remarks)
+
+
+@pytest.mark.parametrize(
+    ("engine", "intervals", "said"),
+    [
+        ("6chn25-34", [120.0] * 6, "fires every 120 deg"),
+        ("8chn26-26", [45.0, 135.0] * 4, "fires at intervals of 45, 135 deg in turn"),
+    ],
+)
+def test_firing_intervals_are_shown(call, engine, intervals, said):
+    """Of the V8 of 45 deg with a flat crankshaft, by hand: 1 at 0, 5 at 45, 3 at 180, 7 at 225 deg ..."""
+    assert (
+        call("check", engine, "--json").json()["arrangement"]["firing_intervals_deg"] == intervals
+    )
+    assert said in " ".join(call("check", engine).out.split())
+    answer = call("mechanism", engine, "--json").json()
+    assert answer["firing_intervals_deg"] == close(intervals)
+    assert said in " ".join(call("mechanism", engine).out.split())

@@ -247,7 +247,12 @@ REFUSED = {
     ),
     "thrust bearing beyond the shaft": (
         {"thrust_bearing.bearing": "7"},
-        ["thrust_bearing.bearing", "given 7", "0 (free end) to 6 (flywheel)"],
+        [
+            "thrust_bearing.bearing",
+            "given 7",
+            "main bearing 8 counted from 1",
+            "to 6 (main bearing 7, at the flywheel)",
+        ],
     ),
     "source and assumed": (
         {"rod.mass": '{ value = "56 kg", source = "drawing", assumed = "usual" }'},

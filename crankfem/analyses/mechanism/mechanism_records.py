@@ -12,6 +12,7 @@ from crankfem.analyses.mechanism.mechanism_run import MechanismRun
 from crankfem.analyses.mechanism.rod_comparison import compare_rod_models
 from crankfem.analyses.record import Record, assumed_values, attributes
 from crankfem.files.engine.mechanism_file import MechanismFile
+from dynamics.engine.firing import firing_intervals
 from dynamics.engine.forces import pin_groups
 from dynamics.engine.loads import LoadDiagram
 
@@ -27,6 +28,7 @@ def mechanism_record(run: MechanismRun) -> Record:
         "speed_rpm": run.speed * RPM,
         "rod_model": forces.model,
         "firing_angles_deg": np.degrees(run.layout.firing).tolist(),
+        "firing_intervals_deg": mechanism_intervals(run),
         "angle_step_deg": float(np.degrees(forces.shaft_angles[1] - forces.shaft_angles[0])),
         "power": run.torque.power,
         "torque": {"mean": run.torque.mean, **_extremes(torque, forces.shaft_angles)},
@@ -69,6 +71,13 @@ def mechanism_record(run: MechanismRun) -> Record:
         ),
         "remarks": [*mechanism.remarks, *_gas_remarks(run)],
     }
+
+
+def mechanism_intervals(run: MechanismRun) -> list[float]:
+    """Return the angles from each firing to the next, in the firing order [deg]."""
+    layout = run.layout
+    fired = [layout.firing[int(number) - 1] for number in layout.firing_order]
+    return [round(math.degrees(step), 6) for step in firing_intervals(fired, layout.strokes)]
 
 
 Size = tuple[float, float]

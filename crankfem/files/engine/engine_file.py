@@ -192,8 +192,10 @@ gas_map, misfire, propeller_forces, limits, ranges, torque_table, two_mass, stud
         bearings = len(self.throw_angles)
         if self.thrust_bearing.bearing > bearings:
             raise InputError(
-                f"thrust_bearing.bearing: given {self.thrust_bearing.bearing}; allowed is 0 (free end) to "
-                f"{bearings} (flywheel)."
+                f"thrust_bearing.bearing: given {self.thrust_bearing.bearing}, main bearing "
+                f"{self.thrust_bearing.bearing + 1} counted from 1; allowed is 0 (main bearing 1, at the "
+                f"free end) to {bearings} (main bearing {bearings + 1}, at the flywheel), because this field "
+                "counts from 0."
             )
         _ = self.pins  # refuses hinged rods of cylinders that are not there
         check_misfire(self.misfire, self.gas, self.engine)

@@ -147,12 +147,15 @@ class Engine(InputModel):
         )
 
     @property
+    def firing_intervals_deg(self) -> tuple[float, ...]:
+        """Angles from each firing to the next one, from the first cylinder of the firing order [deg]."""
+        steps = firing_intervals(self.firing_angles, self.strokes)
+        return tuple(round(math.degrees(step), 6) for step in steps)
+
+    @property
     def firing_remark(self) -> str | None:
         """What to say of firing intervals that are not even, which only some engines have."""
-        steps = [
-            round(math.degrees(step), 1)
-            for step in firing_intervals(self.firing_angles, self.strokes)
-        ]
+        steps = [round(step, 1) for step in self.firing_intervals_deg]
         if max(steps) - min(steps) < UNEVEN_FROM_DEG:
             return None
         return (
@@ -261,7 +264,8 @@ class ThrustBearing(InputModel):
 
     stiffness: float = quantity_field("axial stiffness", "N/m", 1e4, 1e13)
     bearing: int = quantity_field(
-        "main bearing it sits at, counted from 0 at the free end: the last of n throws is n",
+        "main bearing it sits at, counted from 0 at the free end: with n throws n is the last one, which "
+        "tables and messages call main bearing n + 1",
         "",
         minimum=0,
         maximum=24,
