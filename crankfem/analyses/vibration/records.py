@@ -6,10 +6,12 @@ import numpy as np
 
 from crankbase.checks.arrays import FloatArray
 from crankbase.units.units import RPM
+from crankfem.analyses.mechanism.mechanism_records import power_record
 from crankfem.analyses.record import ASSUMED, Record, attributes, plain
 from crankfem.analyses.shaft.motion import MOTION
 from crankfem.analyses.shaft.whole_records import whole_record
 from crankfem.analyses.vibration.assessment import Assessment, Uncertainty
+from crankfem.analyses.vibration.engine_load import EngineLoad
 from crankfem.analyses.vibration.forced import ForcedVibration
 from crankfem.analyses.vibration.modes import SourceResult, Vibration
 from crankfem.analyses.vibration.run import EngineVibration
@@ -23,6 +25,8 @@ from dynamics.response.series import OrderSeries
 
 # SI units of loads in records.
 LOAD_UNIT = {"torsional": "N m", "axial": "N"}
+# How the forces begin to tell that full load serves all speeds, which the load tells.
+ONE_DIAGRAM = "One pressure diagram was used"
 
 # Shares below this are round-off: the cylinders cancel.
 ROUND_OFF = 1e-12
@@ -34,8 +38,28 @@ def run_record(run: EngineVibration) -> Record:
     return {
         **{own.kind: vibration_record(own) for own in (run.axial, run.torsional)},
         "forced": {own.kind: forced_record(own) for own in forced if own is not None} or None,
+        "load": None if run.load is None else load_record(run.load),
         "assessment": None if run.assessment is None else assessment_record(run.assessment),
         "whole": None if run.whole is None else whole_record(run.whole, run.comparison),
+    }
+
+
+def load_record(load: EngineLoad) -> Record:
+    """Return at which load each speed was taken, in SI units."""
+    columns = {
+        "speed_rpm": load.speeds * RPM,
+        "indicated_power": load.power,
+        "mean_indicated_pressure": load.mean_pressure,
+        "peak_pressure": load.peak_pressure,
+        "intake_pressure": load.intake_pressure,
+    }
+    known = {name: values.tolist() for name, values in columns.items() if values is not None}
+    return {
+        **attributes(load, "law", "given", "sentence"),
+        "rated": power_record(load.rated),
+        "speeds": [
+            dict(zip(known, values, strict=True)) for values in zip(*known.values(), strict=True)
+        ],
     }
 
 
@@ -226,8 +250,9 @@ def _axial_forces(compared: AxialForceComparison, forced: ForcedVibration) -> li
 
 
 def _gas_remarks(forced: ForcedVibration) -> list[str]:
-    """What the forces tell beside the gas model's own assumptions, which the mechanism reports."""
-    return [text for text in forced.forces.remarks if not text.startswith((ASSUMED, "Solved"))]
+    """What the forces tell beside what the mechanism and the load tell of the gas."""
+    left_out = (ASSUMED, "Solved", ONE_DIAGRAM)
+    return [text for text in forced.forces.remarks if not text.startswith(left_out)]
 
 
 def assessment_record(assessment: Assessment) -> Record:

@@ -25,6 +25,7 @@ from crankfem.analyses.shaft.whole_shaft import (
 from crankfem.analyses.vibration.assessment import Assessment, assess
 from crankfem.analyses.vibration.engine_excitation import engine_harmonics
 from crankfem.analyses.vibration.engine_limits import refuse_limits
+from crankfem.analyses.vibration.engine_load import EngineLoad, engine_load
 from crankfem.analyses.vibration.forced import ForcedVibration, forced_vibrations
 from crankfem.analyses.vibration.modes import Vibration, axial_vibration, torsional_vibration
 from crankfem.files.engine.engine_file import EngineFile, load_engine
@@ -75,6 +76,8 @@ class EngineVibration:
     comparison : ShaftComparison or None
         Coupled response of the whole crankshaft, and how far the chains agree with it; without the latter
         where the chains have a shaft line or a propeller, which the whole crankshaft has not.
+    load : EngineLoad or None
+        At which load each speed was taken; None where nothing is forced.
     """
 
     engine_file: EngineFile
@@ -87,6 +90,7 @@ class EngineVibration:
     assessment: Assessment | None
     whole: WholeShaft | None
     comparison: ShaftComparison | None
+    load: EngineLoad | None = None
 
     @property
     def analysis(self) -> ThrowAnalysis:
@@ -260,6 +264,7 @@ def engine_vibration(
     forcing = read.gas is not None or read.gas_map is not None
     harmonics = engine_harmonics(read, mechanism) if forcing else None
     refuse_limits(read)
+    load = engine_load(read, mechanism) if forcing else None
     if analyses is None:
         tell("Analyzing the throw" if len(read.named_throws) == 1 else "Analyzing the throws")
         analyses = analyze_throws(read)
@@ -312,6 +317,7 @@ def engine_vibration(
         assessment=assessment,
         whole=whole,
         comparison=comparison,
+        load=load,
     )
 
 
@@ -331,7 +337,8 @@ def _check_same_engine(
                 "analysis: given that of another throw or material; allowed is that of the engine's own, by "
                 f"analyze_throw(engine.{throw}, engine.material), because its compliances are used."
             )
-    if (mechanism.gas, mechanism.layout) != (engine.gas, layout_of(engine)):
+    described = (engine.gas, engine.load, layout_of(engine))
+    if (mechanism.gas, mechanism.load, mechanism.layout) != described:
         raise InputError(
             "mechanism: given one with other cylinders, rods or pressure than the engine's; allowed is its "
             "own, by mechanism_of(engine), because its forces are used."
