@@ -62,16 +62,15 @@ def compare_with_solids(finest: float) -> None:
         print(f"\n### {name}, free\n")
         row("", "unknowns", "s", *(f"f{mode}" for mode in range(1, SHOWN + 1)))
         row(*["---"] * (3 + SHOWN))
-        angles = np.radians(degrees)
         for size in (each for each in SIZES if each >= finest):
             start = time.perf_counter()
-            mesh = mesh_shaft(Crankshaft([THROW] * 4, angles), size)
+            mesh = mesh_shaft(Crankshaft([THROW] * 4, crank_angles_deg=degrees), size)
             found, _ = solid_modes(mesh, cf.STEEL, 6 + SHOWN)
             seconds = time.perf_counter() - start
             row(f"solid, {1e3 * size:g} mm", mesh.unknowns, f"{seconds:.0f}", *_shown(found[6:]))
         for accuracy, superelement in superelements.items():
             start = time.perf_counter()
-            shaft = assemble_crankshaft(shaft_throws(superelement, THROW, angles))
+            shaft = assemble_crankshaft(shaft_throws(superelement, THROW, crank_angles_deg=degrees))
             modes = crankshaft_modes(shaft)
             seconds = time.perf_counter() - start
             own = modes.frequencies[6 : 6 + SHOWN]
@@ -111,7 +110,7 @@ def time_coupled_response() -> None:
         free_end=EndBody(30.0, 2.0),
         pin_masses=(40.0,) * 6,
     )
-    throws = shaft_throws(superelement, THROW, np.radians((0, 120, 240, 240, 120, 0)))
+    throws = shaft_throws(superelement, THROW, crank_angles_deg=(0, 120, 240, 240, 120, 0))
     crankshaft = crankshaft_system(assemble_crankshaft(throws, around), 500.0)
     marks.append(time.perf_counter())
     response = coupled_response(crankshaft, forces)

@@ -1,6 +1,7 @@
-"""The errors that a user of crankfem meets: each one is a single clear sentence."""
+"""The errors that a user of crankfem meets: a clear sentence for each thing that is wrong."""
 
 import re
+from collections.abc import Iterable
 
 # Of what was given a message quotes at most so many characters, its beginning and its end.
 LONGEST_QUOTE = 80
@@ -74,7 +75,17 @@ class InputError(ValueError):
     """
 
     def __init__(self, message: str = "") -> None:
-        super().__init__(with_short_quotes(message))
+        super().__init__("\n".join(with_short_quotes(line) for line in message.split("\n")))
+
+    @property
+    def sentences(self) -> list[str]:
+        """What is wrong, each thing by a sentence: a file may have several errors, one on each line."""
+        return str(self).split("\n")
+
+    @classmethod
+    def of_all(cls, errors: Iterable["InputError"]) -> "InputError":
+        """Return one error that says what all say, each sentence once."""
+        return cls("\n".join(dict.fromkeys(line for error in errors for line in error.sentences)))
 
 
 class MissingLibraryError(ImportError):

@@ -2,7 +2,7 @@
 
 import inspect
 import re
-from collections.abc import Iterable, Mapping
+from collections.abc import Collection, Iterable, Mapping
 from typing import TYPE_CHECKING, Any, ClassVar, Self, get_args, get_origin
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
@@ -16,6 +16,7 @@ from crankbase.units.units import DISPLAY_UNITS
 
 if TYPE_CHECKING:
     from pydantic._internal._model_construction import ModelMetaclass
+    from pydantic_core import ErrorDetails
 else:
     ModelMetaclass = type(BaseModel)
 
@@ -110,7 +111,7 @@ class InputModel(BaseModel, metaclass=_ShowsFields):
     Raises
     ------
     InputError
-        On construction, with one sentence that names the field, the value and what is allowed.
+        On construction, with a sentence for each wrong field: its name, the value and what is allowed.
     """
 
     model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
@@ -130,7 +131,7 @@ class InputModel(BaseModel, metaclass=_ShowsFields):
         try:
             super().__init__(**values)
         except ValidationError as error:
-            raise InputError(_sentence(type(self), error)) from None
+            raise InputError("\n".join(_sentences(type(self), error))) from None
 
     @classmethod
     def __pydantic_init_subclass__(cls, **_: Any) -> None:
@@ -214,35 +215,63 @@ class InputModel(BaseModel, metaclass=_ShowsFields):
         Raises
         ------
         InputError
-            If a field is unknown, missing, without unit or outside its range.
+            If fields are unknown, missing, without unit or outside their ranges: a sentence for each.
         """
         name = cls.section if section is None else section
         prefix = f"{name}." if name else ""
         converted: dict[str, Any] = {}
+        errors: list[InputError] = []
         for key, text in values.items():
-            if key not in cls.model_fields:
-                raise InputError(
-                    f"{prefix}{key}: unknown field; {allowed_names(key, cls.model_fields)}."
-                )
-            info = cls.model_fields[key]
-            unit, part = field_extra(info, "unit"), part_kind(info)
-            if part is not None:
-                converted[key] = _parts_from_text(part, info, text, f"{prefix}{key}")
-            elif unit is None:
-                converted[key] = text
-            elif isinstance(text, list) and _holds_several(info):
-                converted[key] = tuple(
-                    parse_quantity(item, unit, f"{prefix}{key}[{number}]", _range(info))
-                    for number, item in enumerate(text)
-                )
-            else:
-                converted[key] = parse_quantity(text, unit, f"{prefix}{key}", _range(info))
+            try:
+                converted[key] = _value_from_text(cls, key, text, f"{prefix}{key}")
+            except InputError as error:
+                errors.append(error)
+        if errors:
+            unread = set(values) - set(converted)
+            raise InputError.of_all([*errors, *_field_errors(cls, converted, unread, prefix)])
         try:
             return cls(**converted)
         except InputError as error:
-            message = str(error)
             own = f"{cls.section}." if cls.section else ""
-            raise InputError(prefix + message.removeprefix(own)) from None
+            told = [prefix + line.removeprefix(own) for line in error.sentences]
+            raise InputError("\n".join(told)) from None
+
+
+def _field_errors(
+    kind: type[InputModel], converted: Mapping[str, Any], unread: Collection[str], prefix: str
+) -> list[InputError]:
+    """What is wrong with single fields beside those that could not be read, which are not missing."""
+    try:
+        kind.__pydantic_validator__.validate_python(
+            dict(converted), self_instance=kind.__new__(kind)
+        )
+    except ValidationError as error:
+        own = f"{kind.section}." if kind.section else ""
+        return [
+            InputError(prefix + _sentence(kind, one).removeprefix(own))
+            for one in error.errors()
+            if one["loc"] and one["loc"][0] not in unread
+        ]
+    return []
+
+
+def _value_from_text(kind: type[InputModel], key: str, text: object, name: str) -> Any:
+    """Convert what stands in a file for one field."""
+    if key not in kind.model_fields:
+        raise InputError(f"{name}: unknown field; {allowed_names(key, kind.model_fields)}.")
+    info = kind.model_fields[key]
+    unit, part = field_extra(info, "unit"), part_kind(info)
+    if part is not None:
+        return _parts_from_text(part, info, text, name)
+    if unit is None:
+        return text
+    limits = _limits(info)
+    if isinstance(text, list) and _holds_several(info):
+        return tuple(
+            parse_quantity(item, unit, f"{name}[{number}]", _range(info), limits)
+            for number, item in enumerate(text)
+        )
+    return parse_quantity(text, unit, name, _range(info), limits)
 
 
 def _holds_several(info: FieldInfo) -> bool:
@@ -269,9 +298,16 @@ def field_extra(info: FieldInfo, key: str) -> Any:
     return extra.get(key) if isinstance(extra, dict) else None
 
 
-def _sentence(model: type[InputModel], error: ValidationError) -> str:
-    """Turn pydantic's first finding into one sentence for people."""
-    first = error.errors()[0]
+def _sentences(model: type[InputModel], error: ValidationError) -> list[str]:
+    """Turn what pydantic found into sentences for people, one for each field."""
+    found: dict[str, str] = {}
+    for one in error.errors():
+        found.setdefault(str(one["loc"][0]) if one["loc"] else "", _sentence(model, one))
+    return list(found.values())
+
+
+def _sentence(model: type[InputModel], first: "ErrorDetails") -> str:
+    """Turn one finding of pydantic into a sentence."""
     location = [str(part) for part in first["loc"]]
     prefix = f"{model.section}." if model.section else ""
     given = first.get("input")
@@ -334,9 +370,13 @@ def _allowed_range(info: FieldInfo) -> str:
     return f", allowed is {_range(info)}" if field_extra(info, "unit") is not None else ""
 
 
+def _limits(info: FieldInfo) -> tuple[float | None, float | None]:
+    return field_extra(info, "minimum_si"), field_extra(info, "maximum_si")
+
+
 def _range(info: FieldInfo) -> str:
     unit = field_extra(info, "unit")
-    low, high = field_extra(info, "minimum_si"), field_extra(info, "maximum_si")
+    low, high = _limits(info)
     if low is not None and high is not None:
         return f"{format_quantity(low, unit)} to {format_quantity(high, unit)}"
     if low is not None:

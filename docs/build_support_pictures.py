@@ -204,7 +204,9 @@ def draw_angle(analysis: cf.ThrowAnalysis, path: Path) -> None:
     law = analysis.angle_law
     pinned = analysis.axial_compliance("pinned")
     engine = cf.load_engine(ENGINE)
-    shaft = cf.compliance.shaft_compliances([analysis.superelement] * 6, engine.engine.crank_angles)
+    shaft = cf.compliance.shaft_compliances(
+        [analysis.superelement] * 6, crank_angles_deg=np.degrees(engine.engine.crank_angles)
+    )
     with figure(path, width=7.6, height=4.4) as axes:
         axes.plot(
             angles, 1e9 * law.axial(angles), color=BLUE, label="between neighbors, each turned by γ"

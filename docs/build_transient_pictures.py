@@ -1,5 +1,6 @@
 """Draw the pictures of docs/transient.md with the current code: takes a minute or two."""
 
+import math
 from pathlib import Path
 
 import numpy as np
@@ -46,7 +47,9 @@ def slow_six() -> tuple[cf.EngineLayout, cf.gas.GasPressure, cf.chains.EngineCha
     order = [1, 5, 3, 4, 2, 6]
     tops = {number: place * np.pi / 3.0 for place, number in enumerate(order)}
     cylinders = [
-        cf.EngineCylinder(0.6, 2500.0, rod, crank_angle=-tops[number], position=1.1 * number)
+        cf.EngineCylinder(
+            0.6, 2500.0, rod, crank_angle_deg=math.degrees(-tops[number]), position=1.1 * number
+        )
         for number in range(1, 7)
     ]
     engine = cf.EngineLayout(1.0, cylinders, order, strokes=2)

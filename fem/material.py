@@ -3,6 +3,10 @@
 from typing import ClassVar
 
 from crankbase.model import InputModel, quantity_field
+from crankbase.units.quantity import format_quantity
+
+# Young's modulus over density of metals of crankshafts, gray iron to steel, with a margin [m^2/s^2].
+SPECIFIC_MODULUS = (1.0e7, 4.0e7)
 
 
 class Material(InputModel):
@@ -44,6 +48,23 @@ class Material(InputModel):
     def lame_constant(self) -> float:
         """Lame's first constant lambda [Pa]."""
         return self.shear_modulus * 2.0 * self.poisson_ratio / (1.0 - 2.0 * self.poisson_ratio)
+
+    @property
+    def remark(self) -> str | None:
+        """What is unusual about the constants together; None where a usual metal has them.
+
+        Modulus over density is much the same for steel, iron, aluminum, titanium and magnesium, 20 to 30
+        MN m/kg: a modulus or a density that is wrong by a power of ten is seen from it.
+        """
+        specific = self.youngs_modulus / self.density
+        if SPECIFIC_MODULUS[0] <= specific <= SPECIFIC_MODULUS[1]:
+            return None
+        modulus = f"{self.youngs_modulus / 1e9:g} GPa"
+        odd = "low" if specific < SPECIFIC_MODULUS[0] else "high"
+        return (
+            f"material.youngs_modulus: {modulus} is {odd} for {format_quantity(self.density, 'kg/m^3')}; "
+            "steel has 210 GPa at 7850 kg/m^3, and other metals of crankshafts a like ratio: check both"
+        )
 
 
 STEEL = Material(youngs_modulus=2.1e11, poisson_ratio=0.3, density=7850.0)

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any, Literal
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from crankbase.checks.arrays import finite_vector
 from crankbase.checks.choices import check_choice
 from crankbase.drawing.bars import draw_groups, draw_matrix
 from crankbase.drawing.diagram_style import new_axes
@@ -240,7 +241,8 @@ def _lateral_stiffness(given: ArrayLike, sections: int) -> Array:
 
 def shaft_compliances(
     throws: Sequence[Superelement],
-    crank_angles: Sequence[float],
+    *,
+    crank_angles_deg: Sequence[float],
     bearing_stiffness: ArrayLike = math.inf,
 ) -> ShaftCompliances:
     """Compliances of each throw of a crankshaft at its place.
@@ -249,8 +251,8 @@ def shaft_compliances(
     ----------
     throws : sequence of n Superelement
         From the free end, each in its own throw frame.
-    crank_angles : sequence of n float
-        Angle of each crank about +z [rad].
+    crank_angles_deg : sequence of n float
+        Angle of each crank about +z [deg].
     bearing_stiffness : float or (n + 1,) array_like, optional
         Lateral, of the main bearings; see `solve_shaft`.
 
@@ -271,13 +273,14 @@ def shaft_compliances(
     tilts and moves as either throw wants it to. Only bearings that hold the journals on one line
     join the throws.
     """
-    if not throws or len(throws) != len(crank_angles):
+    if not throws or len(throws) != len(crank_angles_deg):
         raise InputError(
-            f"crank_angles: given {len(crank_angles)} for {len(throws)} throws; allowed is one for each "
-            "of at least one throw."
+            f"crank_angles_deg: given {len(crank_angles_deg)} for {len(throws)} throws; allowed is "
+            "one for each of at least one throw."
         )
     count = len(throws)
-    turned = [throw.turned(angle) for throw, angle in zip(throws, crank_angles, strict=True)]
+    angles = np.radians(finite_vector("crank_angles_deg", crank_angles_deg)).tolist()
+    turned = [throw.turned(angle) for throw, angle in zip(throws, angles, strict=True)]
     pulls = np.zeros((6 * (count + 1), 2))
     pulls[[6 * count + UZ, 6 * count + RZ], [0, 1]] = 1.0
     radial, tangential = (

@@ -3,7 +3,7 @@
 import cmath
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import KW_ONLY, dataclass, field
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -40,7 +40,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 
-@summarized("throws", "crank_angles [rad]", "length [m]")
+@summarized("throws", "crank_angles_deg [deg]", "length [m]")
 @dataclass(frozen=True)
 class Crankshaft:
     """A crankshaft of throws in a row.
@@ -50,8 +50,8 @@ class Crankshaft:
     throws : sequence of n CrankThrow
         From the free end to the flange. Throws side by side share a main bearing, so their main
         journals have one diameter and one bore.
-    crank_angles : sequence of n float
-        Angle of each throw's first pin about +z, counted from +y [rad].
+    crank_angles_deg : sequence of n float
+        Angle of each throw's first pin about +z, counted from +y [deg].
     ends : ShaftEnds, optional
         What stands beyond the first and the last main journal.
 
@@ -62,20 +62,21 @@ class Crankshaft:
 
     Examples
     --------
-    >>> shaft = Crankshaft([throw] * 4, np.deg2rad([0.0, 180.0, 180.0, 0.0]))  # doctest: +SKIP
+    >>> shaft = Crankshaft([throw] * 4, crank_angles_deg=[0.0, 180.0, 180.0, 0.0])  # doctest: +SKIP
     """
 
     throws: Sequence[CrankThrow]
-    crank_angles: Sequence[float]
+    _: KW_ONLY
+    crank_angles_deg: Sequence[float]
     ends: ShaftEnds = field(default_factory=ShaftEnds)
 
     def __post_init__(self) -> None:
-        if not self.throws or len(self.throws) != len(self.crank_angles):
+        if not self.throws or len(self.throws) != len(self.crank_angles_deg):
             raise InputError(
-                f"crank_angles: given {len(self.crank_angles)} for {len(self.throws)} throws; allowed is "
-                "one for each of at least one throw."
+                f"crank_angles_deg: given {len(self.crank_angles_deg)} for {len(self.throws)} throws; "
+                "allowed is one for each of at least one throw."
             )
-        finite_vector("crank_angles", self.crank_angles)
+        finite_vector("crank_angles_deg", self.crank_angles_deg)
         for number, (first, second) in enumerate(
             zip(self.throws, self.throws[1:], strict=False), start=1
         ):
@@ -107,6 +108,11 @@ class Crankshaft:
                 f"{number + 1} are {format_quantity(abs(first - second), 'm')} apart in the main journal "
                 "they share; allowed are bores that meet there, such as concentric ones."
             )
+
+    @property
+    def crank_angles(self) -> tuple[float, ...]:
+        """The crank angles [rad]."""
+        return tuple(math.radians(angle) for angle in self.crank_angles_deg)
 
     @property
     def starts(self) -> NDArray[np.float64]:

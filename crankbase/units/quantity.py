@@ -95,7 +95,13 @@ def _normalized_unit(text: str) -> str:
     return spelled
 
 
-def parse_quantity(text: object, unit: str, field: str, allowed: str = "") -> float:
+def parse_quantity(
+    text: object,
+    unit: str,
+    field: str,
+    allowed: str = "",
+    limits: tuple[float | None, float | None] = (None, None),
+) -> float:
     """Convert a quantity with its unit to an SI number.
 
     Parameters
@@ -109,6 +115,8 @@ def parse_quantity(text: object, unit: str, field: str, allowed: str = "") -> fl
         Name of the field, for the message.
     allowed : str
         The field's range, for the message.
+    limits : tuple of float or None, optional
+        The same range [SI], in which the example of the message lies.
 
     Returns
     -------
@@ -121,34 +129,73 @@ def parse_quantity(text: object, unit: str, field: str, allowed: str = "") -> fl
         If the unit is missing, unknown or of another kind, or the number is not finite.
     """
     given = f"{field}: given {_shortened_text(text)}"
-    limits = f"; allowed is {allowed}" if allowed else ""
+    told = f"; allowed is {allowed}" if allowed else ""
     if unit == "":
-        return _pure_number(text, given, limits)
-    shown = DISPLAY_UNITS.get(unit, (unit, 1.0))[0]
-    if shown.startswith(POWER_OF_TEN):
-        shown = unit  # "1e-9 m/N" is shown, but no unit to be written
+        return _pure_number(text, given, told)
     if not isinstance(text, str) and not is_number(text):
-        raise InputError(f'{given}; write a number with its unit, like "1 {shown}"{limits}.')
+        example = _example(unit, limits)
+        raise InputError(f'{given}; write a number with its unit, like "{example}"{told}.')
     if not isinstance(text, str):
-        raise InputError(
-            f"{given}, a bare number that could be in any unit; "
-            f'write it with its unit, like "{_shortened_text(text)} {shown}"{limits}.'
-        )
-    value = _evaluate(text, unit, shown, given, limits)
+        raise _without_unit(given, _shortened_text(text), unit, limits, told)
+    value = _evaluate(text, unit, given, limits, told)
     if not math.isfinite(value):
-        raise InputError(f"{given}, which is not finite{limits}.")
+        raise InputError(f"{given}, which is not finite{told}.")
     return value
+
+
+Limits = tuple[float | None, float | None]
+# Units in which people write what has a unit of SI, the most usual first.
+WRITTEN = {
+    "m": ("mm", "m", "um"),
+    "Pa": ("MPa", "GPa", "kPa", "Pa"),
+    "rad": ("deg", "rad"),
+    "rad/s": ("1/min", "rad/s"),
+    "N": ("N", "kN", "MN"),
+    "W": ("kW", "MW", "W"),
+}
+
+
+def _is_within(value: float, limits: Limits) -> bool:
+    low, high = limits
+    return (low is None or value >= low) and (high is None or value <= high)
+
+
+def _example(unit: str, limits: Limits, number: str = "") -> str:
+    """Write a quantity that is allowed: the number that was given in a usual unit, else one in the range."""
+    units = WRITTEN.get(unit, (unit,))
+    for one in units if number else ():
+        value = float(number) * float(unit_quantity(one).to(unit).magnitude)
+        if _is_within(value, limits):
+            return f"{number} {one}"
+    low, high = limits
+    if low is not None and high is not None:
+        middle = math.sqrt(low * high) if low > 0.0 else 0.5 * (low + high)
+    else:
+        middle = 1.0 if low is None and high is None else float(low or high or 0.0)
+    for one in units:
+        size = float(unit_quantity(one).to(unit).magnitude)
+        for rounded in (float(f"{middle / size:.1g}"), middle / size):
+            if 0.01 <= abs(rounded) < 1e5 and _is_within(rounded * size, limits):
+                return f"{rounded:g} {one}"
+    return f"{middle:g} {unit}"
+
+
+def _without_unit(given: str, number: str, unit: str, limits: Limits, told: str) -> InputError:
+    return InputError(
+        f"{given}, a bare number that could be in any unit; "
+        f'write it with its unit, like "{_example(unit, limits, number)}"{told}.'
+    )
 
 
 def _shortened_text(text: object) -> str:
     return quoted(text) if isinstance(text, str | int) else shortened(str(text))
 
 
-def _evaluate(text: str, unit: str, shown: str, given: str, limits: str) -> float:
+def _evaluate(text: str, unit: str, given: str, limits: Limits, told: str) -> float:
     if "," in text:
         raise InputError(
             f"{given}, in which the comma could mean two things; write a decimal point and no "
-            f'separators, like "1.5 {shown}"{limits}.'
+            f'separators, like "{_example(unit, limits)}"{told}.'
         )
     # A text that long is no quantity, and would take long to look at.
     found = NUMBER_AND_UNIT.fullmatch(text) if len(text) <= LONGEST_QUANTITY else None
@@ -159,13 +206,10 @@ def _evaluate(text: str, unit: str, shown: str, given: str, limits: str) -> floa
     except NoUnitError:
         raise InputError(
             f"{given}, which is not one number with one unit; "
-            f'write for example "1.5 {shown}"{limits}.'
+            f'write for example "{_example(unit, limits)}"{told}.'
         ) from None
     if one.unitless:
-        raise InputError(
-            f"{given}, a bare number that could be in any unit; "
-            f'write it with its unit, like "{text.strip()} {shown}"{limits}.'
-        )
+        raise _without_unit(given, found[1], unit, limits, told)
     turning = unit == "rad/s" and one.check("1/[time]") and not _names_an_angle(one)
     from pint.errors import PintError
 
@@ -174,7 +218,8 @@ def _evaluate(text: str, unit: str, shown: str, given: str, limits: str) -> floa
         size = float(one.to("1/s" if turning else unit).magnitude)
     except PintError:  # of another dimension, or an offset unit such as degC
         raise InputError(
-            f"{given}, which is no {_kind(unit)}; write it in {shown} or a like unit{limits}."
+            f"{given}, which is no {_kind(unit)}; write it in {WRITTEN.get(unit, (unit,))[0]} or a like "
+            f"unit{told}."
         ) from None
     return _scaled(number, size) * (2.0 * math.pi if turning else 1.0)
 

@@ -8,7 +8,9 @@ import numpy as np
 
 from crankbase.model import field_extra
 from crankbase.units.units import RPM
+from crankfem.analyses.engine_refusals import refuse_what_cannot_run
 from crankfem.analyses.record import Record, attributes, input_records
+from crankfem.analyses.vibration.engine_limits import rule_reason
 from crankfem.files.chain.chain_file import ChainFile, load_chain
 from crankfem.files.engine.engine_file import EngineFile
 from crankfem.files.engine.file_kinds import any_sections, file_kind
@@ -21,6 +23,8 @@ from crankfem.files.reading.toml_file import InputRecord, TomlFile
 from crankfem.files.sections.crank_throws import PLAIN
 from crankfem.files.sections.engine_sections import Engine
 from geometry.throw import CrankThrow
+from regression.plans.plan import PlannedStudy
+from regression.records import RUN
 
 THROW_COMMANDS = ("throw", "stress", "formulas", "draw", "export")
 MECHANISM_COMMANDS = ("mechanism", "harmonics", *THROW_COMMANDS)
@@ -171,6 +175,7 @@ def _throw(read: ThrowFile, content: TomlFile) -> CheckedFile:
         (*THROW_COMMANDS, *study),
         read.records,
         read.throw,
+        remarks=() if read.material.remark is None else (read.material.remark,),
         throws={} if PLAIN in read.throws else read.throws,
     )
 
@@ -199,16 +204,20 @@ def _in_mechanism(read: MechanismFile, content: TomlFile) -> dict[str, CrankThro
 
 
 def _engine(read: EngineFile, content: TomlFile) -> CheckedFile:
+    refuse_what_cannot_run(read)
     study = ("doe",) if read.study is not None else ()
     remarks = [_thrust_bearing(read), *_checked_mechanism(read)]
     if read.gas is None:
         remarks.append(_without_gas())
     if read.limits is None and read.gas is not None:
         remarks.append(
-            "without the section [limits] the rule of a classification society for crankshafts is taken"
+            "without the section [limits] a rule of a classification society for crankshafts is taken: "
+            + rule_reason(read.engine)
         )
     if read.study is None:
         remarks.append("without the section [study] no regression is fitted")
+    else:
+        remarks += excluded_designs(read.study.planned)
     return CheckedFile(
         read.path,
         "engine",
@@ -220,6 +229,18 @@ def _engine(read: EngineFile, content: TomlFile) -> CheckedFile:
         _arrangement(read.engine),
         tuple(remarks),
         dict(read.throws_by_name),
+    )
+
+
+def excluded_designs(planned: PlannedStudy) -> tuple[str, ...]:
+    """Say how many designs of a study are left out, and why the first one is."""
+    runs = sum(design.role == RUN for design in planned.designs)
+    excluded = [design for design in planned.excluded if design.role == RUN]
+    if not excluded:
+        return ()
+    return (
+        f"study: {len(excluded)} of {len(excluded) + runs} designs are left out; the first because of this: "
+        f"{excluded[0].reason.rstrip('.')}",
     )
 
 
@@ -257,6 +278,7 @@ def _arrangement(engine: Engine) -> Record:
     return {
         **attributes(engine, "cylinders", "strokes", "bore", "stroke", "firing_order"),
         "firing_angles_deg": [firing[number - 1] for number in engine.firing_order],
+        "firing_intervals_deg": list(engine.firing_intervals_deg),
         "crank_angles_deg": degrees(engine.crank_angles),
         "bank_angles_deg": None if engine.bank_angles is None else degrees(engine.bank_angles),
         "rated_speed_rpm": engine.rated_speed * RPM,

@@ -142,7 +142,8 @@ def _exit_broken_pipe() -> NoReturn:
 
 
 def _stop(message: str, code: int) -> NoReturn:
-    message = escape(with_short_quotes(message))
+    lines = [escape(with_short_quotes(line)) for line in message.split("\n")]
+    message = "\n       ".join(lines)  # several errors of a file stand below each other
     errors.print(f"[bold red]Error:[/] {message}", soft_wrap=True, highlight=False)
     raise SystemExit(code)
 

@@ -3,6 +3,7 @@
 from dataclasses import dataclass
 from pathlib import Path
 
+from crankfem.analyses.engine_refusals import refuse_what_cannot_run
 from crankfem.analyses.provenance import file_records
 from crankfem.analyses.record import Record
 from crankfem.files.engine.engine_file import EngineFile, load_engine
@@ -50,8 +51,7 @@ def read_inputs(engine: str | Path) -> RunInputs:
         With one sentence that names the field, what was given and what is allowed.
     """
     engine_file = load_engine(engine)
-    if engine_file.study is not None:
-        _ = engine_file.study.planned  # refuses a study of which nothing can be built
+    refuse_what_cannot_run(engine_file)
     mechanism = mechanism_of(engine_file)
     torque, table = None, engine_file.torque_table
     if table is not None:

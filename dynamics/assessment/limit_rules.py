@@ -39,6 +39,9 @@ LOWEST_STRENGTH = 400e6
 BASE_STRENGTH, BASE_YIELD = 440e6, 225e6
 CRANKSHAFT_STRENGTHS = {False: 590e6, True: 835e6}  # carbon steel, low alloy steel
 
+# Share of the rated speed from which on a generating set of constant speed is kept running.
+LEAST_SET_SPEED = 0.9
+
 Kind = Literal["in line", "V"]
 
 
@@ -221,9 +224,10 @@ def generator_set_limit(
     Returns
     -------
     VibrationLimit
-        Amplitude of the nominal torsional stress [Pa] up to 1.1 of the rated speed: 21 N/mm2 in the
-        crankshaft (two-stroke engines and other V engines 16), 31 in the generator shaft; 90 and 118
-        while speeds up to 0.9 are passed. Strong materials raise them as in `crankshaft_limit`.
+        Amplitude of the nominal torsional stress [Pa] from 0.9 to 1.1 of the rated speed: 21 N/mm2 in
+        the crankshaft (two-stroke engines and other V engines 16), 31 in the generator shaft. A set does
+        not run below 0.9: there its speeds are passed, with 90 and 118. Strong materials raise them as
+        in `crankshaft_limit`.
 
     Raises
     ------
@@ -235,13 +239,19 @@ def generator_set_limit(
     even = _has_limits_of_engines_in_line(strokes, kind, firing_interval_deg)
     kept, passed = crankshaft_material_factors(tensile_strength, yield_strength, alloy=alloy)
     own, quick = (31e6, 118e6) if part == "generator shaft" else (21e6 if even else 16e6, 90e6)
+    slowest = LEAST_SET_SPEED * rated
+
+    def permitted(speeds: FloatArray) -> FloatArray:
+        return np.where(speeds < slowest, passed * quick, kept * own)
+
     return VibrationLimit(
         quantity="torsional stress",
         applies_to=part,
         unit="Pa",
-        continuous=LimitCurve(lambda speeds: np.full(speeds.shape, kept * own), 0.0, 1.1 * rated),
-        passing=LimitCurve(lambda speeds: np.full(speeds.shape, passed * quick), 0.0, 0.9 * rated),
+        continuous=LimitCurve(permitted, 0.0, 1.1 * rated),
+        passing=LimitCurve(lambda speeds: np.full(speeds.shape, passed * quick), 0.0, slowest),
         source=GENERATOR_SOURCE,
+        remark="below 0.9 of the rated speed a set only passes, with the rule's limit for passing",
     )
 
 
@@ -267,10 +277,16 @@ def crankshaft_material_factors(
     Raises
     ------
     InputError
-        If a strength is not above zero, or the tensile strength beyond the rule's formula.
+        If a strength is not above zero, the yield strength above the tensile one, or that beyond the
+        rule's formula.
     """
     strength = positive_number("tensile_strength", tensile, "Pa", "it is that of a steel")
     limit = positive_number("yield_strength", yielding, "Pa", "it is that of a steel")
+    if limit > strength:
+        raise InputError(
+            f"yield_strength: given {limit / 1e6:g} MPa above a tensile strength of {strength / 1e6:g} MPa; "
+            "allowed is that or less, because a steel yields before it breaks."
+        )
     if strength > CRANKSHAFT_STRENGTHS[alloy]:
         most = f"{CRANKSHAFT_STRENGTHS[True] / 1e6:g} MPa"
         stronger = f"for a stronger steel give {most}, which is on the safe side"
@@ -291,3 +307,5 @@ CRANKSHAFT_RULES: dict[str, Callable[..., VibrationLimit]] = {
     "KR generator set": partial(generator_set_limit, part="crankshaft"),
 }
 """Rules for crankshafts by name; called with what `crankshaft_limit` is, by the same names."""
+RULE_OF_DRIVEN = {"propeller": "KR main engine", "generator": "KR generator set"}
+"""What an engine drives to the name of the rule for its crankshaft."""

@@ -262,15 +262,14 @@ def balance(
 
     Examples
     --------
-    >>> from math import pi
     >>> from dynamics.engine.cylinder import EngineCylinder
     >>> from dynamics.mechanism.rods import ConnectingRod
     >>> rod = ConnectingRod(length=0.15, mass=0.6, center_distance=0.05, inertia=0.002)
     >>> engine = EngineLayout(
     ...     0.045,
     ...     [
-    ...         EngineCylinder(0.09, 0.5, rod, crank_angle=angle, position=0.1 * place)
-    ...         for place, angle in enumerate((0, pi, pi, 0))
+    ...         EngineCylinder(0.09, 0.5, rod, crank_angle_deg=angle, position=0.1 * place)
+    ...         for place, angle in enumerate((0, 180, 180, 0))
     ...     ],
     ...     [1, 3, 4, 2],
     ... )

@@ -130,8 +130,8 @@ def balancing_masses(
     return tuple(
         RotatingMass(
             mass * engine.crank_radius,
-            _opposite(engine.cylinders[main - 1].crank_angle),
-            engine.cylinders[main - 1].position,
+            angle_deg=math.degrees(_opposite(engine.cylinders[main - 1].crank_angle)),
+            position=engine.cylinders[main - 1].position,
         )
         for main, mass in pins.items()
     )

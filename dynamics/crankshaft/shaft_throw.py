@@ -1,7 +1,7 @@
 """A throw of a whole crankshaft by its matrices."""
 
 import math
-from dataclasses import dataclass, field
+from dataclasses import KW_ONLY, dataclass, field
 
 import numpy as np
 
@@ -20,7 +20,7 @@ UX, UY, UZ, RX, RY, RZ = range(6)
 SYMMETRIC = 1e-8
 
 
-@summarized("length [m]", "crank_angle [rad]", "stiffness", "pins")
+@summarized("length [m]", "crank_angle_deg [deg]", "stiffness", "pins")
 @dataclass(frozen=True, eq=False)
 class ShaftThrow:
     """A throw by its matrices, in its own frame, and where it stands.
@@ -37,8 +37,8 @@ class ShaftThrow:
         Center of each pin in the throw frame [m].
     length : float
         From section to section [m].
-    crank_angle : float
-        Of the throw's first pin about +z, counted from +y [rad].
+    crank_angle_deg : float
+        Of the throw's first pin about +z, counted from +y [deg].
 
     Raises
     ------
@@ -51,12 +51,13 @@ class ShaftThrow:
     pin_loads: FloatArray = field(repr=False)
     pins: FloatArray
     length: float
-    crank_angle: float = 0.0
+    _: KW_ONLY
+    crank_angle_deg: float = 0.0
 
     def __post_init__(self) -> None:
         for name in ("stiffness", "mass", "pin_loads", "pins"):
             object.__setattr__(self, name, read_only(finite_array(name, getattr(self, name))))
-        finite_array("crank_angle", self.crank_angle)
+        finite_array("crank_angle_deg", self.crank_angle_deg)
         positive_number("length", self.length, "m", "a throw has a length")
         size = len(self.stiffness)
         for name in ("stiffness", "mass"):
@@ -77,6 +78,11 @@ class ShaftThrow:
                 f"pin_loads: given an array of shape {self.pin_loads.shape}; allowed is {expected}, "
                 "because each pin takes three forces and three moments."
             )
+
+    @property
+    def crank_angle(self) -> float:
+        """The crank angle [rad]."""
+        return math.radians(self.crank_angle_deg)
 
     @property
     def shapes(self) -> int:

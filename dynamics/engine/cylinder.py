@@ -1,7 +1,7 @@
 """A cylinder of an engine: its piston and rod, and where it stands."""
 
 import math
-from dataclasses import dataclass
+from dataclasses import KW_ONLY, dataclass
 
 from crankbase.checks.arrays import FloatArray, finite_array, nonnegative_number, positive_number
 from crankbase.checks.scalars import is_whole
@@ -21,14 +21,15 @@ class SlavePin:
         Number of the cylinder whose rod carries the pin, from 1.
     radius : float
         R_1 (r in some papers), from the crankpin's center [m].
-    angle : float
-        From the main rod's axis, in the sense of rotation [rad]; equal to the angle between the
+    angle_deg : float
+        From the main rod's axis, in the sense of rotation [deg]; equal to the angle between the
         cylinders' axes in most engines.
     """
 
     main_cylinder: int
     radius: float
-    angle: float
+    _: KW_ONLY
+    angle_deg: float
 
     def __post_init__(self) -> None:
         if not is_whole(self.main_cylinder):
@@ -37,7 +38,12 @@ class SlavePin:
                 "because cylinders are counted from 1."
             )
         positive_number("slave pin radius", self.radius, "m", "it is a length")
-        finite_array("slave pin angle", self.angle)
+        finite_array("slave pin angle_deg", self.angle_deg)
+
+    @property
+    def angle(self) -> float:
+        """The angle [rad]."""
+        return math.radians(self.angle_deg)
 
     @property
     def place(self) -> complex:
@@ -48,8 +54,8 @@ class SlavePin:
 @summarized(
     "bore [m]",
     "piston_mass [kg]",
-    "crank_angle [rad]",
-    "bank_angle [rad]",
+    "crank_angle_deg [deg]",
+    "bank_angle_deg [deg]",
     "position [m]",
     "pin_offset [m]",
 )
@@ -64,10 +70,10 @@ class EngineCylinder:
     piston_mass : float
         Piston with rings and pin; crosshead and piston rod where the engine has them [kg].
     rod : ConnectingRod
-    crank_angle : float, optional
-        Angle of its crankpin about +z, counted from +y, when the shaft angle is zero [rad].
-    bank_angle : float, optional
-        Angle of its axis about +z, counted from +y [rad].
+    crank_angle_deg : float, optional
+        Angle of its crankpin about +z, counted from +y, when the shaft angle is zero [deg].
+    bank_angle_deg : float, optional
+        Angle of its axis about +z, counted from +y [deg].
     position : float, optional
         Of its axis along the shaft [m].
     pin_offset : float, optional
@@ -80,8 +86,9 @@ class EngineCylinder:
     bore: float
     piston_mass: float
     rod: ConnectingRod
-    crank_angle: float = 0.0
-    bank_angle: float = 0.0
+    _: KW_ONLY
+    crank_angle_deg: float = 0.0
+    bank_angle_deg: float = 0.0
     position: float = 0.0
     pin_offset: float = 0.0
     slave_pin: SlavePin | None = None
@@ -93,8 +100,18 @@ class EngineCylinder:
             )
         positive_number("bore", self.bore, "m", "it is a length")
         positive_number("piston_mass", self.piston_mass, "kg", "it is a mass")
-        for name in ("crank_angle", "bank_angle", "position", "pin_offset"):
+        for name in ("crank_angle_deg", "bank_angle_deg", "position", "pin_offset"):
             finite_array(name, getattr(self, name))
+
+    @property
+    def crank_angle(self) -> float:
+        """The crank angle [rad]."""
+        return math.radians(self.crank_angle_deg)
+
+    @property
+    def bank_angle(self) -> float:
+        """The angle of its axis [rad]."""
+        return math.radians(self.bank_angle_deg)
 
     @property
     def area(self) -> float:
@@ -119,20 +136,26 @@ class RotatingMass:
     ----------
     static_moment : float
         Mass times radius [kg m].
-    angle : float
-        Of its center of mass about +z, counted from +y, when the shaft angle is zero [rad].
+    angle_deg : float
+        Of its center of mass about +z, counted from +y, when the shaft angle is zero [deg].
     position : float
         Along the shaft [m].
     """
 
     static_moment: float
-    angle: float
+    _: KW_ONLY
+    angle_deg: float
     position: float = 0.0
 
     def __post_init__(self) -> None:
         nonnegative_number("static_moment", self.static_moment, "kg m", "it is mass times radius")
-        finite_array("angle", self.angle)
+        finite_array("angle_deg", self.angle_deg)
         finite_array("position", self.position)
+
+    @property
+    def angle(self) -> float:
+        """The angle [rad]."""
+        return math.radians(self.angle_deg)
 
 
 def hinged_foot(

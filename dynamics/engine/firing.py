@@ -1,6 +1,7 @@
 """When each cylinder of an engine fires."""
 
 import math
+import re
 from collections.abc import Sequence
 
 from crankbase.checks.arrays import finite_vector
@@ -40,6 +41,27 @@ def _order_fault(given: list[int], cylinders: int) -> str | None:
             return f"it repeats cylinder {number}"
     missing = [number for number in range(1, cylinders + 1) if number not in given]
     return f"it omits cylinder {missing[0]}" if missing else None
+
+
+def firing_order_from_text(text: str) -> tuple[int, ...]:
+    """Return the cylinders of a firing order written as engineers do.
+
+    Raises
+    ------
+    InputError
+
+    Examples
+    --------
+    >>> firing_order_from_text("1-5-3-6-2-4")
+    (1, 5, 3, 6, 2, 4)
+    """
+    parts = re.split(r"\s*[-,]\s*|\s+", text.strip())
+    if not all(re.fullmatch("[0-9]{1,3}", part) for part in parts):
+        raise InputError(
+            f"firing_order: given {text!r}; allowed are cylinder numbers with dashes between them, like "
+            '"1-5-3-6-2-4", or a list of them.'
+        )
+    return tuple(int(part) for part in parts)
 
 
 def firing_angles_of_order(

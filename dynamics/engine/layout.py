@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import KW_ONLY, dataclass
 
 from crankbase.checks.arrays import finite_array, nonnegative_number, positive_number
 from crankbase.errors import InputError
@@ -14,6 +14,7 @@ from dynamics.engine.firing import (
     check_firing_order,
     check_order_of_angles,
     firing_angles_of_order,
+    firing_order_from_text,
 )
 from dynamics.mechanism.motion import rod_turn
 from dynamics.mechanism.slider_crank import check_reach
@@ -40,12 +41,12 @@ class EngineLayout:
         R [m].
     cylinders : sequence of n EngineCylinder
         Cylinder 1 first.
-    firing_order : sequence of n int
-        Cylinder numbers in the order of firing; each fires at its top.
+    firing_order : sequence of n int, or str
+        Cylinder numbers in the order of firing, or as text like ``"1-5-3-6-2-4"``; each fires at its top.
     strokes : int, optional
         Strokes per cycle, 2 or 4.
-    firing_angles : sequence of n float, optional
-        Shaft angle at which each cylinder fires [rad], where the order does not tell: cylinders
+    firing_angles_deg : sequence of n float, optional
+        Shaft angle at which each cylinder fires [deg], where the order does not tell: cylinders
         that fire together, or a top left out on purpose. In any cycle, in the firing order. Only
         what is given stands here; the angles that hold in any case are in `firing`.
     rotating : sequence of RotatingMass, optional
@@ -63,9 +64,10 @@ class EngineLayout:
 
     crank_radius: float
     cylinders: Sequence[EngineCylinder]
-    firing_order: Sequence[int]
+    firing_order: Sequence[int] | str
     strokes: int = 4
-    firing_angles: Sequence[float] | None = None
+    _: KW_ONLY
+    firing_angles_deg: Sequence[float] | None = None
     rotating: Sequence[RotatingMass] = ()
     shaft_inertia: float = 0.0
 
@@ -81,24 +83,27 @@ class EngineLayout:
             )
         for number, cylinder in enumerate(self.cylinders, start=1):
             self._check_rod(number, cylinder)
-        order = tuple(self.firing_order)
+        given = self.firing_order
+        order = firing_order_from_text(given) if isinstance(given, str) else tuple(given)
         check_firing_order(order, len(self.cylinders))
         object.__setattr__(self, "firing_order", tuple(int(number) for number in order))
-        if self.firing_angles is None:
+        if self.firing_angles_deg is None:
             _ = self.firing  # refuses an order that does not fit the cranks
         else:
-            object.__setattr__(self, "firing_angles", self._checked_angles(self.firing_angles))
+            object.__setattr__(
+                self, "firing_angles_deg", self._checked_angles(self.firing_angles_deg)
+            )
 
     @property
     def firing(self) -> tuple[float, ...]:
         """Shaft angle at which each cylinder fires, cylinder by cylinder [rad].
 
-        Those given as `firing_angles`, or those that follow from the firing order.
+        Those given as `firing_angles_deg`, or those that follow from the firing order.
         """
-        if self.firing_angles is not None:
-            return tuple(self.firing_angles)
+        if self.firing_angles_deg is not None:
+            return tuple(math.radians(angle) for angle in self.firing_angles_deg)
         tops = [cylinder.top_shaft_angle for cylinder in self.cylinders]
-        return firing_angles_of_order(self.firing_order, tops, self.strokes)
+        return firing_angles_of_order(tuple(map(int, self.firing_order)), tops, self.strokes)
 
     @property
     def cycle(self) -> float:
@@ -135,7 +140,7 @@ class EngineLayout:
         apart = math.remainder(carrier.crank_angle - cylinder.crank_angle, 2.0 * math.pi)
         if abs(apart) > IN_LINE:
             raise InputError(
-                f"{name}crank_angle: given {math.degrees(cylinder.crank_angle):g} deg; allowed is that of "
+                f"{name}crank_angle_deg: given {cylinder.crank_angle_deg:g} deg; allowed is that of "
                 f"cylinder {main}, {math.degrees(carrier.crank_angle):g} deg, because they share a crankpin."
             )
         if abs(carrier.position - cylinder.position) > SAME_PLACE:
@@ -155,26 +160,26 @@ class EngineLayout:
         except InputError as error:
             raise InputError(f"{name}{error}") from None
 
-    def _checked_angles(self, firing_angles: Sequence[float]) -> tuple[float, ...]:
-        given = finite_array("firing_angles", list(firing_angles))
+    def _checked_angles(self, firing_angles_deg: Sequence[float]) -> tuple[float, ...]:
+        given = finite_array("firing_angles_deg", list(firing_angles_deg))
         if given.shape != (len(self.cylinders),):
             raise InputError(
-                f"firing_angles: given {given.size} angles; allowed is one for each of the "
+                f"firing_angles_deg: given {given.size} angles; allowed is one for each of the "
                 f"{len(self.cylinders)} cylinders, because each fires at its own."
             )
-        angles = tuple(given.tolist())
+        angles = tuple(math.radians(angle) for angle in given.tolist())
         for number, (angle, cylinder) in enumerate(
             zip(angles, self.cylinders, strict=True), start=1
         ):
             off = math.remainder(angle - cylinder.top_shaft_angle, 2.0 * math.pi)
             if abs(off) > IN_LINE:
                 raise InputError(
-                    f"firing_angles: given {math.degrees(angle):g} deg for cylinder {number}; allowed is "
+                    f"firing_angles_deg: given {math.degrees(angle):g} deg for cylinder {number}; allowed is "
                     f"{math.degrees(cylinder.top_shaft_angle):g} deg plus whole turns, because it fires "
                     "where its crank lies along its axis."
                 )
-        check_order_of_angles(self.firing_order, angles, self.strokes)
-        return angles
+        check_order_of_angles(tuple(map(int, self.firing_order)), angles, self.strokes)
+        return tuple(given.tolist())
 
 
 def check_distinct_positions(engine: EngineLayout) -> None:

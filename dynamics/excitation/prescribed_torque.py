@@ -21,9 +21,9 @@ from dynamics.harmonics import Harmonics
 
 def torque_harmonics(
     torque: Harmonics | Sequence[Harmonics],
-    firing_angles: ArrayLike,
     orders: ArrayLike | float,
     *,
+    firing_angles_deg: ArrayLike,
     crank_radius: float,
     throws: Sequence[int] | None = None,
 ) -> CylinderHarmonics:
@@ -34,10 +34,10 @@ def torque_harmonics(
     torque : Harmonics or sequence of c Harmonics
         Of one cylinder's torque, gas and inertia together [N m], phases counted from its own firing
         top: the same for all, or one for each. It serves all speeds.
-    firing_angles : array_like of shape (c,)
-        Shaft angle at which each cylinder fires [rad].
     orders : array_like of shape (K,), or a number
         Ascending; a number for all up to it.
+    firing_angles_deg : array_like of shape (c,)
+        Shaft angle at which each cylinder fires [deg].
     crank_radius : float
         R [m].
     throws : sequence of c int, optional
@@ -53,7 +53,7 @@ def torque_harmonics(
     InputError
         If there is not one for each cylinder, strokes differ, or samples do not resolve an order.
     """
-    firing = finite_vector("firing_angles", firing_angles)
+    firing = np.radians(finite_vector("firing_angles_deg", firing_angles_deg))
     each = [torque] * firing.size if isinstance(torque, Harmonics) else list(torque)
     if not each or len(each) != firing.size or len({own.strokes for own in each}) > 1:
         raise InputError(

@@ -1,6 +1,6 @@
 """Thrust and torque of a propeller that vary with the passing of its blades, from data."""
 
-from dataclasses import dataclass
+from dataclasses import KW_ONLY, dataclass
 from typing import Literal
 
 import numpy as np
@@ -53,8 +53,8 @@ class PropellerForces:
         Mean torque there, taken from the shaft [N m].
     thrust_shares, torque_shares : array_like of shape (Q,)
         a_q for q = 1, 2 ...: amplitude of the blade order and its multiples as a share of the mean.
-    thrust_phases, torque_phases : array_like of shape (Q,), optional
-        [rad]; zero if not given.
+    thrust_phases_deg, torque_phases_deg : array_like of shape (Q,), optional
+        [deg]; zero if not given.
 
     Raises
     ------
@@ -73,8 +73,9 @@ class PropellerForces:
     rated_torque: float
     thrust_shares: ArrayLike
     torque_shares: ArrayLike
-    thrust_phases: ArrayLike | None = None
-    torque_phases: ArrayLike | None = None
+    _: KW_ONLY
+    thrust_phases_deg: ArrayLike | None = None
+    torque_phases_deg: ArrayLike | None = None
 
     def __post_init__(self) -> None:
         whole_number("propeller_forces.blades", self.blades, 2, "one blade alone is out of balance")
@@ -93,7 +94,7 @@ class PropellerForces:
                 "",
                 "they are amplitudes",
             )
-            given = getattr(self, f"{kind}_phases")
+            given = getattr(self, f"{kind}_phases_deg")
             phases = (
                 np.zeros(shares.size)
                 if given is None
@@ -105,7 +106,7 @@ class PropellerForces:
                     "is one for each, because each harmonic has its own."
                 )
             object.__setattr__(self, f"{kind}_shares", shares)
-            object.__setattr__(self, f"{kind}_phases", phases)
+            object.__setattr__(self, f"{kind}_phases_deg", phases)
 
     def mean_thrust(self, speeds: ArrayLike) -> FloatArray:
         """Return the mean thrust [N] at speeds of the propeller [rad/s]."""
@@ -169,10 +170,10 @@ def propeller_excitation(
         )
     of_propeller = abs(turning) * running
     if kind == "axial":
-        shares, phases = propeller.thrust_shares, propeller.thrust_phases
+        shares, phases = propeller.thrust_shares, propeller.thrust_phases_deg
         mean, sense = propeller.mean_thrust(of_propeller), -1.0
     else:
-        shares, phases = propeller.torque_shares, propeller.torque_phases
+        shares, phases = propeller.torque_shares, propeller.torque_phases_deg
         mean, sense = propeller.mean_torque(of_propeller), -np.sign(turning)
     sizes = np.asarray(shares, dtype=np.float64)
     if sizes.size == 0:
@@ -181,7 +182,8 @@ def propeller_excitation(
             "are one or more, because a steady one excites nothing."
         )
     # M sin(k x + a) is Re(-i M exp(i a) exp(i k x)); turning backwards conjugates it.
-    phasors: ComplexArray = -1j * sizes * np.exp(1j * np.asarray(phases, dtype=np.float64))
+    turned: FloatArray = np.radians(np.asarray(phases, dtype=np.float64))
+    phasors: ComplexArray = -1j * sizes * np.exp(1j * turned)
     if turning < 0.0:
         phasors = phasors.conj()
     orders = propeller.blades * abs(turning) * np.arange(1.0, sizes.size + 1.0)

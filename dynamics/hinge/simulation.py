@@ -206,10 +206,10 @@ def simulate_hinge(
     return speed_over_angle(
         lambda angle: float(inertia(angle)),
         lambda _, angle: float(moment(angle)),
-        0.0,
-        start_speed,
-        turns,
-        samples,
+        start_angle_deg=0.0,
+        start_speed=start_speed,
+        turns=turns,
+        samples=samples,
     )
 
 

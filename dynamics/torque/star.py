@@ -133,28 +133,31 @@ class Star:
 
 
 def star_diagram(
-    engine: EngineLayout | ArrayLike,
+    engine: EngineLayout | None = None,
     orders: ArrayLike | float = 12.0,
     *,
+    firing_angles_deg: ArrayLike | None = None,
     strokes: int | None = None,
     amplitudes: ArrayLike | None = None,
-    phases: ArrayLike | None = None,
+    phases_deg: ArrayLike | None = None,
     mode_shape: ArrayLike | None = None,
 ) -> tuple[Star, ...]:
     """Return the star of each order.
 
     Parameters
     ----------
-    engine : EngineLayout, or array_like of shape (n,)
-        The engine, or the shaft angle at which each cylinder fires [rad].
+    engine : EngineLayout, optional
+        The engine, or in its place `firing_angles_deg`.
     orders : array_like of shape (K,) or number, optional
         Orders, or the highest of all orders of the cycle.
+    firing_angles_deg : array_like of shape (n,), optional
+        Shaft angle at which each cylinder fires [deg], where no engine is given.
     strokes : int, optional
         Per cycle, 2 or 4: the engine's own; for firing angles with a highest order 4 if not given.
     amplitudes : array_like of shape (n,) or (K, n), optional
         Of the cylinders' harmonics, where they differ; 1 by default.
-    phases : array_like of shape (n,) or (K, n), optional
-        a of M sin(k (x - f) + a), where they differ, as `cylinder_harmonics` gives them [rad].
+    phases_deg : array_like of shape (n,) or (K, n), optional
+        a of M sin(k (x - f) + a), where they differ [deg].
     mode_shape : array_like of shape (n,), optional
         Displacement of the mode at each cylinder's throw, by which its vector is multiplied.
 
@@ -170,11 +173,11 @@ def star_diagram(
 
     Examples
     --------
-    >>> stars = star_diagram(np.radians([0.0, 540.0, 180.0, 360.0]), 4.0)
+    >>> stars = star_diagram(firing_angles_deg=[0.0, 540.0, 180.0, 360.0], orders=4.0)
     >>> [(star.order, star.kind) for star in stars if star.kind != "balanced"]
     [(2.0, 'major'), (4.0, 'major')]
     """
-    firing, known = _firing_and_strokes(engine, strokes)
+    firing, known = _firing_and_strokes(engine, firing_angles_deg, strokes)
     asked = _requested_orders(orders, known)
     shape = (asked.size, firing.size)
     reason = "each order's vector of each cylinder takes its own"
@@ -183,11 +186,11 @@ def star_diagram(
         for field, given, otherwise in (
             ("amplitudes", amplitudes, 1.0),
             ("mode_shape", mode_shape, 1.0),
-            ("phases", phases, 0.0),
+            ("phases_deg", phases_deg, 0.0),
         )
     )
     lengths = lengths * shares
-    directions = np.outer(asked, firing) - turns
+    directions = np.outer(asked, firing) - np.radians(turns)
     return tuple(
         Star(
             order,
@@ -199,21 +202,28 @@ def star_diagram(
 
 
 def _firing_and_strokes(
-    engine: EngineLayout | ArrayLike, strokes: int | None
+    engine: EngineLayout | None, firing_angles_deg: ArrayLike | None, strokes: int | None
 ) -> tuple[FloatArray, int | None]:
     """Return the firing angles [rad], and the strokes where they are known."""
     told = None if strokes is None else checked_strokes(strokes)
-    if isinstance(engine, EngineLayout):
+    if engine is None and firing_angles_deg is not None:
+        firing = np.radians(finite_vector("firing_angles_deg", firing_angles_deg))
+    elif isinstance(engine, EngineLayout) and firing_angles_deg is None:
         if told not in (None, engine.strokes):
             raise InputError(
                 f"strokes: given {told}; allowed is {engine.strokes} or nothing, because that is the "
                 "engine's."
             )
         return np.array(engine.firing), engine.strokes
-    firing = finite_vector("firing angles", engine)
+    else:
+        raise InputError(
+            f"engine: given {type(engine).__name__} with firing_angles_deg "
+            f"{'left out' if firing_angles_deg is None else 'given'}; allowed is either an EngineLayout or "
+            "firing_angles_deg, because one tells where the cylinders fire."
+        )
     if firing.size == 0:
         raise InputError(
-            "firing angles: given none; allowed is one for each cylinder, because the star has a "
+            "firing_angles_deg: given none; allowed is one for each cylinder, because the star has a "
             "vector of each."
         )
     return firing, told

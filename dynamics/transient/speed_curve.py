@@ -1,7 +1,8 @@
 """The speed of a shaft over time, and the angle through which it has turned."""
 
+import math
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import KW_ONLY, dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -37,8 +38,8 @@ class SpeedCurve:
         Ascending, two or more [s].
     speeds : array_like of shape (m,)
         Above zero [rad/s].
-    start_angle : float, optional
-        Shaft angle at the first time [rad].
+    start_angle_deg : float, optional
+        Shaft angle at the first time [deg].
 
     Raises
     ------
@@ -54,7 +55,8 @@ class SpeedCurve:
 
     times: FloatArray
     speeds: FloatArray
-    start_angle: float = 0.0
+    _: KW_ONLY
+    start_angle_deg: float = 0.0
 
     def __post_init__(self) -> None:
         times = finite_vector("times", self.times)
@@ -68,14 +70,16 @@ class SpeedCurve:
         object.__setattr__(self, "times", read_only(times))
         object.__setattr__(self, "speeds", read_only(speeds))
         object.__setattr__(
-            self, "start_angle", float(finite_array("start_angle", self.start_angle))
+            self, "start_angle_deg", float(finite_array("start_angle_deg", self.start_angle_deg))
         )
 
     @classmethod
-    def constant(cls, speed: float, duration: float, *, start_angle: float = 0.0) -> "SpeedCurve":
+    def constant(
+        cls, speed: float, duration: float, *, start_angle_deg: float = 0.0
+    ) -> "SpeedCurve":
         """Return a constant speed [rad/s] over a time [s]."""
         end = positive_number("duration", duration, "s", "time runs forward")
-        return cls(np.array([0.0, end]), np.array([speed, speed]), start_angle)
+        return cls(np.array([0.0, end]), np.array([speed, speed]), start_angle_deg=start_angle_deg)
 
     @classmethod
     def ramp(
@@ -85,7 +89,7 @@ class SpeedCurve:
         *,
         acceleration: float | None = None,
         duration: float | None = None,
-        start_angle: float = 0.0,
+        start_angle_deg: float = 0.0,
     ) -> "SpeedCurve":
         """Return an even run-up, or run-down, from time zero.
 
@@ -97,8 +101,8 @@ class SpeedCurve:
             Its size, whichever way the speed goes [rad/s^2].
         duration : float, optional
             In its place [s].
-        start_angle : float, optional
-            [rad]
+        start_angle_deg : float, optional
+            [deg]
 
         Raises
         ------
@@ -124,7 +128,7 @@ class SpeedCurve:
         else:
             assert duration is not None
             time = positive_number("duration", duration, "s", "time runs forward")
-        return cls(np.array([0.0, time]), np.array([start, end]), start_angle)
+        return cls(np.array([0.0, time]), np.array([start, end]), start_angle_deg=start_angle_deg)
 
     @classmethod
     def sampled(
@@ -133,13 +137,22 @@ class SpeedCurve:
         duration: float,
         *,
         samples: int = 1001,
-        start_angle: float = 0.0,
+        start_angle_deg: float = 0.0,
     ) -> "SpeedCurve":
         """Return the straight pieces through a function time [s] -> speed [rad/s] from time zero."""
         end = positive_number("duration", duration, "s", "time runs forward")
         count = whole_number("samples", samples, 2, "start and end are among them")
         times = np.linspace(0.0, end, count)
-        return cls(times, np.array([speed(time) for time in times.tolist()]), start_angle)
+        return cls(
+            times,
+            np.array([speed(time) for time in times.tolist()]),
+            start_angle_deg=start_angle_deg,
+        )
+
+    @property
+    def start_angle(self) -> float:
+        """The angle at the first time [rad]."""
+        return math.radians(self.start_angle_deg)
 
     @property
     def duration(self) -> float:

@@ -167,10 +167,10 @@ class FreeTurning:
 
 def turn_freely(
     engine: EngineLayout,
-    start_angle: float,
+    *,
+    start_angle_deg: float,
     start_speed: float,
     duration: float,
-    *,
     gas: Gas = None,
     load: Resistance | float = 0.0,
     friction: Resistance | float = 0.0,
@@ -186,8 +186,8 @@ def turn_freely(
     ----------
     engine : EngineLayout
         Its shaft_inertia includes the flywheel and what is driven.
-    start_angle : float
-        Of the shaft [rad].
+    start_angle_deg : float
+        Of the shaft [deg].
     start_speed : float
         Zero or above [rad/s].
     duration : float
@@ -239,11 +239,13 @@ def turn_freely(
     >>> rod = ConnectingRod(length=0.2, mass=1.0, center_distance=0.07, inertia=0.006)
     >>> cylinder = EngineCylinder(bore=0.1, piston_mass=1.0, rod=rod)
     >>> engine = EngineLayout(0.05, [cylinder], [1], shaft_inertia=0.5)
-    >>> coasting = turn_freely(engine, 0.0, 100.0, 1.0, friction=5.0)
+    >>> coasting = turn_freely(
+    ...     engine, start_angle_deg=0.0, start_speed=100.0, duration=1.0, friction=5.0
+    ... )
     >>> round(float(coasting.speed[-1]), 1), coasting.energy_error < 1e-9
     (89.9, True)
     """
-    first = float(finite_array("start_angle", start_angle))
+    first = math.radians(float(finite_array("start_angle_deg", start_angle_deg)))
     speed = nonnegative_number("start_speed", start_speed, "rad/s", "the engine turns forward")
     end = run_time("duration", duration)
     # It may stop long before; but no friction stops it from there.

@@ -131,7 +131,8 @@ class SpeedOverAngle:
 def speed_over_angle(
     inertia: Inertia,
     moment: Moment,
-    start_angle: float,
+    *,
+    start_angle_deg: float,
     start_speed: float,
     turns: float,
     samples: int = 720,
@@ -146,8 +147,8 @@ def speed_over_angle(
         (speed [rad/s], angle [rad]) -> Q [N m], all moments reduced to the shaft, positive when
         they drive; the inertia's own part is not among them. It may jump with the angle, not with
         the speed.
-    start_angle : float
-        [rad]
+    start_angle_deg : float
+        [deg]
     start_speed : float
         Above zero [rad/s].
     turns : float
@@ -176,7 +177,7 @@ def speed_over_angle(
     solved by repetition, and a step in which that does not settle is halved, so that a moment that
     is steep in the speed takes more and shorter steps.
     """
-    first = float(finite_array("start_angle", start_angle))
+    first = math.radians(float(finite_array("start_angle_deg", start_angle_deg)))
     speed = positive_number("start_speed", start_speed, "rad/s", "the angle must grow")
     length = 2.0 * math.pi * turns_followed("turns", turns)
     per_turn = whole_number("samples", samples, 1, "results are told so often per turn")

@@ -57,7 +57,7 @@ def steady_turning(
     mean_speed: float,
     turns: float,
     *,
-    start_angle: float = 0.0,
+    start_angle_deg: float = 0.0,
     samples: int = 720,
 ) -> SteadyTurning:
     """Find the constant load under which the shaft turns steadily at a mean speed.
@@ -70,8 +70,8 @@ def steady_turning(
         Angle of the period by its time [rad/s].
     turns : float
         Period of inertia and moment, in turns of the shaft: 2 for a four-stroke engine.
-    start_angle : float, optional
-        [rad]
+    start_angle_deg : float, optional
+        [deg]
     samples : int, optional
         Per turn.
 
@@ -95,7 +95,7 @@ def steady_turning(
 
     wanted = positive_number("mean_speed", mean_speed, "rad/s", "the shaft turns")
     period = 2.0 * math.pi * turns_followed("turns", turns)
-    first = float(finite_array("start_angle", start_angle))
+    first = math.radians(float(finite_array("start_angle_deg", start_angle_deg)))
     told = whole_number("samples", samples, 1, "results are told so often per turn")
     guess, start_energy, comes_round = _beginning(inertia, moment, wanted, first, period)
     first_inertia = inertia(first)
@@ -111,10 +111,10 @@ def steady_turning(
         found = speed_over_angle(
             inertia,
             lambda speed, angle: moment(speed, angle) - load,
-            first,
-            math.sqrt(2.0 * energy / first_inertia),
-            turns,
-            samples,
+            start_angle_deg=math.degrees(first),
+            start_speed=math.sqrt(2.0 * energy / first_inertia),
+            turns=turns,
+            samples=samples,
         )
         return SteadyTurning(load, found) if found.stopped_at is None else None
 

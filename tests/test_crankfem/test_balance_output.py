@@ -29,10 +29,25 @@ def vee():
     main, hinged = ConnectingRod(0.65, 75.0, 0.17, 4.0), ConnectingRod(0.5, 24.0, 0.23, 1.0)
     cylinders = []
     for throw, crank in enumerate((0.0, math.pi)):
-        pin = SlavePin(2 * throw + 1, 0.15, math.pi / 4)
+        pin = SlavePin(2 * throw + 1, 0.15, angle_deg=45.0)
         cylinders += [
-            EngineCylinder(0.26, 44.1, main, crank, -math.pi / 8, 0.4 * throw),
-            EngineCylinder(0.26, 44.1, hinged, crank, math.pi / 8, 0.4 * throw, slave_pin=pin),
+            EngineCylinder(
+                0.26,
+                44.1,
+                main,
+                crank_angle_deg=math.degrees(crank),
+                bank_angle_deg=-22.5,
+                position=0.4 * throw,
+            ),
+            EngineCylinder(
+                0.26,
+                44.1,
+                hinged,
+                crank_angle_deg=math.degrees(crank),
+                bank_angle_deg=22.5,
+                position=0.4 * throw,
+                slave_pin=pin,
+            ),
         ]
     return EngineLayout(0.13, cylinders, [1, 2, 3, 4])
 

@@ -1,6 +1,13 @@
 """What `crankfem check` says of files of every kind."""
 
+import re
+
+import numpy as np
+import pytest
+
+import crankfem as cf
 from comparing import close
+from crankfem.analyses.vibration.engine_limits import engine_limits
 
 
 def test_an_engine_is_shown_as_understood(call):
@@ -26,7 +33,8 @@ def test_an_engine_is_shown_as_understood(call):
         "web_thickness │ h │ 68",
         "a quarter is solved",
         "thrust bearing at main bearing 7 of 7, counted from 1 at the free end (bearing = 6 in the file",
-        "the rule of a classification society",
+        "a rule of a classification society",
+        "the rule 'KR generator set', because the engine drives a generator (engine.drives)",
     ):
         assert said in words
 
@@ -70,3 +78,92 @@ def test_sections_are_told_in_readable_limits(call):
     assert "5 1/min to 30000 1/min" in out
     assert "4.77" not in out
     assert "-85 deg to 85 deg" in " ".join(call("fields", "gas").out.split())
+
+
+UNKNOWN_SHAFT = """
+[[limits.shafts]]
+element = "flywheel - proppeller"
+diameter = "300 mm"
+tensile_strength = "600 MPa"
+"""
+
+
+@pytest.mark.parametrize("command", ["check", "run"])
+@pytest.mark.parametrize(
+    ("changes", "more", "message"),
+    [
+        (
+            {},
+            UNKNOWN_SHAFT,
+            r"limits\.shafts\[0\]\.element: given 'flywheel - proppeller'; .*allowed are .*because",
+        ),
+        ({}, '[limits]\ncoupling_torque = "1 kN m"\n', "limits.coupling_torque: given without"),
+        (
+            {
+                "study.factors.web_width": '["60 mm", "300 mm"]',
+                "study.factors.web_thickness": '["5 mm", "68 mm"]',
+                "study.factors.pin_length": '["20 mm", "139 mm"]',
+            },
+            "",
+            r"study\.factors: given 8 designs of which \d can be built, to which no equation",
+        ),
+    ],
+    ids=["element", "coupling", "study"],
+)
+def test_check_refuses_what_run_refuses_before_it_computes(
+    call, tmp_path, unseen, six_cylinders, edit, command, changes, more, message
+):
+    (tmp_path / "mine.toml").write_text(edit(six_cylinders, changes) + more, encoding="utf-8")
+    answer = call(command, "mine.toml")
+    assert answer.code == 2
+    assert re.search(message, answer.err)
+    assert not (tmp_path / "mine-results").exists()
+
+
+def test_designs_that_are_left_out_are_told(call, tmp_path, six_cylinders, edit):
+    text = edit(six_cylinders, {"study.factors.web_thickness": '["5 mm", "68 mm", "98 mm"]'})
+    (tmp_path / "mine.toml").write_text(text, encoding="utf-8")
+    words = " ".join(call("check", "mine.toml").out.split())
+    assert (
+        "study: 9 of 27 designs are left out; the first because of this: it cannot be built"
+        in words
+    )
+
+
+def test_the_rule_follows_what_the_engine_drives(call, tmp_path, six_cylinders, edit):
+    """At 0.5 of the rated speed a set only passes, 90 MPa; a main engine may be kept there, 39 MPa."""
+    for driven, rule, permitted in (
+        ("generator", "KR generator set", 90e6),
+        ("propeller", "KR main engine", 39e6),
+    ):
+        text = edit(six_cylinders, {"engine.drives": f'"{driven}"'})
+        (tmp_path / "mine.toml").write_text(text, encoding="utf-8")
+        engine = cf.load_engine("mine.toml")
+        limits, remarks = engine_limits(engine)
+        half = np.array([0.5 * engine.engine.rated_speed])
+        assert limits["crankshaft_stress"].continuous.at(half) == close([permitted])
+        assert any(
+            f"the rule {rule!r}, because the engine drives a {driven}" in one for one in remarks
+        )
+    text = edit(six_cylinders, {"engine.drives": '"generator"'}).replace('drives = "generator"', "")
+    (tmp_path / "mine.toml").write_text(text, encoding="utf-8")
+    _, remarks = engine_limits(cf.load_engine("mine.toml"))
+    assert any("because the file does not say what the engine drives" in one for one in remarks)
+
+
+@pytest.mark.parametrize(
+    ("engine", "intervals", "said"),
+    [
+        ("6chn25-34", [120.0] * 6, "fires every 120 deg"),
+        ("8chn26-26", [45.0, 135.0] * 4, "fires at intervals of 45, 135 deg in turn"),
+    ],
+)
+def test_firing_intervals_are_shown(call, engine, intervals, said):
+    """Of the V8 of 45 deg with a flat crankshaft, by hand: 1 at 0, 5 at 45, 3 at 180, 7 at 225 deg ..."""
+    assert (
+        call("check", engine, "--json").json()["arrangement"]["firing_intervals_deg"] == intervals
+    )
+    assert said in " ".join(call("check", engine).out.split())
+    answer = call("mechanism", engine, "--json").json()
+    assert answer["firing_intervals_deg"] == close(intervals)
+    assert said in " ".join(call("mechanism", engine).out.split())

@@ -204,7 +204,7 @@ def test_names_and_files_are_completed(tmp_path, model_file):
     assert completion.engines("nowhere/") == []
     assert "mwm-six" in completion.engines_and_chains("m")
     assert completion.sections("tors") == ["torsional_damper"]
-    assert set(completion.sections("")) == set(SECTIONS)
+    assert set(completion.sections("")) == {*SECTIONS, "chain"}
     context = SimpleNamespace(params={"model": model_file})
     assert completion.dimensions(context, "web_w") == ["web_width="]
     assert completion.dimensions(context, "web_width=3") == []
@@ -360,8 +360,9 @@ def test_fields_are_explained(call):
     assert {"[engine]", "[throw.counterweight]", "[rod]"} <= set(titles)
     wrong = call("fields", "thrust")
     assert wrong.code == 2
-    assert "section: given 'thrust'; allowed are engine, throw, throws" in " ".join(
-        wrong.err.split()
+    assert (
+        "section: given 'thrust'; did you mean throws? allowed are engine, throw, throws"
+        in " ".join(wrong.err.split())
     )
 
 
@@ -763,3 +764,17 @@ def test_what_is_endless_is_refused_in_a_short_sentence(call, arguments):
     assert answer.code == 2
     assert answer.err.startswith("Error: ")
     assert len(answer.err) < 600
+
+
+def test_fields_of_chain_files(call):
+    content = call("fields", "chain", "--json").json()
+    titles = [table["title"] for table in content["sections"]]
+    assert titles.count("[chain]") == 2
+    assert "[[chain.nodes]]" in titles
+    torsional, axial = (table for table in content["sections"] if table["title"] == "[chain]")
+    units = [
+        {row["name"]: row["unit"] for row in table["rows"]}["stiffness"]
+        for table in (torsional, axial)
+    ]
+    assert units == ["N m/rad", "N/m"]
+    assert 'kind = "axial"' in call("fields", "chain").out

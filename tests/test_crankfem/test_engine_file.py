@@ -1,4 +1,5 @@
 import math
+import re
 
 import numpy as np
 import pytest
@@ -6,7 +7,7 @@ import pytest
 import crankfem as cf
 from comparing import close
 from crankbase.errors import InputError
-from crankfem.files.engine.engine_file import load_engine
+from crankfem.files.engine.engine_file import SECTIONS, load_engine
 from crankfem.files.engine.throw_file import load_crankshaft, load_study, load_throw
 from crankfem.files.reading import toml_file
 from crankfem.files.reading.data_files import input_path, shipped_names
@@ -246,7 +247,12 @@ REFUSED = {
     ),
     "thrust bearing beyond the shaft": (
         {"thrust_bearing.bearing": "7"},
-        ["thrust_bearing.bearing", "given 7", "0 (free end) to 6 (flywheel)"],
+        [
+            "thrust_bearing.bearing",
+            "given 7",
+            "main bearing 8 counted from 1",
+            "to 6 (main bearing 7, at the flywheel)",
+        ],
     ),
     "source and assumed": (
         {"rod.mass": '{ value = "56 kg", source = "drawing", assumed = "usual" }'},
@@ -457,3 +463,84 @@ def test_a_refusal_in_a_process_of_its_own(tmp_path, six_cylinders, edit, spawn)
     assert answer.out == ""
     assert "Traceback" not in answer.err
     assert answer.err.rstrip().splitlines()[-1].startswith("Error: throw.pin_length: given 139, ")
+
+
+def test_all_errors_of_a_file_are_told_at_once(call, tmp_path, six_cylinders, edit):
+    """Those of all sections, each once and on a line of its own; cross-checks wait for values that can be."""
+    text = edit(
+        six_cylinders,
+        {
+            "engine.rated_speed": "500",
+            "engine.bore": '"25 mmm"',
+            "engine.boree": '"250 mm"',
+            "engine.stroke": None,
+            "rod.length": '"720 kg"',
+            "gas.peak_pressure": '"12,5 MPa"',
+        },
+    )
+    (tmp_path / "mine.toml").write_text(text, encoding="utf-8")
+    with pytest.raises(InputError) as raised:
+        load_engine("mine.toml")
+    fields = [line.split(":")[0] for line in raised.value.sentences]
+    wrong = "rated_speed", "bore", "boree", "stroke"
+    assert set(fields) == {*(f"engine.{name}" for name in wrong), "rod.length", "gas.peak_pressure"}
+    assert len(fields) == 6
+    answer = call("check", "mine.toml")
+    assert answer.code == 2
+    assert len(answer.err.strip().splitlines()) == 6
+
+
+@pytest.mark.parametrize(
+    ("changes", "field"),
+    [
+        ({"material.youngs_modulus": "210"}, "material.youngs_modulus"),
+        ({"material.youngs_modulus": "2.1e11"}, "material.youngs_modulus"),
+        ({"gas.peak_pressure": "8.5"}, "gas.peak_pressure"),
+        ({"rod.length": "0.72"}, "rod.length"),
+        ({"rod.length": '"7,2 m"'}, "rod.length"),
+        ({"engine.rated_speed": '"fast"'}, "engine.rated_speed"),
+        ({"flywheel.inertia": "[]"}, "flywheel.inertia"),
+    ],
+)
+def test_what_a_message_suggests_is_allowed(tmp_path, six_cylinders, edit, changes, field):
+    path = tmp_path / "mine.toml"
+    path.write_text(edit(six_cylinders, changes), encoding="utf-8")
+    with pytest.raises(InputError, match=f"^{field}: ") as raised:
+        load_engine(path)
+    suggested = re.search(r'(?:like|example) ("[^"]+")', str(raised.value))[1]
+    section, name = field.split(".")
+    try:  # without the section's other fields
+        SECTIONS[section].model.from_text({name: suggested.strip('"')}, section)
+    except InputError as error:
+        assert not any(line.startswith(f"{field}: ") for line in error.sentences)  # noqa: PT017
+
+
+@pytest.mark.parametrize("text", ["1-5-3-6-2-4", "1 - 5 - 3 - 6 - 2 - 4", "1, 5, 3, 6, 2, 4"])
+def test_a_firing_order_may_be_text(tmp_path, six_cylinders, edit, text):
+    path = tmp_path / "mine.toml"
+    path.write_text(edit(six_cylinders, {"engine.firing_order": f'"{text}"'}), encoding="utf-8")
+    engine = load_engine(path)
+    assert engine.engine.firing_order == (1, 5, 3, 6, 2, 4)
+    changed = engine.changed(engine={"firing_order": "1-4-2-6-3-5"})
+    assert changed.engine.firing_order == (1, 4, 2, 6, 3, 5)
+    path.write_text(edit(six_cylinders, {"engine.firing_order": '"1-5-three"'}), encoding="utf-8")
+    with pytest.raises(InputError, match=r"^engine\.firing_order: given '1-5-three'; .*like"):
+        load_engine(path)
+
+
+def test_a_modulus_that_no_steel_has_is_remarked(call, tmp_path, six_cylinders, edit):
+    for modulus, remarked in (("21 GPa", True), ("2100 GPa", True), ("206 GPa", False)):
+        text = edit(six_cylinders, {"material.youngs_modulus": f'"{modulus}"'})
+        if modulus == "2100 GPa":
+            text = text.replace("2100 GPa", "999 GPa")
+        (tmp_path / "mine.toml").write_text(text, encoding="utf-8")
+        words = " ".join(call("check", "mine.toml").out.split())
+        assert ("material.youngs_modulus: " in words and "check both" in words) is remarked
+
+
+def test_a_yield_strength_above_the_tensile_one_is_refused(tmp_path, six_cylinders, edit):
+    path = tmp_path / "mine.toml"
+    limits = '[limits]\ntensile_strength = "600 MPa"\nyield_strength = "700 MPa"\n'
+    path.write_text(six_cylinders + limits, encoding="utf-8")
+    with pytest.raises(InputError, match=r"limits\.yield_strength: given 700 MPa above .* 600 MPa"):
+        load_engine(path)

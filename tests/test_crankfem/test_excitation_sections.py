@@ -139,8 +139,8 @@ def test_propeller_section():
     assert section.node == "propeller"
     forces = section.forces
     assert forces.mean_thrust([2.0 * math.pi]) == close([225e3])
-    assert forces.torque_phases == close([math.pi / 6.0])
-    assert forces.thrust_phases == close([0.0, 0.0])
+    assert forces.torque_phases_deg == close([30.0])
+    assert forces.thrust_phases_deg == close([0.0, 0.0])
     wrong = PropellerForcesSection.from_text(values | {"torque_phases": ["30 deg", "1 deg"]})
     with pytest.raises(InputError, match=r"propeller_forces.torque_phases: given 2 for 1 shares"):
         _ = wrong.forces

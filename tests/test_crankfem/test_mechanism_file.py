@@ -112,7 +112,7 @@ def test_a_pressure_table_beside_the_file(tmp_path):
         (
             "8chn26-26",
             {"value = [1, 2, 3, 4], source": "value = [1, 2, 3, 3], source"},
-            r"cylinder 8: crank_angle: given 0 deg; allowed is that of cylinder 3, 180 deg",
+            r"cylinder 8: crank_angle_deg: given 0 deg; allowed is that of cylinder 3, 180 deg",
         ),
         (
             "8chn26-26",

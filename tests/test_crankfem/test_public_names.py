@@ -138,3 +138,34 @@ def test_a_foreign_package_behind_does_no_harm(spawn, spawn_environment, tmp_pat
     environment = spawn_environment(PYTHONPATH=f"{paths}:{tmp_path / 'foreign'}")
     answer = python(spawn, "import crankfem as cf; cf.STEEL", env=environment)
     assert answer.code == 0, answer.err
+
+
+# Angles in radians that only results hold; what is evaluated over a turn takes an array `angles` [rad].
+RESULTS = (
+    *("MechanismFile", "LoadDiagram", "PinForceHarmonics", "TurnMotion", "FreeTurning"),
+    "SpeedOverAngle",
+)
+GIVEN_ANGLES = {
+    *("angle", "crank_angle", "crank_angles", "bank_angle", "bank_angles", "firing_angle"),
+    *("firing_angles", "throw_angles", "start_angle", "phases", "thrust_phases", "torque_phases"),
+}
+# Their files have the same fields, with units; beyond their ranges of radians they refuse.
+OF_FILES = ("Counterweight", "FurtherPin")
+
+
+@pytest.mark.parametrize("package", [cf, *TOPICS.values()], ids=lambda one: one.__name__)
+def test_angles_that_people_give_are_degrees_by_name(package):
+    for name in set(package.__all__) - {*RESULTS, *OF_FILES}:
+        thing = getattr(package, name)
+        if inspect.isroutine(thing) or (
+            inspect.isclass(thing) and not issubclass(thing, Exception)
+        ):
+            given = GIVEN_ANGLES.intersection(inspect.signature(thing).parameters)
+            assert not given, f"{name}: {given}"
+
+
+def test_degrees_are_refused_where_radians_of_a_file_stand():
+    with pytest.raises(cf.InputError, match=r"angle: given .* deg"):
+        cf.throws.Counterweight(outer_radius=0.27, angle=120.0)
+    with pytest.raises(cf.InputError, match=r"angle: given .* deg"):
+        cf.throws.FurtherPin(angle=120.0)

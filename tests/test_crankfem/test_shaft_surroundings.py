@@ -158,7 +158,7 @@ def two_pins():
         ),
         pins=pins,
         length=0.4,
-        crank_angle=0.0,
+        crank_angle_deg=0.0,
     )
     held = ShaftSurroundings(
         bearings=MainBearings(1e9), axial_supports=(AxialSupport(2, 5e8),), flywheel=None

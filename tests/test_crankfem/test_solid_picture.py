@@ -57,7 +57,7 @@ def throw_of(part):
 
 @cache
 def shaft_of(part):
-    return Crankshaft([throw_of(part)] * 3, np.radians([0.0, 120.0, 240.0]), ENDS_GIVEN)
+    return Crankshaft([throw_of(part)] * 3, crank_angles_deg=[0.0, 120.0, 240.0], ends=ENDS_GIVEN)
 
 
 def volume_inside(surface):
@@ -100,7 +100,7 @@ def test_surface_of_a_shaft_encloses_throws_and_ends():
 
 
 def test_throws_of_a_shaft_stand_at_their_angles():
-    shaft = Crankshaft([throw_of("quarter")] * 2, (0.0, 0.5 * math.pi))
+    shaft = Crankshaft([throw_of("quarter")] * 2, crank_angles_deg=(0.0, 90.0))
     surface = shaft_surface(shaft, fineness=1)
     points = surface.points[np.unique(surface.triangles)]
     first, second = (points[points[:, 2] < shaft.starts[1]], points[points[:, 2] > shaft.starts[1]])

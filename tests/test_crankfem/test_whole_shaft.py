@@ -192,6 +192,13 @@ def test_chains_with_more_behind_the_flywheel_are_not_compared(six, monkeypatch)
     record = whole_record(run.whole, run.comparison)
     assert record["chains"] == {}
     assert record["axial_split"]["both"] > 1e-6
+    split = run.comparison.coupled.split("section 0 uz")
+    for name in ("tangential", "radial", "both"):
+        curve = getattr(split, f"{name}_sum")
+        worst = int(np.argmax(curve))
+        assert record["axial_split"][name] == curve[worst]
+        speed = run.comparison.coupled.speeds[worst] * 30.0 / math.pi
+        assert record["axial_split"][f"{name}_speed_rpm"] == close(speed)
 
 
 def test_difference_of_the_whole_shaft_is_told_beside_the_verdict():

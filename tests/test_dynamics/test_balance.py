@@ -40,24 +40,49 @@ def engine_with_everything():
     """Two throws with hinged rods, offsets, lateral centers, odd angles, and counterweights."""
     cylinders = []
     for number, (crank, place) in enumerate(((0.3, 0.1), (2.0, 0.5))):
-        main = EngineCylinder(0.2, 20.0, MAIN, crank, -0.35, place, pin_offset=0.01)
-        pin = SlavePin(2 * number + 1, 0.1, 0.75)
+        main = EngineCylinder(
+            0.2,
+            20.0,
+            MAIN,
+            crank_angle_deg=math.degrees(crank),
+            bank_angle_deg=math.degrees(-0.35),
+            position=place,
+            pin_offset=0.01,
+        )
+        pin = SlavePin(2 * number + 1, 0.1, angle_deg=math.degrees(0.75))
         hinged = EngineCylinder(
-            0.2, 18.0, HINGED, crank, 0.45, place, pin_offset=-0.006, slave_pin=pin
+            0.2,
+            18.0,
+            HINGED,
+            crank_angle_deg=math.degrees(crank),
+            bank_angle_deg=math.degrees(0.45),
+            position=place,
+            pin_offset=-0.006,
+            slave_pin=pin,
         )
         cylinders += [main, hinged]
-    weights = [RotatingMass(1.5, 2.5, 0.0), RotatingMass(2.0, -1.0, 0.6)]
+    weights = [
+        RotatingMass(1.5, angle_deg=math.degrees(2.5), position=0.0),
+        RotatingMass(2.0, angle_deg=math.degrees(-1.0), position=0.6),
+    ]
     return EngineLayout(0.1, cylinders, [1, 2, 3, 4], 2, rotating=weights)
 
 
 def in_line(cranks, rod=STRAIGHT, pitch=0.25):
     cylinders = [
-        EngineCylinder(0.2, 20.0, rod, crank, 0.0, place * pitch)
+        EngineCylinder(
+            0.2,
+            20.0,
+            rod,
+            crank_angle_deg=math.degrees(crank),
+            bank_angle_deg=0.0,
+            position=place * pitch,
+        )
         for place, crank in enumerate(cranks)
     ]
     firing = [-crank for crank in cranks]
     order = firing_order_of_angles(firing, 2, 1)
-    return EngineLayout(0.1, cylinders, order, 2, firing_angles=firing)
+    return EngineLayout(0.1, cylinders, order, 2, firing_angles_deg=np.degrees(firing))
 
 
 def one_cylinder(ratio):
@@ -201,7 +226,14 @@ def test_samples_grow_with_the_orders():
 def test_counterweights():
     # A V of 90 deg: all of the first order turns with the shaft and can be canceled.
     cylinders = [
-        EngineCylinder(0.2, 20.0, STRAIGHT, 0.4, bank) for bank in (-math.pi / 4, math.pi / 4)
+        EngineCylinder(
+            0.2,
+            20.0,
+            STRAIGHT,
+            crank_angle_deg=math.degrees(0.4),
+            bank_angle_deg=math.degrees(bank),
+        )
+        for bank in (-math.pi / 4, math.pi / 4)
     ]
     vee = EngineLayout(0.1, cylinders, [1, 2], 2)
     weights = balancing_masses(vee, 0.5)
@@ -279,6 +311,9 @@ def test_what_is_refused(act, message):
 
 def test_cylinders_of_a_bank_in_one_place_have_no_balance():
     rod = ConnectingRod(0.2, 1.0, 0.07, 0.006)
-    cylinders = [EngineCylinder(0.1, 1.0, rod, crank_angle=angle) for angle in (0.0, math.pi)]
+    cylinders = [
+        EngineCylinder(0.1, 1.0, rod, crank_angle_deg=math.degrees(angle))
+        for angle in (0.0, math.pi)
+    ]
     with pytest.raises(InputError, match="cylinder 2: position: given 0 m, where cylinder 1"):
         balance(EngineLayout(0.05, cylinders, [1, 2]), 100.0)

@@ -45,7 +45,7 @@ ROD = ConnectingRod(length=0.2, mass=1.0, center_distance=0.07, inertia=0.006)
 ENGINE = EngineLayout(
     0.05,
     [
-        EngineCylinder(0.1, 1.0, ROD, crank_angle=angle, position=0.1 * place)
+        EngineCylinder(0.1, 1.0, ROD, crank_angle_deg=math.degrees(angle), position=0.1 * place)
         for place, angle in enumerate((0.0, math.pi, math.pi, 0.0))
     ],
     [1, 3, 4, 2],

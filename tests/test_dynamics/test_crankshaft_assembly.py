@@ -86,7 +86,7 @@ STIFFNESS, MASS, PIN = beam_throw()
 
 def shaft_of(degrees, around=None, **options):
     throws = [
-        ShaftThrow(STIFFNESS, MASS, PIN[None], [[0.0, RADIUS, 0.2]], LENGTH, math.radians(angle))
+        ShaftThrow(STIFFNESS, MASS, PIN[None], [[0.0, RADIUS, 0.2]], LENGTH, crank_angle_deg=angle)
         for angle in degrees
     ]
     return assemble_crankshaft(throws, around, **options)

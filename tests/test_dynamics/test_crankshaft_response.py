@@ -61,7 +61,7 @@ def spring_throw(angle=0.0, coupling=0.0):
         pin_loads=pin.T[None],
         pins=[[0, RADIUS, LENGTH / 2]],
         length=LENGTH,
-        crank_angle=angle,
+        crank_angle_deg=math.degrees(angle),
     )
 
 
@@ -168,7 +168,11 @@ def test_torque_of_the_chain_is_that_of_the_pins(forces):
         mass += INERTIA * np.outer(turning, turning)
         own = np.array([[-RADIUS, 0.0, 0.0, 0.0, 0.0, 1.0]])
         pins = np.concatenate((base.pin_loads, own[None]), axis=1)
-        throws.append(ShaftThrow(stiffness, mass, pins, base.pins, LENGTH, float(angle)))
+        throws.append(
+            ShaftThrow(
+                stiffness, mass, pins, base.pins, LENGTH, crank_angle_deg=math.degrees(float(angle))
+            )
+        )
     shaft = crankshaft_system(assemble_crankshaft(throws, AROUND), 2000.0)
     _, torsional = chains()
     matches = matching_modes(shaft, torsional, 300.0)

@@ -1,3 +1,5 @@
+import math
+
 import numpy as np
 import pytest
 
@@ -166,15 +168,44 @@ def v_four():
     """Two throws at 90 deg with two cylinders each: side by side, and one rod hinged."""
     rod = ConnectingRod(length=0.25, mass=3.0, center_distance=0.08, inertia=0.02)
     crank, bank = np.pi / 2.0, np.pi / 4.0
-    pin = SlavePin(main_cylinder=3, radius=0.06, angle=np.pi / 2.0)
+    pin = SlavePin(main_cylinder=3, radius=0.06, angle_deg=90.0)
     slave = ConnectingRod(length=0.19, mass=2.0, center_distance=0.08, inertia=0.01)
     return EngineLayout(
         crank_radius=0.07,
         cylinders=[
-            EngineCylinder(0.12, 2.0, rod, 0.0, -bank, 0.0),
-            EngineCylinder(0.12, 2.0, rod, 0.0, bank, 0.03),
-            EngineCylinder(0.12, 2.0, rod, crank, -bank, 0.2),
-            EngineCylinder(0.12, 2.0, slave, crank, bank, 0.2, slave_pin=pin),
+            EngineCylinder(
+                0.12,
+                2.0,
+                rod,
+                crank_angle_deg=0.0,
+                bank_angle_deg=math.degrees(-bank),
+                position=0.0,
+            ),
+            EngineCylinder(
+                0.12,
+                2.0,
+                rod,
+                crank_angle_deg=0.0,
+                bank_angle_deg=math.degrees(bank),
+                position=0.03,
+            ),
+            EngineCylinder(
+                0.12,
+                2.0,
+                rod,
+                crank_angle_deg=math.degrees(crank),
+                bank_angle_deg=math.degrees(-bank),
+                position=0.2,
+            ),
+            EngineCylinder(
+                0.12,
+                2.0,
+                slave,
+                crank_angle_deg=math.degrees(crank),
+                bank_angle_deg=math.degrees(bank),
+                position=0.2,
+                slave_pin=pin,
+            ),
         ],
         firing_order=[1, 2, 3, 4],
     )

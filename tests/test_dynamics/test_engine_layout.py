@@ -28,7 +28,7 @@ SHORT = ConnectingRod(0.065, 5.0, 0.03, 0.005)
 
 def cylinder(crank=0.0, bank=0.0, **more):
     given = {"bore": 0.13, "piston_mass": 4.0, "rod": ROD, **more}
-    return EngineCylinder(crank_angle=math.radians(crank), bank_angle=math.radians(bank), **given)
+    return EngineCylinder(crank_angle_deg=crank, bank_angle_deg=bank, **given)
 
 
 def in_line(*cranks):
@@ -89,7 +89,7 @@ def test_firing_angles_of_even_cranks_follow_the_order(order, start):
 
 
 def test_firing_angles_may_be_given():
-    engine = EngineLayout(0.07, in_line(0, 0), [1, 2], firing_angles=[4.0 * math.pi, 2.0 * math.pi])
+    engine = EngineLayout(0.07, in_line(0, 0), [1, 2], firing_angles_deg=[720.0, 360.0])
     assert engine.firing == (4.0 * math.pi, 2.0 * math.pi)
     assert engine.main_of(2) == 2
 
@@ -109,9 +109,11 @@ FIRED_1342 = np.radians([0.0, 540.0, 180.0, 360.0])
 def test_firing_angles_agree_with_the_order_in_any_cycle(order, later):
     """100 pi are 25 cycles; the order of a cycle may begin with any cylinder."""
     angles = FIRED_1342 + np.array([later, 0.0, 0.0, -later])
-    engine = EngineLayout(0.07, in_line(0, 180, 180, 0), order, firing_angles=angles)
+    engine = EngineLayout(
+        0.07, in_line(0, 180, 180, 0), order, firing_angles_deg=np.degrees(angles)
+    )
     assert engine.firing_order == order
-    assert engine.firing == tuple(angles)
+    assert engine.firing == close(angles)
 
 
 @pytest.mark.parametrize("order", [(1, 2, 3, 4), (1, 2, 4, 3), (1, 4, 3, 2)])
@@ -120,7 +122,7 @@ def test_an_order_against_the_firing_angles_is_refused(order, later):
     angles = FIRED_1342 + np.array([later, 0.0, 0.0, 0.0])
     words = rf"given \[{order[0]}, .*; allowed is \[1, 3, 4, 2\], because the firing angles"
     with pytest.raises(InputError, match=words):
-        EngineLayout(0.07, in_line(0, 180, 180, 0), order, firing_angles=angles)
+        EngineLayout(0.07, in_line(0, 180, 180, 0), order, firing_angles_deg=np.degrees(angles))
 
 
 @pytest.mark.parametrize(
@@ -129,21 +131,25 @@ def test_an_order_against_the_firing_angles_is_refused(order, later):
 def test_cylinders_that_fire_together_stand_in_any_order(order):
     """1 and 2 at the top, 3 and 4 half a turn later, each pair equal but for round-off."""
     angles = np.radians([0.0, 720.0 - 1e-9, 180.0, 180.0 + 1e-9])
-    engine = EngineLayout(0.07, in_line(0, 0, 180, 180), order, firing_angles=angles)
+    engine = EngineLayout(
+        0.07, in_line(0, 0, 180, 180), order, firing_angles_deg=np.degrees(angles)
+    )
     assert engine.firing_order == order
     with pytest.raises(InputError, match=r"firing_order: given \[1, 3, 2, 4\]"):
-        EngineLayout(0.07, in_line(0, 0, 180, 180), [1, 3, 2, 4], firing_angles=angles)
+        EngineLayout(
+            0.07, in_line(0, 0, 180, 180), [1, 3, 2, 4], firing_angles_deg=np.degrees(angles)
+        )
 
 
 def test_all_may_fire_together():
-    engine = EngineLayout(0.07, in_line(0, 0, 0), [3, 1, 2], firing_angles=[0.0, 0.0, 0.0])
+    engine = EngineLayout(0.07, in_line(0, 0, 0), [3, 1, 2], firing_angles_deg=[0.0, 0.0, 0.0])
     assert engine.firing_order == (3, 1, 2)
 
 
 @pytest.mark.parametrize(
     "make",
     [
-        lambda off: EngineLayout(0.07, in_line(0), [1], firing_angles=[off]),
+        lambda off: EngineLayout(0.07, in_line(0), [1], firing_angles_deg=np.degrees([off])),
         lambda off: EngineLayout(0.07, [cylinder(), hinged_to(1, crank=math.degrees(off))], [1, 2]),
     ],
 )
@@ -156,12 +162,25 @@ def test_angles_count_as_in_line_within_round_off_of_degrees(make):
 
 def test_a_layout_keeps_what_was_checked():
     """Lists given are copied into tuples: what is appended later stays out, and it can be hashed."""
-    cylinders, order, rotating = in_line(0, 180), [1, 2], [RotatingMass(0.1, 0.0)]
+    cylinders, order, rotating = in_line(0, 180), [1, 2], [RotatingMass(0.1, angle_deg=0.0)]
     angles = [0.0, math.pi]
     engine = EngineLayout(
-        0.07, cylinders, order, firing_angles=angles, rotating=rotating, shaft_inertia=1.0
+        0.07,
+        cylinders,
+        order,
+        firing_angles_deg=np.degrees(angles),
+        rotating=rotating,
+        shaft_inertia=1.0,
     )
-    same = EngineLayout(0.07, tuple(cylinders), (1, 2), 4, tuple(angles), tuple(rotating), 1.0)
+    same = EngineLayout(
+        0.07,
+        tuple(cylinders),
+        (1, 2),
+        4,
+        firing_angles_deg=np.degrees(tuple(angles)),
+        rotating=tuple(rotating),
+        shaft_inertia=1.0,
+    )
     for values in (cylinders, order, rotating, angles):
         values.append(values[0])
     assert engine == same
@@ -197,7 +216,10 @@ def test_one_cylinder_of_an_engine_moves_as_a_slider_crank():
 
 def test_the_slave_pin_turns_with_the_main_rod():
     """Equal banks and a pin straight out on the rod's axis: the foot is a point of the main rod."""
-    hinged = cylinder(slave_pin=SlavePin(1, 0.06, 0.3), rod=ConnectingRod(0.2, 3.0, 0.07, 0.03))
+    hinged = cylinder(
+        slave_pin=SlavePin(1, 0.06, angle_deg=math.degrees(0.3)),
+        rod=ConnectingRod(0.2, 3.0, 0.07, 0.03),
+    )
     engine = EngineLayout(0.07, [cylinder(), hinged], [1, 2])
     angles = np.linspace(0.0, 6.0, 9)
     place = 0.06 * np.exp(0.3j)
@@ -209,7 +231,11 @@ def test_the_slave_pin_turns_with_the_main_rod():
 
 
 def hinged_to(main, crank=0.0, **pin):
-    return cylinder(crank, 40.0, slave_pin=SlavePin(main, **{"radius": 0.06, "angle": 0.7, **pin}))
+    return cylinder(
+        crank,
+        40.0,
+        slave_pin=SlavePin(main, **{"radius": 0.06, "angle_deg": math.degrees(0.7), **pin}),
+    )
 
 
 @pytest.mark.parametrize(
@@ -259,7 +285,7 @@ def hinged_to(main, crank=0.0, **pin):
             [cylinder(), hinged_to(1, crank=90.0)],
             [1, 2],
             {},
-            "cylinder 2: crank_angle: given 90 deg; allowed is that of cylinder 1, 0 deg",
+            "cylinder 2: crank_angle_deg: given 90 deg; allowed is that of cylinder 1, 0 deg",
         ),
         (
             [cylinder(position=0.1), hinged_to(1)],
@@ -274,7 +300,7 @@ def hinged_to(main, crank=0.0, **pin):
             "cylinder 2: slave pin radius: given 0.265 m; .*main rod's length of 0.265 m",
         ),
         (
-            [cylinder(), hinged_to(1, radius=0.26, angle=-0.9)],
+            [cylinder(), hinged_to(1, radius=0.26, angle_deg=math.degrees(-0.9))],
             [1, 2],
             {},
             "cylinder 2: rod length: given 0.265 m for a pin that goes 0.[0-9]+ m aside",
@@ -282,13 +308,13 @@ def hinged_to(main, crank=0.0, **pin):
         (
             in_line(0, 0),
             [1, 2],
-            {"firing_angles": [0.0]},
-            "firing_angles: given 1 angles; .*the 2 cylinders, because",
+            {"firing_angles_deg": [0.0]},
+            "firing_angles_deg: given 1 angles; .*the 2 cylinders, because",
         ),
         (
             in_line(0, 180),
             [1, 2],
-            {"firing_angles": [0.0, 0.0]},
+            {"firing_angles_deg": [0.0, 0.0]},
             "given 0 deg for cylinder 2; allowed is -180 deg plus whole turns",
         ),
     ],
@@ -304,17 +330,26 @@ def test_bad_layouts_are_refused_with_the_reason(parts, order, more, words):
         (lambda: cylinder(piston_mass=-4.0), "piston_mass: given -4 kg; .*it is a mass"),
         (lambda: cylinder(bore=0.0), "bore: given 0 m"),
         (lambda: cylinder(position=math.nan), "position: given nan"),
-        (lambda: cylinder(crank=math.inf), "crank_angle: given inf"),
+        (lambda: cylinder(crank=math.inf), "crank_angle_deg: given inf"),
         (
-            lambda: SlavePin(1.0, 0.06, 0.7),
+            lambda: SlavePin(1.0, 0.06, angle_deg=math.degrees(0.7)),
             "slave pin main_cylinder: given 1.0; allowed is a whole",
         ),
-        (lambda: SlavePin(True, 0.06, 0.7), "slave pin main_cylinder: given True"),
-        (lambda: SlavePin("1", 0.06, 0.7), "slave pin main_cylinder: given '1'"),
-        (lambda: SlavePin(1, 0.0, 0.7), "slave pin radius: given 0 m"),
-        (lambda: SlavePin(1, 0.06, math.nan), "slave pin angle: given nan"),
-        (lambda: RotatingMass(-0.1, 0.0), "static_moment: given -0.1 kg m; .*mass times radius"),
-        (lambda: RotatingMass(0.1, math.nan), "angle: given nan"),
+        (
+            lambda: SlavePin(True, 0.06, angle_deg=math.degrees(0.7)),
+            "slave pin main_cylinder: given True",
+        ),
+        (
+            lambda: SlavePin("1", 0.06, angle_deg=math.degrees(0.7)),
+            "slave pin main_cylinder: given '1'",
+        ),
+        (lambda: SlavePin(1, 0.0, angle_deg=math.degrees(0.7)), "slave pin radius: given 0 m"),
+        (lambda: SlavePin(1, 0.06, angle_deg=math.nan), "slave pin angle_deg: given nan"),
+        (
+            lambda: RotatingMass(-0.1, angle_deg=0.0),
+            "static_moment: given -0.1 kg m; .*mass times radius",
+        ),
+        (lambda: RotatingMass(0.1, angle_deg=math.nan), "angle_deg: given nan"),
     ],
 )
 def test_impossible_parts_are_refused(make, words):
@@ -332,3 +367,12 @@ def test_firing_intervals_are_one_cycle_together(strokes, total):
     steps = firing_intervals([0.5, 0.1, 3.0], strokes)
     assert steps[:2] == close((0.4, 2.5))
     assert sum(steps) == close(total * np.pi)
+
+
+def test_a_firing_order_may_be_text():
+    engine = EngineLayout(0.07, in_line(0, 180, 180, 0), "1-3-4-2")
+    assert engine == EngineLayout(0.07, in_line(0, 180, 180, 0), [1, 3, 4, 2])
+    with pytest.raises(
+        InputError, match="firing_order: given '1;3;4;2'; allowed are cylinder numbers"
+    ):
+        EngineLayout(0.07, in_line(0, 180, 180, 0), "1;3;4;2")

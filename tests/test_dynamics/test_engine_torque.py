@@ -38,7 +38,9 @@ class SmoothPressure:
 def in_line_two_stroke():
     cranks = np.radians([0.0, 120.0, 240.0])
     cylinders = [
-        EngineCylinder(0.12, 3.0, ROD, crank_angle=c, position=0.2 * i, pin_offset=0.003)
+        EngineCylinder(
+            0.12, 3.0, ROD, crank_angle_deg=math.degrees(c), position=0.2 * i, pin_offset=0.003
+        )
         for i, c in enumerate(cranks.tolist())
     ]
     return EngineLayout(0.07, cylinders, [1, 3, 2], strokes=2)
@@ -49,10 +51,27 @@ def hinged_vee():
     cylinders = []
     for throw, crank in enumerate((0.0, math.pi)):
         place = 0.2 * throw
-        cylinders.append(EngineCylinder(0.12, 3.0, ROD, crank, -math.radians(30), place))
-        pin = SlavePin(2 * throw + 1, 0.06, math.radians(60))
         cylinders.append(
-            EngineCylinder(0.12, 2.8, SLAVE_ROD, crank, math.radians(30), place, slave_pin=pin)
+            EngineCylinder(
+                0.12,
+                3.0,
+                ROD,
+                crank_angle_deg=math.degrees(crank),
+                bank_angle_deg=-30.0,
+                position=place,
+            )
+        )
+        pin = SlavePin(2 * throw + 1, 0.06, angle_deg=60.0)
+        cylinders.append(
+            EngineCylinder(
+                0.12,
+                2.8,
+                SLAVE_ROD,
+                crank_angle_deg=math.degrees(crank),
+                bank_angle_deg=30.0,
+                position=place,
+                slave_pin=pin,
+            )
         )
     return EngineLayout(0.07, cylinders, [1, 2, 3, 4])
 
@@ -204,13 +223,20 @@ def test_rods_side_by_side_share_a_throw_but_not_with_the_next():
     """A V12 whose throws 1 and 6 lie in one direction: rods of throw 1 stand 40 mm apart."""
     throws = np.radians([0.0, 120.0, 240.0, 240.0, 120.0, 0.0]).tolist()
     cylinders = [
-        EngineCylinder(0.1, 1.0, ROD, crank, bank, 0.13 * place + shift)
+        EngineCylinder(
+            0.1,
+            1.0,
+            ROD,
+            crank_angle_deg=math.degrees(crank),
+            bank_angle_deg=math.degrees(bank),
+            position=0.13 * place + shift,
+        )
         for bank, shift in ((-math.pi / 6, 0.0), (math.pi / 6, 0.04))
         for place, crank in enumerate(throws)
     ]
     tops = [cylinder.top_shaft_angle for cylinder in cylinders]
     order = [int(place) + 1 for place in np.argsort(np.mod(np.round(tops, 9), 4.0 * math.pi))]
-    engine = EngineLayout(0.05, cylinders, order, firing_angles=tops)
+    engine = EngineLayout(0.05, cylinders, order, firing_angles_deg=np.degrees(tops))
     found = engine_torque(engine, SPEED, samples=12)
     assert found.throws == ((1, 7), (2, 8), (3, 9), (4, 10), (5, 11), (6, 12))
 

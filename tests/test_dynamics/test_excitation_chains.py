@@ -1,5 +1,7 @@
 """Excitation of chains by the cylinders: nodes, signs, and torsion that lengthens throws."""
 
+import math
+
 import numpy as np
 import pytest
 
@@ -43,7 +45,14 @@ class Waves:
 def engine():
     """A V of three throws at 0, 120, 240 deg with rods side by side."""
     cylinders = [
-        EngineCylinder(0.12, 3.0, ROD, crank, bank, 0.2 * throw + 0.02 * side)
+        EngineCylinder(
+            0.12,
+            3.0,
+            ROD,
+            crank_angle_deg=math.degrees(crank),
+            bank_angle_deg=math.degrees(bank),
+            position=0.2 * throw + 0.02 * side,
+        )
         for throw, crank in enumerate(np.radians([0.0, 120.0, 240.0]).tolist())
         for side, bank in enumerate(np.radians([-45.0, 45.0]).tolist())
     ]

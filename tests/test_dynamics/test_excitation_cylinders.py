@@ -45,7 +45,9 @@ class SmoothPressure:
 
 def offset_two_stroke():
     cylinders = [
-        EngineCylinder(0.12, 3.0, ROD, crank_angle=c, position=0.2 * i, pin_offset=0.003)
+        EngineCylinder(
+            0.12, 3.0, ROD, crank_angle_deg=math.degrees(c), position=0.2 * i, pin_offset=0.003
+        )
         for i, c in enumerate(np.radians([0.0, 120.0, 240.0]).tolist())
     ]
     return EngineLayout(0.07, cylinders, [1, 3, 2], strokes=2)
@@ -56,11 +58,28 @@ def vee(hinged):
     cylinders = []
     for throw, crank in enumerate((0.0, math.pi)):
         place = 0.2 * throw
-        pin = SlavePin(2 * throw + 1, 0.06, math.radians(60)) if hinged else None
+        pin = SlavePin(2 * throw + 1, 0.06, angle_deg=60.0) if hinged else None
         rod, apart = (SLAVE_ROD, 0.0) if hinged else (ROD, 0.03)
-        cylinders.append(EngineCylinder(0.12, 3.0, ROD, crank, -math.radians(30), place))
         cylinders.append(
-            EngineCylinder(0.12, 2.8, rod, crank, math.radians(30), place + apart, slave_pin=pin)
+            EngineCylinder(
+                0.12,
+                3.0,
+                ROD,
+                crank_angle_deg=math.degrees(crank),
+                bank_angle_deg=-30.0,
+                position=place,
+            )
+        )
+        cylinders.append(
+            EngineCylinder(
+                0.12,
+                2.8,
+                rod,
+                crank_angle_deg=math.degrees(crank),
+                bank_angle_deg=30.0,
+                position=place + apart,
+                slave_pin=pin,
+            )
         )
     return EngineLayout(0.07, cylinders, [1, 2, 3, 4])
 
@@ -217,7 +236,12 @@ def test_what_does_not_fit_is_refused(changed, sentence):
 
 def test_a_firing_order_that_does_not_fit_the_cranks_is_refused():
     cranks = np.radians([0.0, 180.0, 180.0, 0.0]).tolist()
-    cylinders = [EngineCylinder(0.12, 3.0, ROD, c, 0.0, 0.2 * i) for i, c in enumerate(cranks)]
+    cylinders = [
+        EngineCylinder(
+            0.12, 3.0, ROD, crank_angle_deg=math.degrees(c), bank_angle_deg=0.0, position=0.2 * i
+        )
+        for i, c in enumerate(cranks)
+    ]
     with pytest.raises(
         InputError, match=r"firing_order: given \[1, 4, 3, 2\]; allowed is an order"
     ):

@@ -24,7 +24,9 @@ BEARINGS = [0.0, 0.16, 0.32]
 
 
 def cylinder(crank=0.0, position=0.0, bank=0.0, **more):
-    return EngineCylinder(0.13, 4.0, ROD, math.radians(crank), math.radians(bank), position, **more)
+    return EngineCylinder(
+        0.13, 4.0, ROD, crank_angle_deg=crank, bank_angle_deg=bank, position=position, **more
+    )
 
 
 def twin(*rotating):
@@ -39,10 +41,14 @@ def forces_of(engine, angles=ANGLES, **more):
 
 
 def test_a_crankpin_bears_the_rods_on_it():
-    hinged = cylinder(bank=60.0, slave_pin=SlavePin(1, 0.06, math.radians(60.0)))
-    engine = EngineLayout(0.07, [cylinder(), hinged, cylinder(bank=60.0)], [1, 2, 3], 4, [
-        0.0, math.radians(60.0), math.radians(420.0),
-    ])  # fmt: skip
+    hinged = cylinder(bank=60.0, slave_pin=SlavePin(1, 0.06, angle_deg=60.0))
+    engine = EngineLayout(
+        0.07,
+        [cylinder(), hinged, cylinder(bank=60.0)],
+        [1, 2, 3],
+        4,
+        firing_angles_deg=[0.0, 60.0, 420.0],
+    )
     forces = forces_of(engine)
     loads = crankpin_loads(forces)
     assert [load.name for load in loads] == ["crankpin, cylinders 1 and 2", "crankpin, cylinder 3"]
@@ -106,7 +112,10 @@ def test_each_load_is_shared_by_the_lever():
 
 def test_bearings_carry_forces_and_moments_of_all_loads_turning_masses_included():
     """A mass at rest on the shaft, m r (w^2 - i w') outwards; sum and lever sum over the bearings."""
-    masses = RotatingMass(0.3, 2.0, 0.1), RotatingMass(0.2, -1.0, 0.32)
+    masses = (
+        RotatingMass(0.3, angle_deg=math.degrees(2.0), position=0.1),
+        RotatingMass(0.2, angle_deg=math.degrees(-1.0), position=0.32),
+    )
     gain = 4000.0
     engine = twin(*masses)
     forces = forces_of(engine, crank_acceleration=gain)
@@ -127,7 +136,7 @@ def test_bearings_carry_forces_and_moments_of_all_loads_turning_masses_included(
 
 
 def test_a_hinged_rod_loads_the_shaft_where_the_main_rod_does():
-    hinged = cylinder(bank=60.0, position=0.04, slave_pin=SlavePin(1, 0.06, math.radians(60.0)))
+    hinged = cylinder(bank=60.0, position=0.04, slave_pin=SlavePin(1, 0.06, angle_deg=60.0))
     engine = EngineLayout(0.07, [cylinder(position=0.04), hinged], [1, 2])
     forces = forces_of(engine)
     loads = main_bearing_loads(forces, [0.0, 0.16])
@@ -138,7 +147,7 @@ def test_a_speed_for_each_angle():
     speeds = np.linspace(200.0, 240.0, ANGLES.size)
     with_mass, without = (
         main_bearing_loads(mechanism_forces(engine, ANGLES, speeds), BEARINGS)
-        for engine in (twin(RotatingMass(0.3, 2.0, 0.0)), twin())
+        for engine in (twin(RotatingMass(0.3, angle_deg=math.degrees(2.0), position=0.0)), twin())
     )
     np.testing.assert_allclose(
         np.abs(with_mass[0].force - without[0].force), 0.3 * speeds**2, rtol=1e-9
@@ -163,7 +172,7 @@ def test_cylinders_in_the_same_place_have_no_bearing_loads():
     ],
 )
 def test_a_motion_that_does_not_fit_is_refused(motion, words):
-    engine = twin(RotatingMass(0.3, 2.0, 0.0))
+    engine = twin(RotatingMass(0.3, angle_deg=math.degrees(2.0), position=0.0))
     given = {"speed": SPEED} | motion
     with pytest.raises(InputError, match=words):
         mechanism_forces(engine, ANGLES, **given)
@@ -196,7 +205,7 @@ def test_angles_that_are_not_one_cycle_are_refused(angles, words):
         ([0.0, 0.2], (), "cylinder 2: position: given 0.24 m"),
         (
             BEARINGS,
-            (RotatingMass(0.1, 0.0, 0.4),),
+            (RotatingMass(0.1, angle_deg=0.0, position=0.4),),
             "rotating mass 1: position: given 0.4 m; .*beyond the end bearings",
         ),
     ],

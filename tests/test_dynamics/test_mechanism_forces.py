@@ -48,8 +48,8 @@ def vee_engines(draw):
         bore=0.13,
         piston_mass=draw(st.floats(1.0, 6.0)),
         rod=draw(rods(0.265)),
-        crank_angle=draw(share),
-        bank_angle=draw(share),
+        crank_angle_deg=math.degrees(draw(share)),
+        bank_angle_deg=math.degrees(draw(share)),
         pin_offset=0.01 * draw(share),
     )
     vee = 0.8 * draw(share)
@@ -57,12 +57,14 @@ def vee_engines(draw):
         bore=0.12,
         piston_mass=draw(st.floats(1.0, 6.0)),
         rod=draw(rods(0.21)),
-        crank_angle=main.crank_angle,
-        bank_angle=main.bank_angle + vee,
+        crank_angle_deg=main.crank_angle_deg,
+        bank_angle_deg=math.degrees(main.bank_angle + vee),
         pin_offset=0.01 * draw(share),
-        slave_pin=SlavePin(1, 0.06, vee + 0.2 * draw(share)),
+        slave_pin=SlavePin(1, 0.06, angle_deg=math.degrees(vee + 0.2 * draw(share))),
     )
-    return EngineLayout(0.07, [main, hinged], [1, 2], firing_angles=tops(main, hinged))
+    return EngineLayout(
+        0.07, [main, hinged], [1, 2], firing_angles_deg=np.degrees(tops(main, hinged))
+    )
 
 
 def tops(*cylinders):
@@ -322,16 +324,20 @@ def test_forces_do_not_depend_on_the_units(engine, longer, heavier, slower):
                 heavier * longer**2 * rod.inertia,
                 longer * rod.center_offset,
             ),
-            cylinder.crank_angle,
-            cylinder.bank_angle,
-            longer * cylinder.position,
-            longer * cylinder.pin_offset,
-            pin and SlavePin(pin.main_cylinder, longer * pin.radius, pin.angle),
+            crank_angle_deg=cylinder.crank_angle_deg,
+            bank_angle_deg=cylinder.bank_angle_deg,
+            position=longer * cylinder.position,
+            pin_offset=longer * cylinder.pin_offset,
+            slave_pin=pin
+            and SlavePin(pin.main_cylinder, longer * pin.radius, angle_deg=pin.angle_deg),
         )
 
     main, hinged = (scaled(cylinder) for cylinder in engine.cylinders)
     other = EngineLayout(
-        longer * engine.crank_radius, [main, hinged], [1, 2], firing_angles=tops(main, hinged)
+        longer * engine.crank_radius,
+        [main, hinged],
+        [1, 2],
+        firing_angles_deg=np.degrees(tops(main, hinged)),
     )
     factor = heavier * longer / slower**2
     for model in ROD_MODELS:
@@ -359,15 +365,15 @@ def test_an_engine_turned_as_a_whole_has_the_same_forces(engine, angle):
             c.bore,
             c.piston_mass,
             c.rod,
-            c.crank_angle + angle,
-            c.bank_angle + angle,
-            c.position,
-            c.pin_offset,
-            c.slave_pin,
+            crank_angle_deg=math.degrees(c.crank_angle + angle),
+            bank_angle_deg=math.degrees(c.bank_angle + angle),
+            position=c.position,
+            pin_offset=c.pin_offset,
+            slave_pin=c.slave_pin,
         )
         for c in engine.cylinders
     ]
-    other = EngineLayout(0.07, turned, [1, 2], firing_angles=tops(*turned))
+    other = EngineLayout(0.07, turned, [1, 2], firing_angles_deg=np.degrees(tops(*turned)))
     ours, theirs = (solved_forces(e, ANGLES, "rigid") for e in (engine, other))
     size = np.max(np.abs(ours.foot))
     for part in ("side", "piston_pin", "foot", "tangential", "radial"):

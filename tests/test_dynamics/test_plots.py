@@ -106,7 +106,7 @@ def loads():
 @cache
 def engine():
     cylinders = [
-        EngineCylinder(0.12, 3.0, ROD, crank_angle=angle, position=0.2 * place)
+        EngineCylinder(0.12, 3.0, ROD, crank_angle_deg=math.degrees(angle), position=0.2 * place)
         for place, angle in enumerate((0.0, math.pi / 2.0))
     ]
     return EngineLayout(0.07, cylinders, [1, 2])

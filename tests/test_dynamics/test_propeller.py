@@ -10,7 +10,16 @@ from dynamics.chains.connections import Gear
 from dynamics.excitation.propeller import PropellerForces, propeller_excitation
 
 SPEEDS = np.array([40.0, 80.0])
-FORCES = PropellerForces(4, 20.0, 3e5, 2e5, [0.08, 0.02], [0.1, 0.03], [0.3, 1.0], [-0.5, 2.0])
+FORCES = PropellerForces(
+    4,
+    20.0,
+    3e5,
+    2e5,
+    [0.08, 0.02],
+    [0.1, 0.03],
+    thrust_phases_deg=np.degrees([0.3, 1.0]),
+    torque_phases_deg=np.degrees([-0.5, 2.0]),
+)
 ANGLES = np.random.default_rng(5).uniform(0.0, 60.0, 25)
 
 
@@ -62,6 +71,6 @@ def test_what_does_not_fit_is_refused():
     with pytest.raises(InputError, match="given no harmonics of its thrust"):
         propeller_excitation(steady, chain, 3, SPEEDS, kind="axial")
     with pytest.raises(InputError, match=r"propeller_forces.thrust_phases: given 1 for 2 shares"):
-        PropellerForces(4, 20.0, 3e5, 2e5, [0.1, 0.02], [], [0.1])
+        PropellerForces(4, 20.0, 3e5, 2e5, [0.1, 0.02], [], thrust_phases_deg=[0.1])
     with pytest.raises(InputError, match=r"propeller_forces.blades: given 1"):
         PropellerForces(1, 20.0, 3e5, 2e5, [0.1], [])

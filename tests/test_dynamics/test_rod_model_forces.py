@@ -91,8 +91,17 @@ def test_a_rod_without_mass_gives_the_forces_of_the_textbook():
 def test_a_rod_hinged_at_the_crankpin_stands_beside_the_main_rod():
     """With the slave pin at 1e-9 m what the main rod's wall adds is gone, to 1e-9 / 0.265."""
     rod = ConnectingRod(0.265, 5.0, 0.097, 0.069, 0.009)
-    left, right = EngineCylinder(0.13, 4.0, rod), EngineCylinder(0.13, 4.0, rod, bank_angle=0.8)
-    at_pin = EngineCylinder(0.13, 4.0, rod, bank_angle=0.8, slave_pin=SlavePin(1, 1e-9, 0.8))
+    left, right = (
+        EngineCylinder(0.13, 4.0, rod),
+        EngineCylinder(0.13, 4.0, rod, bank_angle_deg=math.degrees(0.8)),
+    )
+    at_pin = EngineCylinder(
+        0.13,
+        4.0,
+        rod,
+        bank_angle_deg=math.degrees(0.8),
+        slave_pin=SlavePin(1, 1e-9, angle_deg=math.degrees(0.8)),
+    )
     side_by_side = EngineLayout(0.07, [left, right], [1, 2])
     hinged = EngineLayout(0.07, [left, at_pin], [1, 2])
     ours, theirs = (
@@ -106,8 +115,16 @@ def test_a_rod_hinged_at_the_crankpin_stands_beside_the_main_rod():
 
 def test_groups_name_the_main_cylinder_first():
     rod = ConnectingRod(0.265, 5.0, 0.097, 0.069)
-    hinged = EngineCylinder(0.13, 4.0, rod, bank_angle=0.8, slave_pin=SlavePin(2, 0.06, -0.8))
-    engine = EngineLayout(0.07, [hinged, EngineCylinder(0.13, 4.0, rod, bank_angle=1.6)], [1, 2])
+    hinged = EngineCylinder(
+        0.13,
+        4.0,
+        rod,
+        bank_angle_deg=math.degrees(0.8),
+        slave_pin=SlavePin(2, 0.06, angle_deg=math.degrees(-0.8)),
+    )
+    engine = EngineLayout(
+        0.07, [hinged, EngineCylinder(0.13, 4.0, rod, bank_angle_deg=math.degrees(1.6))], [1, 2]
+    )
     assert pin_groups(engine) == ((2, 1),)
     forces = mechanism_forces(engine, ANGLES, SPEED, GAS)
     np.testing.assert_allclose(summed(forces, (2, 1)), forces.crankpin.sum(axis=0), rtol=1e-14)
@@ -136,7 +153,9 @@ def test_each_cylinder_takes_its_pressure_from_its_own_firing_top():
             return 1e5 + 1e4 * np.mod(angle, 4.0 * math.pi)
 
     rod = ConnectingRod(0.265, 5.0, 0.097, 0.069)
-    cylinders = [EngineCylinder(0.13, 4.0, rod, crank_angle=a) for a in (0.0, math.pi)]
+    cylinders = [
+        EngineCylinder(0.13, 4.0, rod, crank_angle_deg=math.degrees(a)) for a in (0.0, math.pi)
+    ]
     engine = EngineLayout(0.07, cylinders, [1, 2])
     area = 0.25 * math.pi * 0.13**2
     found = gas_forces(engine, [0.0, 0.5], Rising(), 0.9e5)

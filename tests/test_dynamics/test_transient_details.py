@@ -4,6 +4,8 @@ Linear chains are met to 1e-9, as the opening of `test_transient_linear` explain
 what each test says.
 """
 
+import math
+
 import numpy as np
 import pytest
 
@@ -60,7 +62,9 @@ def test_free_chain_moves_about_its_even_turning_and_follows_the_angle_it_starts
     motion = steady_motion(chain, acting, 40.0).motion
     # A mean over even angles, to round-off.
     assert np.abs(motion.mean(axis=0)).max() < 1e-12 * np.abs(motion).max()
-    run = transient_motion(chain, acting, SpeedCurve.constant(40.0, 0.3, start_angle=1.1))
+    run = transient_motion(
+        chain, acting, SpeedCurve.constant(40.0, 0.3, start_angle_deg=math.degrees(1.1))
+    )
     wanted = forced_response(chain, acting).nodes.at_angle(0, run.shaft_angle)
     # A free chain drifts by the error of its first speed times the time.
     off = np.abs(run.motion + run.rigid_motion - wanted)

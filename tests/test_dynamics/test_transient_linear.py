@@ -5,6 +5,8 @@ radian of the highest order in a step these miss a sine by less than 1e-8, and t
 their integral better still; what is left is round-off, some 1e-12. So 1e-9 is asked for.
 """
 
+import math
+
 import numpy as np
 import pytest
 
@@ -144,7 +146,7 @@ def test_constant_speed_stays_steady_and_rest_gets_there():
 def test_failure_of_a_cylinder_takes_over_at_its_time():
     chain = row(damping=150.0, ground_damping=[20.0] * 4)
     before, after = excitation(4), excitation(4, orders=np.array([0.5, 1.5]))
-    curve = SpeedCurve.constant(80.0, 10.0, start_angle=1.0)
+    curve = SpeedCurve.constant(80.0, 10.0, start_angle_deg=math.degrees(1.0))
     plain = transient_motion(chain, before, curve)
     # A time between two steps of the plain run, so that all samples fall together.
     at = float(plain.time[1000])
@@ -191,7 +193,7 @@ def test_interrupted_run_keeps_what_is_finished():
 
 
 def test_speed_curve():
-    curve = SpeedCurve([0.0, 1.0, 3.0], [10.0, 30.0, 20.0], start_angle=2.0)
+    curve = SpeedCurve([0.0, 1.0, 3.0], [10.0, 30.0, 20.0], start_angle_deg=math.degrees(2.0))
     assert np.allclose(curve.angle([0.0, 0.5, 1.0, 3.0]), [2.0, 9.5, 22.0, 72.0])
     times = np.linspace(0.0, 3.0, 31)
     assert np.allclose(curve.time_at(curve.angle(times)), times, atol=1e-12)

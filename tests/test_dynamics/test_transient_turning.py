@@ -4,6 +4,7 @@ The integration keeps 1e-9 of the size of the motion per step; over a cycle or a
 that leaves some 1e-8 of the motion and, with errors that cancel, less than 1e-9 of the energy.
 """
 
+import math
 from dataclasses import replace
 
 import numpy as np
@@ -34,7 +35,9 @@ SPEED, HIGHEST = 30.0, 4
 def engine(share=1.0):
     rod = ConnectingRod(0.5, 8.0 * share, 0.18, 0.3 * share)
     cylinders = [
-        EngineCylinder(0.2, 12.0 * share, rod, crank_angle=angle, position=position)
+        EngineCylinder(
+            0.2, 12.0 * share, rod, crank_angle_deg=math.degrees(angle), position=position
+        )
         for angle, position in ((0.0, 0.0), (np.pi, 0.3))
     ]
     return EngineLayout(0.12, cylinders, [1, 2], strokes=2)
@@ -137,7 +140,9 @@ def test_coasting_shaft_turns_like_the_rigid_engine():
     forces = cylinder_forces(own, [SPEED], HIGHEST, inertia=False)
     chain = turning_chain(own, EngineChain(shaft, "torsional", throw_nodes=(0, 1)), forces)
     found = turn_under_gas(chain, SPEED, 0.1, load=100.0, samples_per_turn=36)
-    wanted = turn_freely(own, 0.0, SPEED, 0.1, load=100.0, times=found.time)
+    wanted = turn_freely(
+        own, start_angle_deg=0.0, start_speed=SPEED, duration=0.1, load=100.0, times=found.time
+    )
     assert found.complete
     nodes = found.motion + found.shaft_angle[:, np.newaxis]
     assert np.allclose(nodes, wanted.angle[:, np.newaxis], rtol=0.0, atol=2e-5)

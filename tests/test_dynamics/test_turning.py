@@ -44,16 +44,32 @@ def constant(value):
 
 
 def hinged_pair(inertia=0.4):
-    main = EngineCylinder(0.12, 3.0, ROD, 0.2, -0.5, pin_offset=0.004)
-    pin = SlavePin(1, 0.06, 1.0)
-    hinged = EngineCylinder(0.12, 2.8, SLAVE_ROD, 0.2, 0.5, slave_pin=pin)
-    rotating = [RotatingMass(0.3, 2.0)]
+    main = EngineCylinder(
+        0.12,
+        3.0,
+        ROD,
+        crank_angle_deg=math.degrees(0.2),
+        bank_angle_deg=math.degrees(-0.5),
+        pin_offset=0.004,
+    )
+    pin = SlavePin(1, 0.06, angle_deg=math.degrees(1.0))
+    hinged = EngineCylinder(
+        0.12,
+        2.8,
+        SLAVE_ROD,
+        crank_angle_deg=math.degrees(0.2),
+        bank_angle_deg=math.degrees(0.5),
+        slave_pin=pin,
+    )
+    rotating = [RotatingMass(0.3, angle_deg=math.degrees(2.0))]
     return EngineLayout(0.07, [main, hinged], [1, 2], shaft_inertia=inertia, rotating=rotating)
 
 
 def test_free_shaft_keeps_its_energy():
     """I = 2 + cos: w = w_0 sqrt(3 / (2 + cos)), the closed form, to round-off."""
-    found = speed_over_angle(lambda a: 2.0 + math.cos(a), constant(0.0), 0.0, 10.0, 2.0)
+    found = speed_over_angle(
+        lambda a: 2.0 + math.cos(a), constant(0.0), start_angle_deg=0.0, start_speed=10.0, turns=2.0
+    )
     wanted = 10.0 * np.sqrt(3.0 / (2.0 + np.cos(found.angle)))
     assert found.speed == close(wanted, rel=1e-14)
     assert found.angle.size == 1441
@@ -63,7 +79,13 @@ def test_free_shaft_keeps_its_energy():
 
 def test_speed_dependent_moment_against_the_closed_form():
     """I w' = -c w in time is I dw/dphi = -c: w falls linearly, t = -(I / c) ln(w / w_0)."""
-    found = speed_over_angle(constant(2.0), lambda w, _: -0.3 * w, 1.0, 50.0, 3.0)
+    found = speed_over_angle(
+        constant(2.0),
+        lambda w, _: -0.3 * w,
+        start_angle_deg=math.degrees(1.0),
+        start_speed=50.0,
+        turns=3.0,
+    )
     wanted = 50.0 - 0.15 * (found.angle - 1.0)
     assert found.speed == close(wanted, rel=1e-13)
     assert found.time == close(-(2.0 / 0.3) * np.log(wanted / 50.0), abs=1e-14)
@@ -71,7 +93,9 @@ def test_speed_dependent_moment_against_the_closed_form():
 
 def test_shaft_stops_where_its_energy_is_spent():
     # 2 * 10^2 / 2 J over 20 N m: 5 rad.
-    found = speed_over_angle(constant(2.0), constant(-20.0), 0.0, 10.0, 2.0)
+    found = speed_over_angle(
+        constant(2.0), constant(-20.0), start_angle_deg=0.0, start_speed=10.0, turns=2.0
+    )
     # In the shortest steps, of 1/512 deg.
     assert found.stopped_at == close(5.0, abs=math.radians(1.0 / 512.0))
     assert found.angle[-1] <= found.stopped_at
@@ -131,7 +155,13 @@ def test_steady_turning_with_a_governor():
 
 def test_moment_steep_in_the_speed():
     """I w dw/dphi = -500 (w - 1), I = 1: w - 10 + ln((w - 1) / 9) = -500 phi, not a stop."""
-    found = speed_over_angle(constant(1.0), lambda w, _: -500.0 * (w - 1.0), 0.0, 10.0, 1.0)
+    found = speed_over_angle(
+        constant(1.0),
+        lambda w, _: -500.0 * (w - 1.0),
+        start_angle_deg=0.0,
+        start_speed=10.0,
+        turns=1.0,
+    )
     assert found.stopped_at is None
     speed = found.speed[:4]
     # Most of the way from 10 to 1 rad/s is made within one degree, in a few steps: 1e-7 rad of
@@ -140,12 +170,20 @@ def test_moment_steep_in_the_speed():
     assert found.angle[:4] == close(wanted, abs=1e-7)
     assert found.speed[-1] == close(1.0, rel=1e-9)
     with pytest.raises(InputError, match=r"moment: given one with which the speed does not settle"):
-        speed_over_angle(constant(1.0), lambda w, _: -1e6 * (w - 1.0), 0.0, 10.0, 1.0)
+        speed_over_angle(
+            constant(1.0),
+            lambda w, _: -1e6 * (w - 1.0),
+            start_angle_deg=0.0,
+            start_speed=10.0,
+            turns=1.0,
+        )
 
 
 def test_moment_that_brakes_steeply_stops_the_shaft():
     """w falls by 4 / 2 for each rad: at rest after 5 rad, where the energy falls without end."""
-    found = speed_over_angle(constant(2.0), lambda w, _: -4.0 * w, 0.0, 10.0, 2.0)
+    found = speed_over_angle(
+        constant(2.0), lambda w, _: -4.0 * w, start_angle_deg=0.0, start_speed=10.0, turns=2.0
+    )
     # Counted as stopped at 1e-9 of the energy: 3e-5 of the speed.
     assert found.stopped_at == close(5.0, abs=5.0 * 3.2e-5 + math.radians(1.0 / 256.0))
 
@@ -165,16 +203,27 @@ def test_moment_that_brakes_steeply_stops_the_shaft():
 )
 @pytest.mark.parametrize("turn", [speed_over_angle, steady_turning])
 def test_functions_that_give_no_number(turn, act, message):
-    arguments = (0.0, 10.0, 1.0) if turn is speed_over_angle else (10.0, 1.0)
+    arguments = {"turns": 1.0} | (
+        {"start_angle_deg": 0.0, "start_speed": 10.0}
+        if turn is speed_over_angle
+        else {"mean_speed": 10.0}
+    )
     with pytest.raises(InputError, match=message):
-        act(lambda inertia, moment: turn(inertia, moment, *arguments))
+        act(lambda inertia, moment: turn(inertia, moment, **arguments))
 
 
 @pytest.mark.parametrize("samples", [10.5, 0, True])
 def test_results_per_turn_are_whole_numbers(samples):
     message = f"samples: given {samples}; allowed are whole numbers of 1 or more, because"
     with pytest.raises(InputError, match=message):
-        speed_over_angle(constant(1.0), constant(0.0), 0.0, 10.0, 1.0, samples)
+        speed_over_angle(
+            constant(1.0),
+            constant(0.0),
+            start_angle_deg=0.0,
+            start_speed=10.0,
+            turns=1.0,
+            samples=samples,
+        )
     with pytest.raises(InputError, match=message):
         steady_turning(constant(1.0), constant(0.0), 10.0, 1.0, samples=samples)
 
@@ -191,7 +240,15 @@ def test_curves_give_values_and_derivatives():
 def test_acceleration_is_that_of_the_forces():
     """Shaft inertia times acceleration is the torque from equilibrium of pistons and rods."""
     engine, pressure = hinged_pair(), SmoothPressure()
-    found = turn_freely(engine, 0.3, 80.0, 0.05, gas=pressure, load=30.0, samples=6)
+    found = turn_freely(
+        engine,
+        start_angle_deg=math.degrees(0.3),
+        start_speed=80.0,
+        duration=0.05,
+        gas=pressure,
+        load=30.0,
+        samples=6,
+    )
     gas = gas_forces(engine, found.angle, pressure)
     for place, angle in enumerate(found.angle.tolist()):
         forces = mechanism_forces(
@@ -209,9 +266,9 @@ def test_energy_balances():
     """Works are integrated beside the speed, which does not know of them."""
     found = turn_freely(
         hinged_pair(inertia=3.0),
-        0.3,
-        80.0,
-        0.15,
+        start_angle_deg=math.degrees(0.3),
+        start_speed=80.0,
+        duration=0.15,
         gas=SmoothPressure(),
         load=lambda speed, angle: 0.01 * speed**2 + 5.0 * math.sin(angle) ** 2,
         friction=4.0,
@@ -228,7 +285,13 @@ def test_energy_balances():
 
 def test_load_that_has_no_value_below_standstill():
     """Past the stop the integration tries speeds below zero; the load is not asked for them."""
-    found = turn_freely(hinged_pair(), 0.3, 40.0, 20.0, load=lambda w, _: 20.0 + 5.0 * math.sqrt(w))
+    found = turn_freely(
+        hinged_pair(),
+        start_angle_deg=math.degrees(0.3),
+        start_speed=40.0,
+        duration=20.0,
+        load=lambda w, _: 20.0 + 5.0 * math.sqrt(w),
+    )
     assert found.stopped
     assert found.energy_error < 1e-9
 
@@ -240,17 +303,25 @@ def test_massless_parts_have_no_inertia_at_the_top(start):
     rod = ConnectingRod(0.25, 2.0, 0.25 * (1.0 - 1e-12), 0.02)
     bare = EngineLayout(0.07, [EngineCylinder(0.12, 3.0, rod)], [1])
     with pytest.raises(InputError, match=r"inertia: given .* clearly above zero"):
-        turn_freely(bare, start, 10.0, 1.0, model="two-mass")
+        turn_freely(
+            bare,
+            start_angle_deg=np.degrees(start),
+            start_speed=10.0,
+            duration=1.0,
+            model="two-mass",
+        )
 
 
 def test_moment_of_gravity_on_a_counterweight():
     """A mass m r at an angle from the vertical is m r cos(angle) high: its moment m g r sin."""
     engine, bare = hinged_pair(), replace(hinged_pair(), rotating=())
-    at_rest = {"start_angle": 0.7, "start_speed": 1.0, "duration": 1e-3, "gravity": 9.81}
+    at_rest = {"start_angle_deg": 40.0, "start_speed": 1.0, "duration": 1e-3, "gravity": 9.81}
     moments = [
         float(turn_freely(each, **at_rest, samples=2).gravity.moment[0]) for each in (engine, bare)
     ]
-    assert moments[0] - moments[1] == close(9.81 * 0.3 * math.sin(0.7 + 2.0), rel=1e-12)
+    assert moments[0] - moments[1] == close(
+        9.81 * 0.3 * math.sin(math.radians(40.0) + 2.0), rel=1e-12
+    )
 
 
 def test_work_of_gravity_is_that_of_the_heights():
@@ -261,9 +332,11 @@ def test_work_of_gravity_is_that_of_the_heights():
         [EngineCylinder(0.12, 3.0, rod)],
         [1],
         shaft_inertia=0.2,
-        rotating=[RotatingMass(0.05, math.pi)],
+        rotating=[RotatingMass(0.05, angle_deg=180.0)],
     )
-    found = turn_freely(engine, 0.0, 60.0, 0.2, gravity=9.81, samples=2001)
+    found = turn_freely(
+        engine, start_angle_deg=0.0, start_speed=60.0, duration=0.2, gravity=9.81, samples=2001
+    )
     place = int(np.argmin(np.abs(found.angle - math.pi)))
     # Piston and rod sink by 2 R, the counterweight's m r rises by 2 m r; near the bottom nothing
     # changes with the angle but by its square.
@@ -283,11 +356,20 @@ def test_gas_as_a_function_of_place_and_direction():
         return 4e3 * position if direction < 0 and since_firing < 1.5 * math.pi else 0.0
 
     engine = hinged_pair()
-    found = turn_freely(engine, 0.0, 100.0, 0.2, gas=gas, samples=21)
+    found = turn_freely(
+        engine, start_angle_deg=0.0, start_speed=100.0, duration=0.2, gas=gas, samples=21
+    )
     assert told == {(1, 1), (1, -1), (2, 1), (2, -1)}
     assert found.energy_error < 1e-9
     # One stroke of force 4 kN times position: 4 kN times stroke / 2, for each firing.
-    turned = turn_freely(engine, -0.1, 100.0, 0.5, gas=gas, samples=2001)
+    turned = turn_freely(
+        engine,
+        start_angle_deg=np.degrees(-0.1),
+        start_speed=100.0,
+        duration=0.5,
+        gas=gas,
+        samples=2001,
+    )
     cycles = int((turned.angle[-1] - 3.0) // (4.0 * math.pi))
     end = np.interp(4.0 * math.pi * cycles - 0.1, turned.angle, turned.gas.work)
     strokes = [highest - lowest for lowest, highest in map(piston_ends, (engine,) * 2, (1, 2))]
@@ -298,7 +380,15 @@ def test_gas_as_a_function_of_place_and_direction():
 @pytest.mark.parametrize("direction_matters", [False, True])
 def test_engine_stops_and_says_so(direction_matters):
     gas = constant(0.0) if direction_matters else None
-    found = turn_freely(hinged_pair(), 0.3, 40.0, 20.0, gas=gas, load=60.0, samples=201)
+    found = turn_freely(
+        hinged_pair(),
+        start_angle_deg=math.degrees(0.3),
+        start_speed=40.0,
+        duration=20.0,
+        gas=gas,
+        load=60.0,
+        samples=201,
+    )
     assert found.stopped
     assert found.remark.startswith("The engine stops after ")
     assert found.speed[-1] == close(0.0, abs=1e-8)
@@ -309,14 +399,30 @@ def test_engine_stops_and_says_so(direction_matters):
 
 
 def test_engine_that_is_not_driven_does_not_start():
-    found = turn_freely(hinged_pair(), 0.3, 0.0, 1.0, load=10.0)
+    found = turn_freely(
+        hinged_pair(), start_angle_deg=math.degrees(0.3), start_speed=0.0, duration=1.0, load=10.0
+    )
     assert found.remark.startswith("The engine does not start at a shaft angle of 17.1887 deg")
     assert found.time.tolist() == [0.0]
 
 
 def test_engine_starts_from_rest():
-    found = turn_freely(hinged_pair(), 0.3, 0.0, 0.1, gas=constant(5e3), samples=11)
-    first = turn_freely(hinged_pair(), 0.3, 0.0, 1e-4, gas=constant(5e3), samples=2)
+    found = turn_freely(
+        hinged_pair(),
+        start_angle_deg=math.degrees(0.3),
+        start_speed=0.0,
+        duration=0.1,
+        gas=constant(5e3),
+        samples=11,
+    )
+    first = turn_freely(
+        hinged_pair(),
+        start_angle_deg=math.degrees(0.3),
+        start_speed=0.0,
+        duration=1e-4,
+        gas=constant(5e3),
+        samples=2,
+    )
     assert found.acceleration[0] > 0.0
     assert first.speed[-1] == close(first.acceleration[0] * 1e-4, rel=1e-4)
 
@@ -333,7 +439,13 @@ def test_steady_engine_has_the_speed_of_its_energy():
     # Set free with that load at that speed, it does the same over time.
     start = float(turning.speed[0])
     free = turn_freely(
-        engine, 0.0, start, float(turning.time[-1]), gas=pressure, load=found.load, samples=2
+        engine,
+        start_angle_deg=0.0,
+        start_speed=start,
+        duration=float(turning.time[-1]),
+        gas=pressure,
+        load=found.load,
+        samples=2,
     )
     assert free.angle[-1] == close(engine.cycle, rel=1e-9)
     assert free.speed[-1] == close(start, rel=1e-8)
@@ -362,7 +474,7 @@ def test_steady_engine_has_the_speed_of_its_energy():
     ],
 )
 def test_refusals(change, message):
-    usual = {"start_angle": 0.0, "start_speed": 10.0, "duration": 1.0}
+    usual = {"start_angle_deg": 0.0, "start_speed": 10.0, "duration": 1.0}
     with pytest.raises(InputError, match=message):
         turn_freely(hinged_pair(), **(usual | change))
 
@@ -372,17 +484,19 @@ def test_refusals(change, message):
 )
 def test_times_that_cannot_be_followed_are_refused(speed, duration):
     with pytest.raises(InputError, match=r"^duration: given .* allowed "):
-        turn_freely(hinged_pair(), 0.0, speed, duration)
+        turn_freely(hinged_pair(), start_angle_deg=0.0, start_speed=speed, duration=duration)
 
 
 def test_a_shaft_that_turns_faster_and_faster_is_given_up(monkeypatch):
     monkeypatch.setattr("dynamics.turning.free_turning.MOST_TURNS", 20)
     with pytest.raises(InputError, match="allowed are 20000 turns"):
-        turn_freely(hinged_pair(), 0.0, 1.0, 100.0, load=-1e3)
+        turn_freely(hinged_pair(), start_angle_deg=0.0, start_speed=1.0, duration=100.0, load=-1e3)
 
 
 def test_more_turns_than_can_be_followed_are_refused():
     with pytest.raises(InputError, match="turns: given 1e"):
-        speed_over_angle(constant(2.0), constant(0.0), 0.0, 10.0, 1e300)
+        speed_over_angle(
+            constant(2.0), constant(0.0), start_angle_deg=0.0, start_speed=10.0, turns=1e300
+        )
     with pytest.raises(InputError, match="turns: given 1e"):
         steady_turning(constant(2.0), constant(0.0), 10.0, 1e300)

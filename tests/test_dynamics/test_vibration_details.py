@@ -210,11 +210,18 @@ def test_given_torque_is_met_at_every_angle_after_each_firing():
         return 100.0 + 30.0 * np.sin(1.5 * angle + 0.4) + 5.0 * np.cos(0.5 * angle)
 
     known = harmonics(torque(angles), strokes=4)
-    found = torque_harmonics(known, [0.0, 1.1], [0.5, 1.5], crank_radius=0.1)
+    found = torque_harmonics(
+        known, firing_angles_deg=np.degrees([0.0, 1.1]), orders=[0.5, 1.5], crank_radius=0.1
+    )
     tangential, _ = forces_at_speeds(found, [10.0]).at_angle(0, [0.7])
     assert tangential[0, 1] * 0.1 == close(torque(0.7 - 1.1))
     with pytest.raises(InputError, match="orders kept"):
-        torque_harmonics(known.up_to(3.0), [0.0, 1.1], [0.5, 3.5], crank_radius=0.1)
+        torque_harmonics(
+            known.up_to(3.0),
+            firing_angles_deg=np.degrees([0.0, 1.1]),
+            orders=[0.5, 3.5],
+            crank_radius=0.1,
+        )
 
 
 def level(pressure):

@@ -44,7 +44,7 @@ def test_the_law_is_that_of_the_assembled_chain(analysis, gamma):
 def test_the_law_holds_in_the_middle_of_a_long_shaft(analysis, gamma):
     count = 15
     shaft = shaft_compliances(
-        [analysis.superelement] * count, np.deg2rad(gamma * np.arange(count)).tolist()
+        [analysis.superelement] * count, crank_angles_deg=gamma * np.arange(count)
     )
     # What the shaft's free ends change dies out by about a factor of three from throw to throw.
     assert shaft.axial[count // 2] == close(float(analysis.angle_law.axial(gamma)), rel=1e-3)

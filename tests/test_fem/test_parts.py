@@ -184,7 +184,7 @@ def test_the_first_pin_is_the_one_without_a_number(skewed_models):
 def test_a_shaft_has_a_column_for_each_pin(skewed_models, superelement):
     _, other = skewed_models["half"]
     shaft, angles = [superelement, other, superelement], [0.3, 1.4, 4.0]
-    found = shaft_compliances(shaft, angles).influence
+    found = shaft_compliances(shaft, crank_angles_deg=np.degrees(angles)).influence
     assert found.shape == (3, 4)
     turned = [part.turned(angle) for part, angle in zip(shaft, angles, strict=True)]
     pulls = np.zeros((24, 3))

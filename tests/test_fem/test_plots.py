@@ -51,7 +51,7 @@ def analysis(throw, mesh, classes, superelement):
 
 @pytest.fixture(scope="module")
 def shaft(superelement):
-    return shaft_compliances([superelement] * 3, np.deg2rad([0.0, 120.0, 240.0]))
+    return shaft_compliances([superelement] * 3, crank_angles_deg=[0.0, 120.0, 240.0])
 
 
 @pytest.fixture(scope="module")

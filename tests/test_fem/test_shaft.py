@@ -25,7 +25,7 @@ def uneven_shaft(superelement, dimensions, condensed):
 
 @pytest.mark.parametrize("angle", [0.0, 1.3])
 def test_one_throw_is_pinned(superelement, angle):
-    found = shaft_compliances([superelement], [angle])
+    found = shaft_compliances([superelement], crank_angles_deg=np.degrees([angle]))
     pinned = support_throw(superelement, "pinned")
     assert found.axial == close([pinned.axial], rel=1e-9)
     assert found.torsional == close([pinned.torsional], rel=1e-9)
@@ -33,12 +33,12 @@ def test_one_throw_is_pinned(superelement, angle):
 
 
 def test_opposite_cranks_are_pinned_under_axial_force(superelement):
-    found = shaft_compliances([superelement] * 4, np.radians([0.0, 180.0, 0.0, 180.0]))
+    found = shaft_compliances([superelement] * 4, crank_angles_deg=[0.0, 180.0, 0.0, 180.0])
     assert found.axial == close(support_throw(superelement, "pinned").axial, rel=1e-8)
 
 
 def test_inner_throws_in_line_near_guided(superelement):
-    found = shaft_compliances([superelement] * 9, np.zeros(9))
+    found = shaft_compliances([superelement] * 9, crank_angles_deg=[0.0] * 9)
     guided, pinned = (support_throw(superelement, name) for name in ("guided", "pinned"))
     assert found.axial[4] == close(guided.axial, rel=0.02)
     assert found.torsional == close(pinned.torsional, rel=1e-8)
@@ -46,7 +46,7 @@ def test_inner_throws_in_line_near_guided(superelement):
 
 def test_contributions_add_up_to_the_shaft(uneven_shaft):
     shaft = uneven_shaft
-    found = shaft_compliances(shaft, UNEVEN)
+    found = shaft_compliances(shaft, crank_angles_deg=np.degrees(UNEVEN))
     turned = [part.turned(angle) for part, angle in zip(shaft, UNEVEN, strict=True)]
     free = free_unknowns(6)
     flexibility = np.linalg.inv(assemble_shaft(turned)[np.ix_(free, free)])
@@ -56,7 +56,7 @@ def test_contributions_add_up_to_the_shaft(uneven_shaft):
 
 
 def test_a_six_throw_shaft_is_stiffer_than_its_pinned_throws(superelement):
-    found = shaft_compliances([superelement] * 6, ANGLES)
+    found = shaft_compliances([superelement] * 6, crank_angles_deg=np.degrees(ANGLES))
     free, held = (support_throw(superelement, name).axial for name in ("pinned", "guided"))
     assert found.axial == close(found.axial[::-1], rel=1e-9)
     assert held < found.axial[2] < found.axial[1] < found.axial[0] < free
@@ -67,8 +67,8 @@ def test_a_six_throw_shaft_is_stiffer_than_its_pinned_throws(superelement):
 @settings(max_examples=15, deadline=None)
 @given(turn=st.floats(-7.0, 7.0))
 def test_turning_the_whole_shaft_changes_nothing(superelement, turn):
-    reference = shaft_compliances([superelement] * 5, UNEVEN)
-    found = shaft_compliances([superelement] * 5, UNEVEN + turn)
+    reference = shaft_compliances([superelement] * 5, crank_angles_deg=np.degrees(UNEVEN))
+    found = shaft_compliances([superelement] * 5, crank_angles_deg=np.degrees(UNEVEN + turn))
     for name in ("axial", "torsional", "influence"):
         wanted = getattr(reference, name)
         tolerance = 1e-8 * np.abs(wanted).max()
@@ -78,7 +78,7 @@ def test_turning_the_whole_shaft_changes_nothing(superelement, turn):
 def test_influences_are_pin_motions_under_pulls(uneven_shaft):
     """Maxwell and Betti, throws unequal: entry (i, j) is pin j's inward motion per pull on throw i."""
     shaft = uneven_shaft
-    found = shaft_compliances(shaft, UNEVEN)
+    found = shaft_compliances(shaft, crank_angles_deg=np.degrees(UNEVEN))
     turned = [part.turned(angle) for part, angle in zip(shaft, UNEVEN, strict=True)]
     pulls = np.zeros((36, 5))
     for throw in range(5):
@@ -96,31 +96,37 @@ def test_influences_are_pin_motions_under_pulls(uneven_shaft):
 
 def test_influences_of_equal_throws_are_symmetric(superelement):
     """An axial force and a radial pin force tilt equal ends in the same ratio, at any crank angles."""
-    influence = shaft_compliances([superelement] * 5, UNEVEN).influence
+    influence = shaft_compliances([superelement] * 5, crank_angles_deg=np.degrees(UNEVEN)).influence
     assert influence == close(influence.T, abs=1e-9 * np.abs(influence).max())
     assert (np.diag(influence) > 0.0).all()
 
 
 @pytest.mark.parametrize("throws", [0, 2])
 def test_as_many_angles_as_throws(superelement, throws):
-    with pytest.raises(InputError, match=r"^crank_angles: given "):
-        shaft_compliances([superelement] * throws, [0.0])
+    with pytest.raises(InputError, match=r"^crank_angles_deg: given "):
+        shaft_compliances([superelement] * throws, crank_angles_deg=[0.0])
 
 
 @pytest.mark.parametrize("angles", [UNEVEN, np.zeros(5), np.radians([0.0, 180.0, 0.0, 180.0, 0.0])])
 def test_in_free_journals_every_throw_is_pinned(uneven_shaft, angles):
     """Each throw is loaded by itself alone, so no neighbor hinders it, in pull or in twist."""
-    found = shaft_compliances(uneven_shaft, angles, bearing_stiffness=0.0)
+    found = shaft_compliances(
+        uneven_shaft, crank_angles_deg=np.degrees(angles), bearing_stiffness=0.0
+    )
     alone = [support_throw(throw, "pinned") for throw in uneven_shaft]
     assert found.axial == close([one.axial for one in alone], rel=1e-8)
     assert found.torsional == close([one.torsional for one in alone], rel=1e-8)
 
 
 def test_soft_bearings_tend_to_none_and_stiff_ones_to_rigid(uneven_shaft):
-    rigid = shaft_compliances(uneven_shaft, UNEVEN)
+    rigid = shaft_compliances(uneven_shaft, crank_angles_deg=np.degrees(UNEVEN))
     for stiffness, limit in ((1e2, 0.0), (1e15, np.inf)):
-        near = shaft_compliances(uneven_shaft, UNEVEN, stiffness)
-        wanted = shaft_compliances(uneven_shaft, UNEVEN, limit)
+        near = shaft_compliances(
+            uneven_shaft, crank_angles_deg=np.degrees(UNEVEN), bearing_stiffness=stiffness
+        )
+        wanted = shaft_compliances(
+            uneven_shaft, crank_angles_deg=np.degrees(UNEVEN), bearing_stiffness=limit
+        )
         for name in ("axial", "torsional", "influence", "tangential", "through"):
             size = np.abs(
                 getattr(rigid, name)
@@ -133,7 +139,9 @@ def test_soft_bearings_tend_to_none_and_stiff_ones_to_rigid(uneven_shaft):
 def test_compliances_on_elastic_bearings_are_those_of_the_assembled_shaft(uneven_shaft, exponents):
     """Each bearing another: the sums of stretch and twist against the inverse of the whole stiffness."""
     bearings = 10.0 ** np.array(exponents)
-    found = shaft_compliances(uneven_shaft, UNEVEN, bearings)
+    found = shaft_compliances(
+        uneven_shaft, crank_angles_deg=np.degrees(UNEVEN), bearing_stiffness=bearings
+    )
     turned = [part.turned(angle) for part, angle in zip(uneven_shaft, UNEVEN, strict=True)]
     stiffness = assemble_shaft(turned)
     springs = np.zeros((6, 6))
@@ -150,7 +158,10 @@ def test_compliances_on_elastic_bearings_are_those_of_the_assembled_shaft(uneven
 def test_a_bearing_only_stiffens(superelement):
     """Of the whole shaft, by Rayleigh; a single throw may gain what another one loses."""
     found = [
-        shaft_compliances([superelement] * 6, ANGLES, k) for k in (0.0, 1e7, 1e8, 1e9, 1e10, np.inf)
+        shaft_compliances(
+            [superelement] * 6, crank_angles_deg=np.degrees(ANGLES), bearing_stiffness=k
+        )
+        for k in (0.0, 1e7, 1e8, 1e9, 1e10, np.inf)
     ]
     for name in ("axial", "torsional"):
         assert (np.diff([getattr(one, name).sum() for one in found]) <= 1e-20).all()
@@ -159,4 +170,15 @@ def test_a_bearing_only_stiffens(superelement):
 @pytest.mark.parametrize("bearings", [-1.0, np.nan, [1e9] * 2, [0.0, 0.0, 1e9], [1e9, np.nan, 1e9]])
 def test_bearings_that_cannot_be(superelement, bearings):
     with pytest.raises(InputError, match=r"^bearing_stiffness: given "):
-        shaft_compliances([superelement] * 2, [0.0, 1.0], bearings)
+        shaft_compliances(
+            [superelement] * 2, crank_angles_deg=[0.0, 60.0], bearing_stiffness=bearings
+        )
+
+
+def test_crank_angles_are_degrees_told_by_name(superelement):
+    """480 deg is 120 deg and -120 deg is 240 deg; the like in radians is not."""
+    found = shaft_compliances([superelement] * 3, crank_angles_deg=[0, 120, 240])
+    turned = shaft_compliances([superelement] * 3, crank_angles_deg=[0, 480, -120])
+    assert found.axial == close(turned.axial)
+    with pytest.raises(TypeError):
+        shaft_compliances([superelement] * 3, [0, 120, 240])

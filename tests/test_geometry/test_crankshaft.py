@@ -28,7 +28,9 @@ SIX = np.deg2rad([0.0, 120.0, 240.0, 240.0, 120.0, 0.0])
     ],
 )
 def test_the_whole_solid_weighs_what_its_throws_weigh(dimensions, changes):
-    shaft = Crankshaft([CrankThrow(**dimensions, **changes)] * 6, SIX, ENDS)
+    shaft = Crankshaft(
+        [CrankThrow(**dimensions, **changes)] * 6, crank_angles_deg=np.degrees(SIX), ends=ENDS
+    )
     expected = shaft.masses(DENSITY)
     with gmsh_session("shaft") as gmsh:
         make_shaft(gmsh, shaft)
@@ -42,11 +44,11 @@ def test_the_whole_solid_weighs_what_its_throws_weigh(dimensions, changes):
 
 def test_six_in_line_is_balanced_and_three_is_not(dimensions):
     throw = CrankThrow(**dimensions)
-    six = Crankshaft([throw] * 6, SIX).unbalance(DENSITY)
+    six = Crankshaft([throw] * 6, crank_angles_deg=np.degrees(SIX)).unbalance(DENSITY)
     size = throw_masses(throw, DENSITY).mass * throw.crank_radius
     assert six.static == close([0.0, 0.0], abs=1e-9 * size)
     assert six.dynamic == close([0.0, 0.0], abs=1e-9 * size * throw.length)
-    three = Crankshaft([throw] * 3, SIX[:3]).unbalance(DENSITY)
+    three = Crankshaft([throw] * 3, crank_angles_deg=np.degrees(SIX[:3])).unbalance(DENSITY)
     assert three.static == close([0.0, 0.0], abs=1e-9 * size)
     # Forces of size U at -L, 0 and L, 120 deg apart: a moment of sqrt(3) U L remains.
     one = unbalance(throw_masses(throw, DENSITY), throw.length / 2.0)
@@ -81,15 +83,15 @@ def test_counterweights_take_the_unbalance_away(dimensions):
 def test_what_does_not_fit_together_is_refused(dimensions):
     throw = CrankThrow(**dimensions)
     with pytest.raises(InputError, match="given 2 for 3 throws"):
-        Crankshaft([throw] * 3, [0.0, 1.0])
+        Crankshaft([throw] * 3, crank_angles_deg=[0.0, 60.0])
     other = CrankThrow(**{**dimensions, "main_journal_diameter": 0.2})
     with pytest.raises(InputError, match="share a main journal"):
-        Crankshaft([throw, other], [0.0, 1.0])
+        Crankshaft([throw, other], crank_angles_deg=[0.0, 60.0])
     off = CrankThrow(**dimensions, main_journal_bore=0.06, main_journal_bore_offset=0.02)
-    assert Crankshaft([off] * 2, [0.0, 0.0]).length == close(2.0 * off.length)
+    assert Crankshaft([off] * 2, crank_angles_deg=[0.0, 0.0]).length == close(2.0 * off.length)
     with pytest.raises(InputError, match=r"throws 1 and 2 are 40 mm apart"):
-        Crankshaft([off] * 2, [0.0, np.pi])
+        Crankshaft([off] * 2, crank_angles_deg=[0.0, 180.0])
     with pytest.raises(InputError, match="finite"):
-        Crankshaft([throw], [float("nan")])
+        Crankshaft([throw], crank_angles_deg=[float("nan")])
     with pytest.raises(InputError, match="flange_thickness: missing"):
         ShaftEnds(flange_diameter=0.4)

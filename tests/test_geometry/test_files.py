@@ -100,7 +100,7 @@ def test_step_of_a_throw_and_of_a_shaft_come_back_in_metres(dimensions, tmp_path
     half, _ = read_step(write_step(throw, tmp_path / "half.stp", "half"))
     assert half == close(throw.volume / 2.0, rel=1e-6)
     ends = ShaftEnds(free_end_diameter=0.2, free_end_length=0.3)
-    shaft = Crankshaft([throw] * 3, np.deg2rad([0.0, 120.0, 240.0]), ends)
+    shaft = Crankshaft([throw] * 3, crank_angles_deg=[0.0, 120.0, 240.0], ends=ends)
     volume, length = read_step(write_step(shaft, tmp_path / "shaft.step"))
     assert volume == close(shaft.masses(1.0).mass, rel=1e-6)
     assert length == close(shaft.length, rel=1e-5)

@@ -110,7 +110,7 @@ def test_densities_of_no_body_are_refused(dimensions, density, monkeypatch):
     """Before anything is built, which takes a second."""
     monkeypatch.setattr(crankshaft, "shared_process", None)
     throw = CrankThrow(**dimensions)
-    shaft = Crankshaft((throw,), (0.0,))
+    shaft = Crankshaft((throw,), crank_angles_deg=(0.0,))
     for call in (
         lambda: throw_masses(throw, density),
         lambda: shaft.masses(density),

@@ -85,7 +85,7 @@ def test_parts_are_turned_and_moved(throw):
 
 def test_a_crankshaft_has_its_throws_at_their_angles(throw):
     ends = ShaftEnds(free_end_diameter=0.2, free_end_length=0.15)
-    shaft = Crankshaft([throw, throw], [0.0, math.pi], ends)
+    shaft = Crankshaft([throw, throw], crank_angles_deg=[0.0, 180.0], ends=ends)
     axes = shaft.plot()
     low, high = reach(axes)
     assert (low[0], high[0]) == close(shaft.reach)

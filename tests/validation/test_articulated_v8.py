@@ -54,12 +54,33 @@ def eight_cylinders(pin_radius=PIN_RADIUS, hinged_length=HINGED_LENGTH):
     on_pin = MAIN_MASS - at_main_piston + at_slave_pin - carried
     for number, crank in enumerate(CRANKS):
         place = (number - 1.5) * PITCH
-        mains.append(EngineCylinder(0.26, PISTON, main_rod, crank, -BETWEEN_BANKS / 2, place))
-        pin = SlavePin(number + 1, pin_radius, BETWEEN_BANKS)
-        hinged.append(
-            EngineCylinder(0.26, PISTON, hinged_rod, crank, BETWEEN_BANKS / 2, place, slave_pin=pin)
+        mains.append(
+            EngineCylinder(
+                0.26,
+                PISTON,
+                main_rod,
+                crank_angle_deg=math.degrees(crank),
+                bank_angle_deg=math.degrees(-BETWEEN_BANKS / 2),
+                position=place,
+            )
         )
-        throws.append(RotatingMass((ROTATING - on_pin) * RADIUS, crank, place))
+        pin = SlavePin(number + 1, pin_radius, angle_deg=math.degrees(BETWEEN_BANKS))
+        hinged.append(
+            EngineCylinder(
+                0.26,
+                PISTON,
+                hinged_rod,
+                crank_angle_deg=math.degrees(crank),
+                bank_angle_deg=math.degrees(BETWEEN_BANKS / 2),
+                position=place,
+                slave_pin=pin,
+            )
+        )
+        throws.append(
+            RotatingMass(
+                (ROTATING - on_pin) * RADIUS, angle_deg=math.degrees(crank), position=place
+            )
+        )
     return EngineLayout(RADIUS, [*mains, *hinged], [1, 5, 3, 7, 4, 8, 2, 6], rotating=throws)
 
 

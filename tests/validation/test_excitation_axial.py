@@ -93,7 +93,7 @@ def first_mode(stiffness, mass):
 def test_chain_with_influence_has_the_modal_force_of_the_shaft(analysis, figure):
     throw = analysis.superelement
     throws = [throw.turned(crank) for crank in CRANKS]
-    shaft = shaft_compliances([throw] * COUNT, CRANKS)
+    shaft = shaft_compliances([throw] * COUNT, crank_angles_deg=np.degrees(CRANKS))
     radial = np.zeros((6 * (COUNT + 1), COUNT))
     for place, own in enumerate(throws):
         radial[6 * place : 6 * place + 12, place] = own.radial_loads[:, 0]

@@ -31,7 +31,10 @@ SPEEDS = np.array([100.0, 2300.0 * np.pi / 30.0])
 
 def test_printed_harmonics_excite_with_their_phases(figure):
     found = forces_at_speeds(
-        torque_harmonics(TABLE.harmonics(), FIRING, 8.5, crank_radius=RADIUS), SPEEDS
+        torque_harmonics(
+            TABLE.harmonics(), firing_angles_deg=np.degrees(FIRING), orders=8.5, crank_radius=RADIUS
+        ),
+        SPEEDS,
     )
     first = found.torque[:2, 1, 0]
     figure("orders 0.5 and 1", np.abs(first), [279.68, 396.44], 0.005, "N m", "absolute")
@@ -43,7 +46,9 @@ def test_printed_harmonics_excite_with_their_phases(figure):
 
 
 def test_series_meets_the_table_and_even_firing_leaves_even_orders(figure):
-    harmonics = torque_harmonics(TABLE.harmonics(), FIRING, 8.5, crank_radius=RADIUS)
+    harmonics = torque_harmonics(
+        TABLE.harmonics(), firing_angles_deg=np.degrees(FIRING), orders=8.5, crank_radius=RADIUS
+    )
     found = forces_at_speeds(harmonics, SPEEDS)
     tangential, radial = found.at_angle(0, np.radians(TABLE.crank_angle_deg) + FIRING[2])
     # 36 samples also hold the order 9, which alternates from sample to sample and has no phase.
@@ -60,8 +65,20 @@ def test_series_meets_the_table_and_even_firing_leaves_even_orders(figure):
 
 def test_orders_that_the_samples_do_not_resolve_are_refused():
     with pytest.raises(InputError, match=r"orders\[17\]: given 9; allowed are orders up to 8.5"):
-        torque_harmonics(TABLE.harmonics(), FIRING, 9.0, crank_radius=RADIUS)
+        torque_harmonics(
+            TABLE.harmonics(), firing_angles_deg=np.degrees(FIRING), orders=9.0, crank_radius=RADIUS
+        )
     with pytest.raises(InputError, match="given 6; allowed are orders up to 5"):
-        torque_harmonics(TABLE.harmonics().up_to(5.0), FIRING, [6.0], crank_radius=RADIUS)
+        torque_harmonics(
+            TABLE.harmonics().up_to(5.0),
+            firing_angles_deg=np.degrees(FIRING),
+            orders=[6.0],
+            crank_radius=RADIUS,
+        )
     with pytest.raises(InputError, match="torque: given 2 for 4 firing angles"):
-        torque_harmonics([TABLE.harmonics()] * 2, FIRING, 5.0, crank_radius=RADIUS)
+        torque_harmonics(
+            [TABLE.harmonics()] * 2,
+            firing_angles_deg=np.degrees(FIRING),
+            orders=5.0,
+            crank_radius=RADIUS,
+        )

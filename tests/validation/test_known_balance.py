@@ -60,16 +60,16 @@ def engine(cranks_deg, banks_deg=(0.0,), pin_step_deg=0.0):
             0.09,
             PISTON,
             ROD,
-            math.radians(crank + place * pin_step_deg),
-            math.radians(bank),
-            throw * PITCH,
+            crank_angle_deg=crank + place * pin_step_deg,
+            bank_angle_deg=bank,
+            position=throw * PITCH,
         )
         for throw, crank in enumerate(cranks_deg)
         for place, bank in enumerate(banks_deg)
     ]
     tops = [cylinder.top_shaft_angle for cylinder in cylinders]
     order = firing_order_of_angles(tops, 2, 1)
-    return EngineLayout(RADIUS, cylinders, order, 2, firing_angles=tops)
+    return EngineLayout(RADIUS, cylinders, order, 2, firing_angles_deg=np.degrees(tops))
 
 
 def rotating_balanced(cranks_deg, banks_deg=(0.0,), pin_step_deg=0.0):
@@ -201,7 +201,14 @@ def test_flat_twin():
     twin = EngineLayout(
         RADIUS,
         [
-            EngineCylinder(0.09, PISTON, ROD, crank, bank, place)
+            EngineCylinder(
+                0.09,
+                PISTON,
+                ROD,
+                crank_angle_deg=math.degrees(crank),
+                bank_angle_deg=math.degrees(bank),
+                position=place,
+            )
             for crank, bank, place in ((0.0, math.pi / 2, 0.0), (math.pi, -math.pi / 2, PITCH))
         ],
         [1, 2],
@@ -246,7 +253,7 @@ def test_cross_plane_v8(figure):
     moment = balance(plain, SPEED).of(1).moment
     arm = (moment.forward / 1j / SPEED**2) / (3.0 * PITCH)
     ends = [
-        RotatingMass(abs(arm), float(np.angle(arm * sign)), place)
+        RotatingMass(abs(arm), angle_deg=math.degrees(float(np.angle(arm * sign))), position=place)
         for sign, place in ((1.0, 0.0), (-1.0, 3.0 * PITCH))
     ]
     for weights in (balancing_masses(plain, 0.5), ends):

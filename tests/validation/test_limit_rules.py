@@ -73,6 +73,8 @@ def test_generator_set():
     shaft = generator_set_limit(100.0, part="generator shaft")
     assert at(shaft.continuous, 1.0, 1.11) == close([31.0, np.inf])
     assert at(shaft.passing, 0.9) == close([118.0])
+    # Continuous running is limited from 0.9 to 1.1 of the rated speed; below, speeds are only passed.
+    assert at(shaft.continuous, 0.89, 0.9, 1.1) == close([118.0, 31.0, 31.0])
     crank = generator_set_limit(100.0, part="crankshaft", strokes=2)
     assert at(crank.continuous, 0.95) == close([16.0])
     assert at(crank.passing, 0.5) == close([90.0])

@@ -255,7 +255,11 @@ def test_the_main_rod_of_a_hinged_one_obeys_7_with_the_load_of_its_pin():
     radius, turn = 0.08, 0.9
     main = EngineCylinder(BORE, PISTON, rod_of())
     hinged = EngineCylinder(
-        BORE, PISTON, rod_of(), bank_angle=turn, slave_pin=SlavePin(1, radius, turn)
+        BORE,
+        PISTON,
+        rod_of(),
+        bank_angle_deg=math.degrees(turn),
+        slave_pin=SlavePin(1, radius, angle_deg=math.degrees(turn)),
     )
     both = EngineLayout(R, [main, hinged], [1, 2])
     alone = EngineLayout(R, [main], [1])

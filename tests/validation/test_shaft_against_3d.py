@@ -82,11 +82,11 @@ def cranks(request):
 
 @pytest.fixture(scope="module")
 def solid(throw, cranks):
-    return mesh_shaft(Crankshaft([throw] * 4, np.radians(cranks)), 0.05)
+    return mesh_shaft(Crankshaft([throw] * 4, crank_angles_deg=cranks), 0.05)
 
 
 def modes_of(superelement, throw, cranks, around=None):
-    throws = shaft_throws(superelement, throw, np.radians(cranks))
+    throws = shaft_throws(superelement, throw, crank_angles_deg=cranks)
     return crankshaft_modes(assemble_crankshaft(throws, around))
 
 
@@ -134,7 +134,7 @@ def test_shaft_in_bearings(superelement, throw, figure):
     ours = modes_of(superelement, throw, CROSS, around)
     assert ours.names[:1] == ("rotation about the shaft axis",)
     assert ours.rigid == 1
-    solid = mesh_shaft(Crankshaft([throw] * 4, np.radians(CROSS)), 0.05)
+    solid = mesh_shaft(Crankshaft([throw] * 4, crank_angles_deg=CROSS), 0.05)
     frequencies, motions = solid_modes(
         solid, STEEL, 7, lateral_stiffness=[BEARING] * 5, axial_stiffness=[0, 0, 0, 0, THRUST]
     )
@@ -157,7 +157,7 @@ def test_shaft_in_bearings(superelement, throw, figure):
 @pytest.mark.further
 def test_calculix_finds_the_same_frequencies(throw, tmp_path, figure):
     """Our own three-dimensional reference is right: another program on the same mesh."""
-    mesh = mesh_shaft(Crankshaft([throw] * 2, np.radians((0.0, 180.0))), 0.09)
+    mesh = mesh_shaft(Crankshaft([throw] * 2, crank_angles_deg=(0.0, 180.0)), 0.09)
     (tmp_path / "shaft.inp").write_text(frequency_deck(mesh, STEEL, 10), encoding="utf-8")
     asked = {"OMP_NUM_THREADS": "2", "CCX_NPROC_EQUATION_SOLVER": "2"}
     done = subprocess.run(

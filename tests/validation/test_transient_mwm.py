@@ -11,6 +11,8 @@ asked for, where 0.5 % would do for the engineer. The independent integrator (DO
 tolerance of 1e-10) and the quadrature of Duhamel's integral set the others.
 """
 
+import math
+
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
@@ -89,7 +91,9 @@ def test_run_up_by_an_integrator_of_its_own(figure):
     """The same run by DOP853 in the physical coordinates, forces written out by hand."""
     chain = mwm()
     start, rate, duration = 180.0, 400.0, 0.1
-    curve = SpeedCurve.ramp(start, start + rate * duration, duration=duration, start_angle=0.2)
+    curve = SpeedCurve.ramp(
+        start, start + rate * duration, duration=duration, start_angle_deg=math.degrees(0.2)
+    )
     run = transient_motion(chain, torque(), curve, start="rest")
     damping = viscous_system(chain).system.damping
     phasors = torque().forces[:, 0] / (1.0 - 0.3 * (100.0 / 200.0) ** 2)
@@ -151,7 +155,7 @@ def test_sweep_through_resonance_is_duhamels_integral(figure):
     """
     chain, acting = oscillator()
     start, rate, angle = 30.0, 80.0, 0.3
-    curve = SpeedCurve.ramp(start, 70.0, acceleration=rate, start_angle=angle)
+    curve = SpeedCurve.ramp(start, 70.0, acceleration=rate, start_angle_deg=np.degrees(angle))
     run = transient_motion(chain, acting, curve, start="rest")
     damped = NATURAL * np.sqrt(1.0 - RATIO**2)
     places, weights = np.polynomial.legendre.leggauss(600)

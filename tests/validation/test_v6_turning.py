@@ -68,7 +68,13 @@ def load(speed, _angle):
 def engine():
     rod = cf.ConnectingRod(LENGTH, ROD, LENGTH / 2.0, ROD_INERTIA)
     cylinders = [
-        cf.EngineCylinder(BORE, PISTON, rod, crank_angle=crank, bank_angle=bank)
+        cf.EngineCylinder(
+            BORE,
+            PISTON,
+            rod,
+            crank_angle_deg=math.degrees(crank),
+            bank_angle_deg=math.degrees(bank),
+        )
         for crank, bank in zip(CRANKS.tolist(), BANKS.tolist(), strict=True)
     ]
     return cf.EngineLayout(
@@ -78,7 +84,14 @@ def engine():
 
 def turned(times, **changes):
     settings = {"gas": gas, "load": load, "gravity": GRAVITY} | changes
-    return cf.torque.turn_freely(engine(), 0.0, 10.0, float(times[-1]), times=times, **settings)
+    return cf.torque.turn_freely(
+        engine(),
+        start_angle_deg=0.0,
+        start_speed=10.0,
+        duration=float(times[-1]),
+        times=times,
+        **settings,
+    )
 
 
 def test_torque_at_the_start(figure):

@@ -13,6 +13,7 @@ from crankfem.analyses.mechanism.rod_comparison import compare_rod_models
 from crankfem.analyses.record import Record, assumed_values, attributes
 from crankfem.files.engine.mechanism_file import MechanismFile
 from crankfem.files.engine.rated_power import EnginePower, indicated_power
+from dynamics.engine.firing import firing_intervals
 from dynamics.engine.forces import pin_groups
 from dynamics.engine.loads import LoadDiagram
 
@@ -28,6 +29,7 @@ def mechanism_record(run: MechanismRun) -> Record:
         "speed_rpm": run.speed * RPM,
         "rod_model": forces.model,
         "firing_angles_deg": np.degrees(run.layout.firing).tolist(),
+        "firing_intervals_deg": mechanism_intervals(run),
         "angle_step_deg": float(np.degrees(forces.shaft_angles[1] - forces.shaft_angles[0])),
         "power": run.torque.power,
         "mean_indicated_pressure": _mean_indicated_pressure(run),
@@ -72,6 +74,13 @@ def mechanism_record(run: MechanismRun) -> Record:
         ),
         "remarks": [*mechanism.remarks, *_gas_remarks(run)],
     }
+
+
+def mechanism_intervals(run: MechanismRun) -> list[float]:
+    """Return the angles from each firing to the next, in the firing order [deg]."""
+    layout = run.layout
+    fired = [layout.firing[int(number) - 1] for number in layout.firing_order]
+    return [round(math.degrees(step), 6) for step in firing_intervals(fired, layout.strokes)]
 
 
 def power_record(power: EnginePower) -> Record:

@@ -25,7 +25,11 @@ def shaft_record(shaft: ShaftCompliances, analyses: Sequence[ThrowAnalysis]) -> 
 
 def shaft_balance_record(engine_file: EngineFile) -> Record:
     """Masses and unbalance of the whole crankshaft, about the middle of its throws; no rods."""
-    shaft = Crankshaft(engine_file.crank_throws, engine_file.throw_angles, engine_file.shaft_ends)
+    shaft = Crankshaft(
+        engine_file.crank_throws,
+        crank_angles_deg=np.degrees(engine_file.throw_angles).tolist(),
+        ends=engine_file.shaft_ends,
+    )
     masses = shaft.masses(engine_file.material.density)
     middle = 0.5 * float(shaft.starts[-1])
     found = unbalance(masses, middle)

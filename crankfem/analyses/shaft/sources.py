@@ -38,7 +38,11 @@ def compliances_in_shaft(
     """
     throws = [own.superelement for own in crank_analyses(engine_file, analysis)]
     held = bearing_stiffness(engine_file).nominal if stiffness is None else stiffness
-    return shaft_compliances(throws, engine_file.throw_angles, held)
+    return shaft_compliances(
+        throws,
+        crank_angles_deg=np.degrees(engine_file.throw_angles).tolist(),
+        bearing_stiffness=held,
+    )
 
 
 def axial_sources(

@@ -83,12 +83,15 @@ def _chain(verdict: ChainVerdict) -> Record:
 
 
 def _split(coupled: CoupledResponse) -> Record:
-    """Largest axial amplitude of the free end by each kind of force, and by both."""
+    """Largest axial amplitude of the free end by each kind of force and by both, each with its speed."""
     split = coupled.split("section 0 uz")
-    worst = int(np.argmax(split.both_sum))
-    return {
-        "tangential": np.max(split.tangential_sum),
-        "radial": np.max(split.radial_sum),
-        "both": split.both_sum[worst],
-        "speed_rpm": coupled.speeds[worst] * RPM,
-    }
+    record: Record = {}
+    for name, curve in (
+        ("tangential", split.tangential_sum),
+        ("radial", split.radial_sum),
+        ("both", split.both_sum),
+    ):
+        worst = int(np.argmax(curve))
+        record[name] = curve[worst]
+        record[f"{name}_speed_rpm"] = coupled.speeds[worst] * RPM
+    return record | {"speed_rpm": record["both_speed_rpm"]}

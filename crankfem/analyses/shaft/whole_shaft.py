@@ -232,7 +232,7 @@ def whole_shaft(
         for own, element, angle in zip(
             engine_file.crank_throws, elements, engine_file.throw_angles, strict=True
         )
-        for throw in shaft_throws(element, own, [angle])
+        for throw in shaft_throws(element, own, crank_angles_deg=[math.degrees(angle)])
     ]
     highest = elements[0].highest_frequency
     around, remarks = shaft_surroundings(engine_file, analysis, bearings)
@@ -277,17 +277,17 @@ def highest_exciting_frequency(engine_file: EngineFile) -> float:
 
 
 def shaft_throws(
-    superelement: DynamicSuperelement, throw: CrankThrow, crank_angles: Sequence[float]
+    superelement: DynamicSuperelement, throw: CrankThrow, *, crank_angles_deg: Sequence[float]
 ) -> list[ShaftThrow]:
-    """Return equal throws at their crank angles [rad], ready to be assembled.
+    """Return equal throws at their crank angles, ready to be assembled.
 
     Parameters
     ----------
     superelement : DynamicSuperelement
         In the throw's own frame, not turned.
     throw : CrankThrow
-    crank_angles : sequence of n float
-        Angle of each throw's first pin about +z [rad].
+    crank_angles_deg : sequence of n float
+        Angle of each throw's first pin about +z [deg].
     """
     pins = np.array([[*pin.axis, 0.5 * (pin.start + pin.end)] for pin in throw.parts.pins])
     return [
@@ -297,9 +297,9 @@ def shaft_throws(
             pin_loads=superelement.pin_loads,
             pins=pins,
             length=throw.length,
-            crank_angle=float(angle),
+            crank_angle_deg=float(angle),
         )
-        for angle in crank_angles
+        for angle in crank_angles_deg
     ]
 
 

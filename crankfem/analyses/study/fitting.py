@@ -1,6 +1,7 @@
 """Forms of equations fitted to all responses of a study."""
 
 from collections.abc import Mapping
+from contextlib import suppress
 from dataclasses import replace
 
 import numpy as np
@@ -12,8 +13,9 @@ from regression.fits.columns import Encoding, factor_encoding, group_encoding
 from regression.fits.fits import Fit, fit_form
 from regression.fits.forms import FORMS, Form
 from regression.fits.selection import choose
-from regression.records import MEASURED
-from regression.runs.study_table import StudyTable
+from regression.plans.plan import PlannedStudy
+from regression.records import MEASURED, RUN
+from regression.runs.study_table import StudyTable, throw_dimensions
 
 # Supports, as they stand at the end of a response's name, and what they are called.
 SUPPORTS = {
@@ -61,6 +63,43 @@ def fit_study(table: StudyTable) -> dict[str, ResponseFits]:
     if not found:
         raise InputError(next(iter(reasons.values()), "study: given no response; one is needed."))
     return {name: replace(fits, unfitted=reasons) for name, fits in found.items()}
+
+
+def check_study_can_be_fitted(planned: PlannedStudy) -> None:
+    """Refuse a study whose designs that can be built are too few for any equation.
+
+    Raises
+    ------
+    InputError
+    """
+    factors = planned.plan.factors
+    runs = [design for design in planned.designs if design.role == RUN]
+    values = np.array([design.values for design in runs])
+    throws = [throw_dimensions(design.inputs["throw"]) for design in runs]
+    same = set(throws[0]).intersection(*throws)
+    dimensions = {name: np.array([throw[name] for throw in throws]) for name in same}
+    encodings = {"factors": factor_encoding(factors, values)}
+    with suppress(InputError):
+        encodings["groups"] = group_encoding(factors, values, dimensions)
+    reason = ""
+    for form in FORMS.values():
+        encoding = encodings.get(form.basis)
+        if encoding is None:
+            continue
+        x = encoding.columns(factors, values, dimensions)
+        try:
+            _ = fit_form(form.name, encoding.names, x, np.ones(len(x)), logged=encoding.logged)
+        except InputError as error:
+            reason = reason or str(error)
+        else:
+            return
+    excluded = [design for design in planned.excluded if design.role == RUN]
+    first = f"; the first is excluded because of this: {excluded[0].reason}" if excluded else ""
+    raise InputError(
+        f"study.factors: given {len(runs) + len(excluded)} designs of which {len(runs)} can be built, to "
+        f"which no equation can be fitted ({reason.rstrip('.')}); allowed are ranges in which throws can be "
+        f"built{first.rstrip('.')}."
+    )
 
 
 def response_name(column: str) -> tuple[str, str]:

@@ -6,21 +6,27 @@ from typing import Protocol
 
 import numpy as np
 
+from crankbase.checks.choices import did_you_mean
 from crankbase.errors import InputError
+from crankfem.analyses.shaft.chains import engine_throw_inertias, engine_torsional_chain
 from crankfem.files.engine.engine_file import EngineFile
+from crankfem.files.sections.engine_sections import Engine
 from crankfem.files.sections.limits_sections import LimitsInput
 from dynamics.assessment.barred_ranges import limit_end_speed
+from dynamics.assessment.limit_rules import CRANKSHAFT_RULES, RULE_OF_DRIVEN
 from dynamics.assessment.limit_rules import Kind as EngineKind
-from dynamics.assessment.limit_rules import crankshaft_limit
 from dynamics.assessment.limits import AmplitudeCurve, VibrationLimit
 from dynamics.assessment.response_curves import curves_of
 from dynamics.response.loads import ElementLoads, alternating_stress, section_modulus
 from dynamics.response.series import OrderSeries
 
 RULE_PICKED = (
-    "no limit is given: that of a classification society for crankshafts of ships' main engines of plain "
+    "no limit is given: that of a classification society for crankshafts of plain "
     "steel was picked; the engine maker's value stands in its place"
 )
+# Any number above zero serves where only the names of nodes and elements are wanted.
+ANY_COMPLIANCE, ANY_INERTIA = 1e-8, 1.0
+COUPLING = "flywheel - driven machine"
 # Firings count as even if their intervals differ by less [deg].
 UNEVEN = 0.01
 NOT_SAMPLED = "samples of the axial amplitude keep the excitation by torsion of the nominal chain"
@@ -76,14 +82,14 @@ def engine_limits(
     )
     remarks = []
     if "crankshaft_stress" not in found:
-        picked = crankshaft_limit(
+        picked = CRANKSHAFT_RULES[rule_of(engine)](
             engine.rated_speed,
             strokes=engine.strokes,
             kind=kind,
             firing_interval_deg=interval,
         )
         found["crankshaft_stress"] = replace(picked, assumed=True)
-        remarks.append(f"torsional stress of the crankshaft: {RULE_PICKED}")
+        remarks.append(f"torsional stress of the crankshaft: {RULE_PICKED}; {rule_reason(engine)}")
     if not {"axial_amplitude", "axial_force"} & set(found):
         remarks.append(
             "axial vibration is not judged, because no limit is given; no general one is published, the "
@@ -96,6 +102,21 @@ def engine_limits(
         "(vibration.highest_order)"
     )
     return found, tuple(remarks)
+
+
+def rule_of(engine: Engine) -> str:
+    """Return the name of the rule that is picked for the crankshaft where the file gives none."""
+    return RULE_OF_DRIVEN[engine.drives or "propeller"]
+
+
+def rule_reason(engine: Engine) -> str:
+    """Say which rule is picked for the crankshaft, and why."""
+    if engine.drives:
+        return f"the rule {rule_of(engine)!r}, because the engine drives a {engine.drives} (engine.drives)"
+    return (
+        f"the rule {rule_of(engine)!r}, because the file does not say what the engine drives; for a "
+        'generating set of constant speed write drives = "generator" in [engine]'
+    )
 
 
 def assessment_end_speeds(engine_file: EngineFile) -> tuple[float, ...]:
@@ -116,13 +137,7 @@ def assessment_end_speeds(engine_file: EngineFile) -> tuple[float, ...]:
 def limit_findings(
     engine_file: EngineFile, axial: Limited, torsional: Limited
 ) -> list[tuple[VibrationLimit, AmplitudeCurve]]:
-    """Return each limit with each curve over the speed that it applies to.
-
-    Raises
-    ------
-    InputError
-        If a limit is on an element that the chain does not have.
-    """
+    """Return each limit with each curve over the speed that it applies to."""
     limits, _ = engine_limits(engine_file)
     return [
         (limit, curve)
@@ -153,15 +168,53 @@ def even_firing_interval(firing_angles: Sequence[float], strokes: int) -> float 
     return round(even, 2) if np.all(np.abs(intervals - even) < UNEVEN) else None
 
 
+def refuse_limits(engine_file: EngineFile) -> None:
+    """Refuse limits on what the engine lacks, and limits where nothing is excited.
+
+    Raises
+    ------
+    InputError
+    """
+    compliances = np.full(len(engine_file.throw_angles), ANY_COMPLIANCE)
+    inertias = engine_throw_inertias(engine_file, ANY_INERTIA)
+    named = engine_torsional_chain(engine_file, compliances, inertias)
+    if engine_file.limits is None:
+        return
+    if engine_file.gas is None and engine_file.gas_map is None:
+        raise InputError(
+            "limits: given without gas pressure; allowed are both, because amplitudes need what excites "
+            "them: a section [gas] or [gas_map]."
+        )
+    check_limited_elements(engine_file.limits, named.chain.elements)
+
+
+def check_limited_elements(limits: LimitsInput, elements: Sequence[str]) -> None:
+    """Refuse limits on elements that the torsional chain does not have.
+
+    Raises
+    ------
+    InputError
+    """
+    if limits.coupling_torque is not None and COUPLING not in elements:
+        raise InputError(
+            "limits.coupling_torque: given without the section [driven]; allowed are both, because the "
+            "coupling joins the driven machine."
+        )
+    for place, shaft in enumerate(limits.shafts):
+        if shaft.element not in elements:
+            raise InputError(
+                f"limits.shafts[{place}].element: given {shaft.element!r}; "
+                f"{did_you_mean(shaft.element, elements)}allowed are {', '.join(elements)}, because the "
+                "torsional chain has these elements."
+            )
+
+
 def limited_series(
     name: str, engine_file: EngineFile, axial: Limited, torsional: Limited
 ) -> OrderSeries:
     """Return what a limit of `engine_limits` applies to, by orders.
 
-    Raises
-    ------
-    InputError
-        If the chain has no such element.
+    The elements are those of `check_limited_elements`.
     """
     if name == "crankshaft_stress":
         assert torsional.stress is not None
@@ -175,20 +228,10 @@ def limited_series(
     loads = torsional.loads.elements
     elements = loads.names
     if name == "coupling_torque":
-        coupling = "flywheel - driven machine"
-        if coupling not in elements:
-            raise InputError(
-                "limits.coupling_torque: given without the section [driven]; allowed are both, because the "
-                "coupling joins the driven machine."
-            )
+        coupling = COUPLING
         place = elements.index(coupling)
         return replace(loads, values=loads.values[:, :, [place]], names=(coupling,))
     element = name.removeprefix("shaft: ")
-    if element not in elements:
-        raise InputError(
-            f"limits.shafts.element: given {element!r}; allowed are {', '.join(elements)}, because the "
-            "torsional chain has these elements."
-        )
     (shaft,) = (
         own for own in (engine_file.limits or LimitsInput()).shafts if own.element == element
     )

@@ -31,6 +31,7 @@ from crankfem.analyses.vibration.bearing_sweep import (
     held_chains,
 )
 from crankfem.analyses.vibration.engine_excitation import engine_harmonics
+from crankfem.analyses.vibration.engine_limits import refuse_limits
 from crankfem.analyses.vibration.engine_load import EngineLoad, engine_load
 from crankfem.analyses.vibration.forced import ForcedVibration, forced_vibrations
 from crankfem.analyses.vibration.modes import Vibration, axial_vibration, torsional_vibration
@@ -272,12 +273,8 @@ def engine_vibration(
     _check_same_engine(read, analyses, mechanism)
     forcing = read.gas is not None or read.gas_map is not None
     harmonics = engine_harmonics(read, mechanism) if forcing else None
+    refuse_limits(read)
     load = engine_load(read, mechanism) if forcing else None
-    if not forcing and read.limits is not None:
-        raise InputError(
-            "limits: given without gas pressure; allowed are both, because amplitudes need what excites "
-            "them: a section [gas] or [gas_map]."
-        )
     if analyses is None:
         tell("Analyzing the throw" if len(read.named_throws) == 1 else "Analyzing the throws")
         analyses = analyze_throws(read)

@@ -39,10 +39,11 @@ def engines_and_tables(incomplete: str) -> list[str]:
 
 
 def sections(incomplete: str) -> list[str]:
-    """Sections of engine files."""
+    """Sections of engine files, and that of chain files."""
     from crankfem.files.engine.engine_file import SECTIONS
+    from crankfem.files.engine.field_tables import CHAIN
 
-    return [name for name in SECTIONS if name.startswith(incomplete)]
+    return [name for name in (*SECTIONS, CHAIN) if name.startswith(incomplete)]
 
 
 def dimensions(ctx: typer.Context, incomplete: str) -> list[str]:

@@ -1,4 +1,4 @@
-"""What the fields of an engine file mean."""
+"""What the fields of an engine file, or of a chain file, mean."""
 
 from typing import Annotated
 
@@ -14,14 +14,15 @@ def fields(
     section: Annotated[
         str | None,
         typer.Argument(
-            help="Section of an engine file, such as throw; all if not given.",
+            help="Section of an engine file, such as throw, or chain for a chain file; "
+            "all of an engine file if not given.",
             autocompletion=completion.sections,
         ),
     ] = None,
     *,
     out: Output,
 ) -> None:
-    """Say what every field of an engine file means: unit, allowed range, default."""
+    """Say what every field of an engine or chain file means: unit, allowed range, default."""
     from dataclasses import asdict, astuple
 
     from crankbase.tables.table import Column, Table

@@ -1,6 +1,7 @@
 """The tables of `crankfem check`, from its record."""
 
 import math
+from collections.abc import Sequence
 
 from crankbase.tables.output_units import SI, OutputUnit, OutputUnits
 from crankbase.tables.table import Column, Table
@@ -61,7 +62,8 @@ def _print_arrangement(name: str, engine: Record, units: OutputUnits) -> None:
         f"{length.number(engine['bore'], digits)} x {length.number(engine['stroke'], digits)} "
         f"{length.name}; runs from "
         f"{speeds[0]} to {speeds[1]} {speed.name}, rated speed {speeds[2]} {speed.name}; firing order "
-        f"{'-'.join(map(str, engine['firing_order']))}."
+        f"{'-'.join(map(str, engine['firing_order']))}, "
+        f"{intervals_text(engine['firing_intervals_deg'], units)}."
     )
     fired = dict(zip(engine["firing_order"], engine["firing_angles_deg"], strict=True))
     angles = {"crank angle": engine["crank_angles_deg"]}
@@ -79,6 +81,23 @@ def _print_arrangement(name: str, engine: Record, units: OutputUnits) -> None:
         ),
         units,
     )
+
+
+def intervals_text(intervals_deg: Sequence[float], units: OutputUnits) -> str:
+    """Say at which intervals an engine fires; of intervals that repeat, each once."""
+    steps = list(intervals_deg)
+    period = next(
+        size
+        for size in range(1, len(steps) + 1)
+        if not len(steps) % size
+        and all(math.isclose(one, steps[k % size], abs_tol=0.01) for k, one in enumerate(steps))
+    )
+    angle = units.of("deg")
+    told = ", ".join(angle.number(math.radians(step)) for step in steps[:period])
+    if period == 1:
+        return f"fires every {told} {angle.name}"
+    again = " in turn" if period < len(steps) else ""
+    return f"fires at intervals of {told} {angle.name}{again}"
 
 
 def _cylinders(count: int) -> str:

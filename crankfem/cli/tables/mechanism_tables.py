@@ -15,6 +15,7 @@ from crankfem.analyses.mechanism.load_tables import (
 )
 from crankfem.analyses.record import ASSUMED, Record
 from crankfem.cli.console import print_line, print_table
+from crankfem.cli.tables.check_tables import intervals_text
 
 
 def print_mechanism(record: Record, units: OutputUnits = SI) -> None:
@@ -25,7 +26,7 @@ def print_mechanism(record: Record, units: OutputUnits = SI) -> None:
         f"{record['rod_model']}: indicated power {units.of('kW').with_name(record['power'])}, mean indicated "
         f"pressure {units.of('MPa').with_name(record['mean_indicated_pressure'])}, torque "
         f"{moment.with_name(torque['mean'])} ({moment.number(torque['smallest'])} to "
-        f"{moment.with_name(torque['largest'])})."
+        f"{moment.with_name(torque['largest'])}); {intervals_text(record['firing_intervals_deg'], units)}."
     )
     _print_power(record, units)
     for make in (cylinder_table, crankpin_table, bearing_table, rod_model_table):

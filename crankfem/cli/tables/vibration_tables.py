@@ -90,12 +90,18 @@ def _print_whole(record: Record, units: OutputUnits) -> None:
         print_line(units.text(record["flywheel_tilt"]["sentence"]))
     split = record["axial_split"]
     if split is not None:
+        causes = {
+            "tangential": "tangential forces alone (torsion)",
+            "radial": "radial forces alone",
+            "both": "both",
+        }
+        told = [
+            f"{length.number(split[name])} {length.name} by {cause} at "
+            + units.text(f"{split[f'{name}_speed_rpm']:.0f} 1/min")
+            for name, cause in causes.items()
+        ]
         print_line(
-            "Axial amplitude of the free end, largest over the speeds: "
-            f"{length.number(split['tangential'])} {length.name} by tangential forces alone (torsion), "
-            f"{length.number(split['radial'])} {length.name} by radial forces alone, "
-            f"{length.number(split['both'])} {length.name} by both at "
-            f"{units.text(format(split['speed_rpm'], '.0f') + ' 1/min')}"
+            f"Axial amplitude of the free end, each at its own worst speed: {', '.join(told)}"
         )
 
 

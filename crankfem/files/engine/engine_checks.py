@@ -4,7 +4,7 @@ from collections.abc import Sequence
 
 from crankbase.errors import InputError
 from crankbase.units.quantity import format_quantity
-from crankfem.files.sections.engine_sections import Engine, VibrationSettings
+from crankfem.files.sections.engine_sections import Engine, ThrustBearing, VibrationSettings
 from crankfem.files.sections.excitation_sections import GasMap, Misfire
 from crankfem.files.sections.load_section import LoadSection
 from crankfem.files.sections.mechanism_sections import Gas
@@ -128,4 +128,19 @@ def check_highest_order(vibration: VibrationSettings, engine: Engine) -> None:
         raise InputError(
             f"vibration.highest_order: given {vibration.highest_order:g}; allowed are multiples of "
             f"{lowest:g}, because these are the orders of a {engine.strokes}-stroke engine."
+        )
+
+
+def check_thrust_bearing(thrust: ThrustBearing, throws: int) -> None:
+    """Refuse a thrust bearing at a main bearing that is not there.
+
+    Raises
+    ------
+    InputError
+    """
+    if thrust.bearing > throws:
+        raise InputError(
+            f"thrust_bearing.bearing: given {thrust.bearing}, main bearing {thrust.bearing + 1} counted from "
+            f"1; allowed is 0 (main bearing 1, at the free end) to {throws} (main bearing {throws + 1}, at "
+            "the flywheel), because this field counts from 0."
         )

@@ -15,6 +15,7 @@ from crankfem.files.engine.engine_checks import (
     check_load,
     check_misfire,
     check_sources,
+    check_thrust_bearing,
 )
 from crankfem.files.engine.file_kinds import engine_sections, file_kind
 from crankfem.files.engine.mechanism_cylinders import (
@@ -193,12 +194,7 @@ load, gas_map, misfire, propeller_forces, limits, ranges, torque_table, two_mass
                 "throw: given for an engine with throws by name; allowed is throws={NAME: ...}, because "
                 "each name stands for a throw of its own."
             )
-        bearings = len(self.throw_angles)
-        if self.thrust_bearing.bearing > bearings:
-            raise InputError(
-                f"thrust_bearing.bearing: given {self.thrust_bearing.bearing}; allowed is 0 (free end) to "
-                f"{bearings} (flywheel)."
-            )
+        check_thrust_bearing(self.thrust_bearing, len(self.throw_angles))
         _ = self.pins  # refuses hinged rods of cylinders that are not there
         check_misfire(self.misfire, self.gas, self.engine)
         check_gas_map(self.gas_map, self.engine)
@@ -348,7 +344,7 @@ def load_engine(path: str | Path | TomlFile) -> EngineFile:
     Raises
     ------
     InputError
-        With one sentence that names the field, what was given and what is allowed.
+        With a sentence for each wrong field, which names it, what was given and what is allowed.
     """
     content = engine_sections(path)
     kind = file_kind(content)
@@ -363,6 +359,13 @@ def load_engine(path: str | Path | TomlFile) -> EngineFile:
             f"{content.path.name}: describes a crank mechanism, not a whole engine; add the sections "
             "[flywheel] and [thrust_bearing], or use it with mechanism, harmonics, throw and draw."
         )
+    with content.all_errors(
+        {name: one.model for name, one in SECTIONS.items() if name != "throws"}
+    ):
+        return _read_engine(content)
+
+
+def _read_engine(content: TomlFile) -> EngineFile:
     check_sections(content)
     throws: dict[str, CrankThrow] = {}
     sections: dict[str, Any] = {}

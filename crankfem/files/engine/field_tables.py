@@ -7,15 +7,20 @@ from typing import Literal, get_args, get_origin
 from pydantic.fields import FieldInfo
 from pydantic_core import PydanticUndefined
 
+from crankbase.checks.choices import allowed_names
 from crankbase.errors import InputError
 from crankbase.model import InputModel, field_extra, part_kind
 from crankbase.units.quantity import format_quantity
 from crankbase.units.units import DISPLAY_UNITS
+from crankfem.files.chain.chain_file import KINDS as CHAIN_KINDS
 from crankfem.files.engine.engine_file import SECTIONS
+from fem.material import Material
 
 # Whole numbers below this are written out.
 WRITTEN_OUT = 1e10
 
+# The section of a chain file, which has fields of its own.
+CHAIN = "chain"
 # Sections that have names of the user's own.
 TITLES = {"throws": "[throws.NAME]"}
 
@@ -47,13 +52,31 @@ def section_tables(section: str | None = None) -> list[SectionTable]:
     InputError
         If there is no such section.
     """
+    if section == CHAIN:
+        return chain_tables()
     if section is not None and section not in SECTIONS:
-        raise InputError(f"section: given {section!r}; allowed are {', '.join(SECTIONS)}.")
+        raise InputError(
+            f"section: given {section!r}; {allowed_names(section, (*SECTIONS, CHAIN))}."
+        )
     return [
         table
         for name, one in SECTIONS.items()
         if section in (None, name)
         for table in _tables(one.model, TITLES.get(name, f"[{name}]"), one.need)
+    ]
+
+
+def chain_tables() -> list[SectionTable]:
+    """Tables of a chain file: a section [chain] for each kind of chain, and the tables in it."""
+    return [
+        *(
+            table
+            for kind, model in CHAIN_KINDS.items()
+            for table in _tables(
+                model, "[chain]", f'required, of a chain file with kind = "{kind}"'
+            )
+        ),
+        *_tables(Material, "[material]", "optional, steel by default"),
     ]
 
 

@@ -99,14 +99,17 @@ def engine_cylinders(
             angle = banks[place] - banks[main]
             if hinged.pin_angle is not None:
                 angle = sense * hinged.pin_angle
-            own_rod, pin = _rod(hinged), SlavePin(main + 1, hinged.pin_radius, angle)
+            own_rod, pin = (
+                _rod(hinged),
+                SlavePin(main + 1, hinged.pin_radius, angle_deg=math.degrees(angle)),
+            )
         made.append(
             EngineCylinder(
                 bore=engine.bore,
                 piston_mass=piston.mass,
                 rod=own_rod,
-                crank_angle=sense * engine.crank_angles[place],
-                bank_angle=banks[place],
+                crank_angle_deg=math.degrees(sense * engine.crank_angles[place]),
+                bank_angle_deg=math.degrees(banks[place]),
                 position=positions[place],
                 pin_offset=piston.pin_offset,
                 slave_pin=pin,

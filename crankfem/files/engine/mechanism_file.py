@@ -10,7 +10,7 @@ import numpy as np
 from crankbase.errors import InputError
 from crankbase.summaries import summarized
 from crankfem.files.engine.engine_checks import check_load
-from crankfem.files.engine.engine_file import EngineFile, check_sections, load_engine
+from crankfem.files.engine.engine_file import SECTIONS, EngineFile, check_sections, load_engine
 from crankfem.files.engine.file_kinds import engine_sections, file_kind
 from crankfem.files.engine.mechanism_cylinders import (
     angles_of_throws,
@@ -43,6 +43,10 @@ from geometry.shaft_ends import ShaftEnds
 from geometry.throw import CrankThrow
 
 NEEDED = ("engine", "throw", "rod", "piston")
+READ = (
+    *(*NEEDED, "shaft", "hinged_rods", "shaft_ends", "gas", "load", "flywheel", "free_end"),
+    "material",
+)
 
 
 @summarized(
@@ -129,9 +133,14 @@ def load_mechanism(path: str | Path | TomlFile) -> MechanismFile:
     Raises
     ------
     InputError
-        With one sentence that names the field, what was given and what is allowed.
+        With a sentence for each wrong field, which names it, what was given and what is allowed.
     """
     content = engine_sections(path)
+    with content.all_errors({name: SECTIONS[name].model for name in READ}):
+        return _read_mechanism(content)
+
+
+def _read_mechanism(content: TomlFile) -> MechanismFile:
     check_sections(content, NEEDED)
     engine, throws = content.required("engine", Engine), read_throws(content)
     rod, piston = content.required("rod", Rod), content.required("piston", Piston)
@@ -252,8 +261,8 @@ def layout_of(file: EngineFile | MechanismSections) -> EngineLayout:
 def _remarks(file: EngineFile | MechanismSections) -> tuple[str, ...]:
     """Say what is assumed beyond the sections, and what is unusual in them."""
     remarks = inertia_remarks(file.rod, file.hinged_rods)
-    if file.engine.firing_remark is not None:
-        remarks.append(file.engine.firing_remark)
+    unusual = (file.engine.firing_remark, file.material.remark)
+    remarks += [remark for remark in unusual if remark is not None]
     if side_by_side(file.crank_throws[0], file.throws, file.hinged_rods):
         remarks.insert(
             0,
@@ -307,7 +316,13 @@ def with_throws(
         static = complex(found.static[1], -sense * found.static[0])
         far = complex(found.dynamic[1], -sense * found.dynamic[0]) / throw.length
         for moment, place in ((static - far, starts[number]), (far, starts[number + 1])):
-            rotating.append(RotatingMass(abs(moment), float(np.angle(moment)) + angle, place))
+            rotating.append(
+                RotatingMass(
+                    abs(moment),
+                    angle_deg=math.degrees(float(np.angle(moment)) + angle),
+                    position=place,
+                )
+            )
     inertia = mechanism.attached_inertia + math.fsum(own.inertia_about_shaft for own in each)
     return replace(mechanism.layout, rotating=tuple(rotating), shaft_inertia=inertia)
 

@@ -3,6 +3,8 @@
 from dataclasses import dataclass
 from pathlib import Path
 
+import numpy as np
+
 from crankbase.errors import InputError
 from crankfem.files.engine.engine_file import check_sections
 from crankfem.files.engine.file_kinds import engine_sections
@@ -86,7 +88,13 @@ def load_throw_file(path: str | Path | TomlFile) -> ThrowFile:
     ------
     InputError
     """
-    content, throws = _throws(path)
+    read = engine_sections(path)
+    with read.all_errors({"throw": CrankThrow, "material": Material, "engine": Engine}):
+        return _read_throw_file(read)
+
+
+def _read_throw_file(read: TomlFile) -> ThrowFile:
+    content, throws = _throws(read)
     material = content.model("material", Material) or STEEL
     content.model("engine", Engine)
     first = free_end_throw_name(throws, content.model("shaft", ShaftLayout))
@@ -125,7 +133,11 @@ def load_crankshaft(path: str | Path | TomlFile) -> Crankshaft:
         angles = engine.crank_angles
     ends = content.model("shaft_ends", ShaftEnds) or ShaftEnds()
     names = throw_names(throws, layout, len(angles))
-    return Crankshaft(throws_along_shaft(throws, names, angles), angles, ends)
+    return Crankshaft(
+        throws_along_shaft(throws, names, angles),
+        crank_angles_deg=np.degrees(angles).tolist(),
+        ends=ends,
+    )
 
 
 def load_study(path: str | Path | TomlFile) -> StudyPlan:

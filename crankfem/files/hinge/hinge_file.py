@@ -138,6 +138,9 @@ class HingeFile:
 
 
 NEEDED = ("engine", "rod", "sliding", "hinge", "cycle", "operation")
+KINDS = {
+    kind.section: kind for kind in (Crank, HingeRod, Sliding, Hinge, Cycle, Operation, Comparison)
+}
 SECTIONS = {**dict.fromkeys(NEEDED, True), "comparison": False}
 
 
@@ -152,9 +155,14 @@ def load_hinge(path: str | Path | TomlFile = "crosshead-30-100") -> HingeFile:
     Raises
     ------
     InputError
-        With one sentence that names the field, what was given and what is allowed.
+        With a sentence for each wrong field, which names it, what was given and what is allowed.
     """
     content = path if isinstance(path, TomlFile) else read_toml(input_path(path, "hinge"))
+    with content.all_errors(KINDS):
+        return _read_hinge(content)
+
+
+def _read_hinge(content: TomlFile) -> HingeFile:
     content.check_sections(SECTIONS)
     crank, rod = content.required("engine", Crank), content.required("rod", HingeRod)
     sliding, hinge = content.required("sliding", Sliding), content.required("hinge", Hinge)

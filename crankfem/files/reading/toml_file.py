@@ -2,7 +2,8 @@
 
 import re
 import tomllib
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, TypeVar
@@ -108,6 +109,33 @@ class TomlFile:
         made = kind.from_text(values, section)
         self._record(section, made, values)
         return made
+
+    @contextmanager
+    def all_errors(self, kinds: Mapping[str, type[InputModel]]) -> Iterator[None]:
+        """Tell, with the first error that ends a reading, those of all sections.
+
+        Parameters
+        ----------
+        kinds : mapping
+            Section to its model.
+
+        Raises
+        ------
+        InputError
+        """
+        try:
+            yield
+        except InputError as first:
+            errors = []
+            for name, values in self.sections.items():
+                if name in kinds:
+                    try:
+                        kinds[name].from_text(values, name)
+                    except InputError as error:
+                        errors.append(error)
+            told = {line for error in errors for line in error.sentences}
+            others = [] if told.issuperset(first.sentences) else [first]
+            raise InputError.of_all([*others, *errors]) from None
 
     def required(self, section: str, kind: type[Model]) -> Model:
         """Validate one section that must be there.

@@ -5,6 +5,8 @@ import re
 from collections.abc import Mapping, Sequence
 from typing import Any
 
+import numpy as np
+
 from crankbase.errors import InputError
 from crankbase.units.quantity import format_quantity
 from crankfem.files.reading.toml_file import TomlFile
@@ -159,7 +161,9 @@ def throws_along_shaft(
     along = tuple(throws[name] for name in names)
     if PLAIN not in throws:
         check_compatible_throws(throws)
-        _ = Crankshaft(along, angles)  # refuses main journals that neighbors cannot share
+        _ = Crankshaft(
+            along, crank_angles_deg=np.degrees(angles).tolist()
+        )  # refuses main journals that neighbors cannot share
     return along
 
 

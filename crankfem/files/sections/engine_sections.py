@@ -3,13 +3,19 @@
 import math
 from typing import ClassVar, Literal, Self
 
-from pydantic import Field, model_validator
+from pydantic import Field, field_validator, model_validator
 
+from crankbase.checks.choices import check_choice
 from crankbase.errors import InputError
 from crankbase.model import InputModel, quantity_field
 from crankbase.units.quantity import format_quantity
 from crankbase.units.units import PER_MINUTE
-from dynamics.engine.firing import firing_angles_of_order, firing_intervals
+from dynamics.assessment.limit_rules import RULE_OF_DRIVEN
+from dynamics.engine.firing import (
+    firing_angles_of_order,
+    firing_intervals,
+    firing_order_from_text,
+)
 
 # Limits are round numbers in the units in which people read them.
 # Firing intervals that differ by less are even, but for the digits of given angles.
@@ -42,12 +48,18 @@ class Engine(InputModel):
     highest_speed: float = quantity_field(
         "highest running speed", "rad/s", 5.0 * PER_MINUTE, 30_000.0 * PER_MINUTE
     )
+    drives: str = Field(
+        "",
+        description=f"what the engine drives, {' or '.join(RULE_OF_DRIVEN)}: it decides which rule for the "
+        "crankshaft is picked where [limits] gives none",
+    )
     crank_angles: tuple[float, ...] = quantity_field(
         "angle of each crank from the first, cylinder by cylinder, all in one sense of rotation",
         "rad",
     )
     firing_order: tuple[int, ...] = Field(
-        description="cylinder numbers in firing order; each fires when its crank is at the top"
+        description='cylinder numbers in firing order, also as text like "1-5-3-6-2-4"; each fires when its '
+        "crank is at the top"
     )
     bank_angles: tuple[float, ...] | None = quantity_field(
         "of a V engine: angle of each cylinder's axis, cylinder by cylinder, counted as crank_angles",
@@ -61,8 +73,20 @@ class Engine(InputModel):
         default=None,
     )
 
+    @field_validator("firing_order", mode="before")
+    @classmethod
+    def _read_order(cls, given: object) -> object:
+        if not isinstance(given, str):
+            return given
+        try:
+            return firing_order_from_text(given)
+        except InputError as error:  # the field's name is put in front once more
+            raise ValueError(str(error).removeprefix("firing_order: ")) from None
+
     @model_validator(mode="after")
     def _fits_together(self) -> Self:
+        if self.drives:
+            check_choice("engine.drives", self.drives, RULE_OF_DRIVEN, "a rule goes by these")
         if self.strokes not in (2, 4):
             raise InputError(f"engine.strokes: given {self.strokes}; allowed are 2 and 4.")
         if not self.lowest_speed < self.highest_speed:
@@ -130,12 +154,15 @@ class Engine(InputModel):
         )
 
     @property
+    def firing_intervals_deg(self) -> tuple[float, ...]:
+        """Angles from each firing to the next one, from the first cylinder of the firing order [deg]."""
+        steps = firing_intervals(self.firing_angles, self.strokes)
+        return tuple(round(math.degrees(step), 6) for step in steps)
+
+    @property
     def firing_remark(self) -> str | None:
         """What to say of firing intervals that are not even, which only some engines have."""
-        steps = [
-            round(math.degrees(step), 1)
-            for step in firing_intervals(self.firing_angles, self.strokes)
-        ]
+        steps = [round(step, 1) for step in self.firing_intervals_deg]
         if max(steps) - min(steps) < UNEVEN_FROM_DEG:
             return None
         return (
@@ -244,7 +271,8 @@ class ThrustBearing(InputModel):
 
     stiffness: float = quantity_field("axial stiffness", "N/m", 1e4, 1e13)
     bearing: int = quantity_field(
-        "main bearing it sits at, counted from 0 at the free end: the last of n throws is n",
+        "main bearing it sits at, counted from 0 at the free end: with n throws n is the last one, which "
+        "tables and messages call main bearing n + 1",
         "",
         minimum=0,
         maximum=24,

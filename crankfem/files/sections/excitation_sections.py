@@ -2,8 +2,9 @@
 
 from collections.abc import Sequence
 from pathlib import Path
-from typing import ClassVar, Literal, Self
+from typing import Any, ClassVar, Literal, Self
 
+import numpy as np
 from pydantic import Field, model_validator
 
 from crankbase.errors import InputError
@@ -152,7 +153,12 @@ class PropellerForcesSection(InputModel):
         InputError
             If shares and phases are not of one length.
         """
-        return PropellerForces(**self.model_dump(exclude={"node", "ratio"}))
+        phases = ("thrust_phases", "torque_phases")
+        in_degrees: dict[str, Any] = {
+            f"{name}_deg": None if given is None else np.degrees(given)
+            for name, given in ((name, getattr(self, name)) for name in phases)
+        }
+        return PropellerForces(**self.model_dump(exclude={"node", "ratio", *phases}), **in_degrees)
 
 
 def gas_map_pressure(section: GasMap, strokes: int, file: Path) -> PressureMap:

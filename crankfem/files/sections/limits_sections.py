@@ -9,6 +9,7 @@ from pydantic import Field, model_validator
 from crankbase.checks.choices import check_choice
 from crankbase.errors import InputError
 from crankbase.model import InputModel, part_field, quantity_field
+from crankbase.units.quantity import format_quantity
 from dynamics.assessment.barred_ranges import BarredRangeRule
 from dynamics.assessment.limit_rules import (
     CRANKSHAFT_RULES,
@@ -161,6 +162,13 @@ class LimitsInput(InputModel):
                     f"limits.shafts[{place}].element: given {element!r} a second time; allowed is each "
                     "element once, because it has one limit."
                 )
+        tensile, yielding = self.tensile_strength, self.yield_strength
+        if tensile is not None and yielding is not None and yielding > tensile:
+            raise InputError(
+                f"limits.yield_strength: given {format_quantity(yielding, 'Pa')} above a tensile_strength of "
+                f"{format_quantity(tensile, 'Pa')}; allowed is that or less, because a steel yields before "
+                "it breaks."
+            )
         if self.crankshaft_rule:
             why = "their formulas are known"
             check_choice("limits.crankshaft_rule", self.crankshaft_rule, CRANKSHAFT_RULES, why)

@@ -1,0 +1,21 @@
+"""What a whole engine's calculation would refuse at its end, found out before anything is computed."""
+
+from crankfem.analyses.study.fitting import check_study_can_be_fitted
+from crankfem.analyses.vibration.engine_limits import refuse_limits
+from crankfem.files.engine.engine_file import EngineFile
+from dynamics.torque_table import read_torque_table
+
+
+def refuse_what_cannot_run(engine_file: EngineFile) -> None:
+    """Refuse limits, chains, studies and tables with which a run would end in an error.
+
+    Raises
+    ------
+    InputError
+        With one sentence that names the field, what was given and what is allowed.
+    """
+    refuse_limits(engine_file)
+    if engine_file.study is not None:
+        check_study_can_be_fitted(engine_file.study.planned)
+    if engine_file.torque_table is not None:
+        _ = read_torque_table(engine_file.torque_table, strokes=engine_file.engine.strokes)
