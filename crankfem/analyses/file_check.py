@@ -8,6 +8,7 @@ import numpy as np
 
 from crankbase.model import field_extra
 from crankbase.units.units import RPM
+from crankfem.analyses.assumptions import input_values
 from crankfem.analyses.record import Record, attributes, input_records
 from crankfem.files.chain.chain_file import ChainFile, load_chain
 from crankfem.files.engine.engine_file import EngineFile
@@ -183,7 +184,7 @@ def _mechanism(read: MechanismFile, content: TomlFile) -> CheckedFile:
         read.name,
         tuple(content.sections),
         (*MECHANISM_COMMANDS, *study),
-        read.records,
+        input_values(read),
         read.throw,
         _arrangement(Engine.from_text(content.sections["engine"])),
         (*read.remarks, *gas),
@@ -214,7 +215,7 @@ def _engine(read: EngineFile, content: TomlFile) -> CheckedFile:
         read.engine.name,
         tuple(content.sections),
         ("run", "vibration", *MECHANISM_COMMANDS, *study),
-        read.records,
+        input_values(read),
         read.throw,
         _arrangement(read.engine),
         tuple(remarks),

@@ -123,7 +123,13 @@ def test_overhangs_of_a_shaft_with_both_ends():
 )
 def test_each_kind_of_motion_brings_its_damping(given, axial, torsional):
     fields = dict.fromkeys(
-        ("axial_magnifier", "torsional_magnifier", "loss_factor", "cylinder_damping")
+        (
+            "axial_magnifier",
+            "torsional_magnifier",
+            "bending_magnifier",
+            "loss_factor",
+            "cylinder_damping",
+        )
     )
     engine = SimpleNamespace(damping=None if given is None else SimpleNamespace(**fields | given))
     crankshaft = SimpleNamespace(

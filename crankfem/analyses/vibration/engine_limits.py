@@ -10,16 +10,16 @@ from crankbase.errors import InputError
 from crankfem.files.engine.engine_file import EngineFile
 from crankfem.files.sections.limits_sections import LimitsInput
 from dynamics.assessment.barred_ranges import limit_end_speed
+from dynamics.assessment.limit_rules import BASE_STRENGTH, BASE_YIELD, crankshaft_limit
 from dynamics.assessment.limit_rules import Kind as EngineKind
-from dynamics.assessment.limit_rules import crankshaft_limit
 from dynamics.assessment.limits import AmplitudeCurve, VibrationLimit
 from dynamics.assessment.response_curves import curves_of
 from dynamics.response.loads import ElementLoads, alternating_stress, section_modulus
 from dynamics.response.series import OrderSeries
 
 RULE_PICKED = (
-    "no limit is given: that of a classification society for crankshafts of ships' main engines of plain "
-    "steel was picked; the engine maker's value stands in its place"
+    "no limit is given: that of a classification society for crankshafts of ships' main engines was picked, "
+    "for plain steel unless limits.tensile_strength says more; the engine maker's value stands in its place"
 )
 # Firings count as even if their intervals differ by less [deg].
 UNEVEN = 0.01
@@ -76,11 +76,15 @@ def engine_limits(
     )
     remarks = []
     if "crankshaft_stress" not in found:
+        tensile, yielding = strengths(engine_file)
         picked = crankshaft_limit(
             engine.rated_speed,
             strokes=engine.strokes,
             kind=kind,
             firing_interval_deg=interval,
+            tensile_strength=tensile,
+            yield_strength=yielding,
+            alloy=given.alloy,
         )
         found["crankshaft_stress"] = replace(picked, assumed=True)
         remarks.append(f"torsional stress of the crankshaft: {RULE_PICKED}")
@@ -96,6 +100,15 @@ def engine_limits(
         "(vibration.highest_order)"
     )
     return found, tuple(remarks)
+
+
+def strengths(engine_file: EngineFile) -> tuple[float, float]:
+    """Return the tensile and the yield strength that a rule for the crankshaft is asked with [Pa].
+
+    Those that the file gives, else those of the plain steel with which the rules begin.
+    """
+    given = engine_file.limits or LimitsInput()
+    return given.tensile_strength or BASE_STRENGTH, given.yield_strength or BASE_YIELD
 
 
 def assessment_end_speeds(engine_file: EngineFile) -> tuple[float, ...]:

@@ -65,6 +65,17 @@ def motored_pressures(gas: Gas, layout: EngineLayout) -> tuple[GasPressure, ...]
     return _for_each_cylinder(layout, motored)
 
 
+def assumed_cycle(gas: Gas, layout: EngineLayout) -> GasCycle:
+    """Return the parameters of the cycle model that a file's pressure comes from.
+
+    Raises
+    ------
+    InputError
+        If the cycle's values do not fit.
+    """
+    return _parameters(gas, layout)[0]
+
+
 def _for_each_cylinder(
     layout: EngineLayout, calculate: Callable[[Position, float], GasPressure]
 ) -> tuple[GasPressure, ...]:
