@@ -1,5 +1,6 @@
 """What an engine's forced vibration means: limits, verdict, and how sure it is."""
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
@@ -11,16 +12,22 @@ from crankbase.tables.frames import table
 from crankfem.analyses.shaft.chains import damped_engine_chain
 from crankfem.analyses.shaft.sources import FE, FE_PINNED
 from crankfem.analyses.shaft.throw_analyses import Analyses, analyses_by_name
-from crankfem.analyses.vibration.engine_limits import engine_limits, limit_findings, limited_series
+from crankfem.analyses.vibration.decision import engine_decision
+from crankfem.analyses.vibration.engine_limits import (
+    engine_limits,
+    engine_verdict,
+    limit_findings,
+    limited_series,
+)
 from crankfem.analyses.vibration.forced import ForcedVibration
 from crankfem.files.engine.engine_file import EngineFile
-from dynamics.assessment.barred_ranges import BarredRangeRule
+from dynamics.assessment.decided import Decision
 from dynamics.assessment.limits import VibrationLimit
 from dynamics.assessment.response_curves import with_resonances
 from dynamics.assessment.separation import USUAL_MARGIN, CriticalRange, critical_ranges
 from dynamics.assessment.spreads import Spread
 from dynamics.assessment.uncertainty import Samples, chain_samples, frequency_bounds
-from dynamics.assessment.verdict import LimitCheck, Verdict, judge
+from dynamics.assessment.verdict import LimitCheck, Verdict
 from dynamics.chains.chain import Chain
 from dynamics.critical import engine_orders
 from dynamics.response.forced import forced_response
@@ -90,7 +97,7 @@ class Uncertainty:
         )
 
 
-@summarized("verdict.status", "limits", "remarks")
+@summarized("verdict.status", "decision.status", "limits", "remarks")
 @dataclass(frozen=True, eq=False)
 class Assessment:
     """Verdict and uncertainty of an engine's vibration.
@@ -98,6 +105,9 @@ class Assessment:
     Attributes
     ----------
     verdict : Verdict
+        With the values that were given or assumed.
+    decision : Decision
+        Whether it holds for other values of what is assumed.
     limits : dict
         Name to limit; those given, or the rule that was picked.
     remarks : tuple of str
@@ -109,6 +119,7 @@ class Assessment:
     """
 
     verdict: Verdict
+    decision: Decision
     limits: dict[str, VibrationLimit]
     remarks: tuple[str, ...]
     axial: Uncertainty
@@ -134,6 +145,7 @@ def assess(
     axial: ForcedVibration,
     torsional: ForcedVibration,
     analysis: Analyses,
+    again: Callable[[EngineFile], tuple[ForcedVibration, ForcedVibration]] | None = None,
 ) -> Assessment:
     """Hold the forced vibration of an engine against limits, and carry what is uncertain through it.
 
@@ -144,25 +156,20 @@ def assess(
     axial, torsional : ForcedVibration
     analysis : ThrowAnalysis or mapping
         Of the throw, or of each throw by its name, for the largest error of their compliances.
+    again : callable, optional
+        Forced vibration, axial and torsional, of an engine with other damping, to find out whether the
+        verdict holds; without it other damping is not tried.
 
     Raises
     ------
     InputError
         If a limit is on an element that the chain does not have.
     """
-    engine = engine_file.engine
-    running = (engine.lowest_speed, engine.highest_speed)
     limits, remarks = engine_limits(engine_file)
-    findings = limit_findings(engine_file, axial, torsional)
     analyses = analyses_by_name(engine_file, analysis).values()
     error = max(own.error_estimate for own in analyses)
-    given = engine_file.limits
-    rule = (
-        BarredRangeRule(engine.rated_speed)
-        if given is None
-        else given.barred_rule(engine.rated_speed)
-    )
-    verdict = judge(findings, running, rule)
+    findings = limit_findings(engine_file, axial, torsional)
+    verdict = engine_verdict(engine_file, findings)
     limited = {
         (limit.name, place): (forced, series)
         for name, limit in limits.items()
@@ -177,6 +184,7 @@ def assess(
     return Assessment(
         verdict=replace(verdict, checks=checks),
         limits=limits,
+        decision=engine_decision(engine_file, verdict.status, findings, again),
         remarks=remarks,
         axial=_uncertainty(engine_file, axial, error),
         torsional=_uncertainty(engine_file, torsional, error),

@@ -14,6 +14,7 @@ from dynamics.assessment.limit_rules import BASE_STRENGTH, BASE_YIELD, crankshaf
 from dynamics.assessment.limit_rules import Kind as EngineKind
 from dynamics.assessment.limits import AmplitudeCurve, VibrationLimit
 from dynamics.assessment.response_curves import curves_of
+from dynamics.assessment.verdict import Verdict, judge
 from dynamics.response.loads import ElementLoads, alternating_stress, section_modulus
 from dynamics.response.series import OrderSeries
 
@@ -24,6 +25,9 @@ RULE_PICKED = (
 # Firings count as even if their intervals differ by less [deg].
 UNEVEN = 0.01
 NOT_SAMPLED = "samples of the axial amplitude keep the excitation by torsion of the nominal chain"
+
+
+Findings = Sequence[tuple[VibrationLimit, AmplitudeCurve]]
 
 
 class Limited(Protocol):
@@ -142,6 +146,14 @@ def limit_findings(
         for name, limit in limits.items()
         for curve in curves_of(limited_series(name, engine_file, axial, torsional))
     ]
+
+
+def engine_verdict(engine_file: EngineFile, findings: Findings) -> Verdict:
+    """Hold an engine's vibration, as `limit_findings` returns it, against its limits."""
+    engine = engine_file.engine
+    rule = (engine_file.limits or LimitsInput()).barred_rule(engine.rated_speed)
+    running = (engine.lowest_speed, engine.highest_speed)
+    return judge(findings, running, rule)
 
 
 def even_firing_interval(firing_angles: Sequence[float], strokes: int) -> float | None:

@@ -236,6 +236,13 @@ def assessment_record(assessment: Assessment) -> Record:
     running = verdict.running_range
     return {
         **attributes(verdict, "status", "sentence"),
+        "decision": attributes(assessment.decision, "status", "sentence")
+        | {
+            "trials": [
+                attributes(one, "field", "name", "value", "unit", "status", "taken")
+                for one in assessment.decision.trials
+            ]
+        },
         "running_rpm": _rpm(running),
         "checks": [_check(check, running[1]) for check in verdict.checks],
         "barred": [_range(one) for one in verdict.barred],
