@@ -1,5 +1,7 @@
 """How numbers are written without their units: so many digits, in an engineer's words."""
 
+import math
+
 UNBOUNDED = "unbounded"
 
 

@@ -14,6 +14,7 @@ from dynamics.assessment.verdict import Status
 Acceptance = Literal["acceptable", "not acceptable", "undecided"]
 
 
+@summarized("field", "value", "unit", "status", "taken")
 @dataclass(frozen=True)
 class Trial:
     """The verdict with one of the values that something assumed may have.
@@ -103,7 +104,7 @@ def decide(status: Status, trials: Iterable[Trial]) -> Decision:
     status : {"fine", "barred range needed", "not acceptable"}
         Of the calculation.
     trials : iterable of Trial
-        Of one or more fields, each varied by itself.
+        Of one or more fields, each varied by itself, the value taken among its values.
 
     Returns
     -------

@@ -182,7 +182,11 @@ def test_cylinders_act_on_the_pins_and_with_the_damping_of_the_file(two_pins):
         throws=(1, 0, 0, 1),
     )
     damping = SimpleNamespace(
-        axial_magnifier=80.0, torsional_magnifier=80.0, loss_factor=None, cylinder_damping=None
+        axial_magnifier=80.0,
+        torsional_magnifier=80.0,
+        bending_magnifier=None,
+        loss_factor=None,
+        cylinder_damping=None,
     )
     engine = SimpleNamespace(pins=(3, 0, 1, 2), damping=damping)
     whole = SimpleNamespace(crankshaft=two_pins)

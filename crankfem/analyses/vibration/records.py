@@ -6,7 +6,8 @@ import numpy as np
 
 from crankbase.checks.arrays import FloatArray
 from crankbase.units.units import RPM
-from crankfem.analyses.record import ASSUMED, Record, attributes, plain
+from crankfem.analyses.assumptions import input_values
+from crankfem.analyses.record import ASSUMED, Record, assumed_values, attributes, plain
 from crankfem.analyses.shaft.motion import MOTION
 from crankfem.analyses.shaft.whole_records import whole_record
 from crankfem.analyses.vibration.assessment import Assessment, Uncertainty
@@ -34,6 +35,7 @@ def run_record(run: EngineVibration) -> Record:
     return {
         **{own.kind: vibration_record(own) for own in (run.axial, run.torsional)},
         "forced": {own.kind: forced_record(own) for own in forced if own is not None} or None,
+        "assumed": assumed_values(input_values(run.engine_file)),
         "assessment": None if run.assessment is None else assessment_record(run.assessment),
         "whole": None if run.whole is None else whole_record(run.whole, run.comparison),
     }

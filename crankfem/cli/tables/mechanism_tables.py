@@ -37,9 +37,8 @@ def print_mechanism(record: Record, units: OutputUnits = SI) -> None:
     _print_remarks(record["remarks"], units)
     if record["assumed"]:
         print_line(
-            f"Assumed, not given ({len(record['assumed'])} values; the reasons stand in --json): "
-            + ", ".join(entry["field"] for entry in record["assumed"])
-            + "."
+            f"Assumed, not given ({len(record['assumed'])} values; crankfem check tells them "
+            "with their reasons): " + ", ".join(entry["field"] for entry in record["assumed"]) + "."
         )
 
 

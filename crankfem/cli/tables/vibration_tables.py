@@ -35,6 +35,10 @@ def print_run(record: Record, units: OutputUnits = SI) -> None:
             _print_forced(forced[kind], units)
     if record["whole"] is not None:
         _print_whole(record["whole"], units)
+    if record["assumed"]:
+        count = len(record["assumed"])
+        counted = "1 value is" if count == 1 else f"{count} values are"
+        print_line(f"{counted} assumed, not given; crankfem check tells which, and why.")
     if record["assessment"] is None:
         print_line(NOT_FORCED)
     else:
