@@ -134,8 +134,11 @@ def _of_mechanism(file: MechanismFile, given: set[str]) -> Iterable[InputRecord]
     if gas is None or gas.pressure_table is not None:
         return
     cycle = assumed_cycle(gas, layout)
+    found = {*FIXED_IN_CYCLE}
+    if gas.peak_pressure is not None and gas.mean_effective_pressure is not None:
+        found.add("combustion_start")  # it is solved for
     for name in USUAL_VALUES:
-        if name in FIXED_IN_CYCLE or f"gas.{name}" in given:
+        if name in found or f"gas.{name}" in given:
             continue
         reason = USUAL_VALUES[name].reason
         if name == "intake_pressure" and gas.peak_pressure is not None:
