@@ -11,7 +11,12 @@ from crankfem.files.engine.engine_file import SECTIONS, EngineFile
 from crankfem.files.engine.mechanism_file import MechanismFile, mechanism_of
 from crankfem.files.reading.toml_file import InputRecord
 from crankfem.files.sections.cylinder_pressures import USUAL_PRESSURE_RISE, assumed_cycle
-from dynamics.assessment.limit_rules import BASE_STRENGTH, BASE_YIELD
+from dynamics.assessment.limit_rules import (
+    BASE_STRENGTH,
+    BASE_YIELD,
+    CRANKSHAFT_STRENGTHS,
+    crankshaft_material_factors,
+)
 from dynamics.gas.cycle_values import USUAL_VALUES
 from dynamics.response.linear_system import DEFAULT_MAGNIFIER, MAGNIFIER_SOURCE
 from fem.material import STEEL
@@ -21,6 +26,27 @@ PICKED_RULE = "KR main engine"
 FIXED_IN_CYCLE = tuple(
     name for name in USUAL_VALUES if name not in SECTIONS["gas"].model.model_fields
 )
+
+AT_RESONANCE = "amplitudes at resonance rise with it, in proportion where nothing else damps"
+AT_FLYWHEEL = "the whole crankshaft alone, by bending at the flywheel; the chains do not have it"
+# What moves with a value, where that is known without a calculation.
+EFFECTS = {
+    "material.youngs_modulus": "natural frequencies of the crankshaft itself go with its square root",
+    "material.density": "mass and inertia of the throws are in proportion to it",
+    "bearings.stiffness": "bending of the whole crankshaft, and the throws' compliance in the shaft",
+    "flywheel.diametral_inertia": AT_FLYWHEEL,
+    "flywheel.overhang": AT_FLYWHEEL,
+    "free_end.diametral_inertia": "the whole crankshaft alone, by bending at the free end; the chains do not have it",
+    "damping.torsional_magnifier": AT_RESONANCE,
+    "damping.axial_magnifier": AT_RESONANCE,
+    "damping.bending_magnifier": AT_RESONANCE,
+    "limits.tensile_strength": "; ".join(
+        f"{strength / 1e6:g} MPa permits "
+        f"{crankshaft_material_factors(strength, BASE_YIELD, alloy=alloy)[0]:.3g} times as much"
+        for alloy, strength in CRANKSHAFT_STRENGTHS.items()
+    ),
+    "limits.yield_strength": "what may be passed quickly is in proportion to it",
+}
 
 
 def input_values(file: EngineFile | MechanismFile) -> tuple[InputRecord, ...]:
@@ -92,7 +118,8 @@ def _assumed(field: str, given: str, reason: str) -> InputRecord:
     section, _, name = field.partition(".")
     info = _model(section).model_fields[name]
     meaning, symbol = info.description or "", field_extra(info, "symbol") or ""
-    return InputRecord(field, given, meaning, symbol, reason, assumed=True)
+    effect = EFFECTS.get(field, "")
+    return InputRecord(field, given, meaning, symbol, reason, assumed=True, effect=effect)
 
 
 def _model(section: str) -> type[InputModel]:

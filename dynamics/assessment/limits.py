@@ -19,7 +19,7 @@ from crankbase.units.quantity import format_quantity
 from dynamics.running_limits import within
 
 # A limit that is used up to this share is told by what is above it.
-SLIGHT = 1.1
+SLIGHT = 1.5
 
 Values = Callable[[FloatArray], FloatArray]
 

@@ -34,6 +34,8 @@ class InputRecord:
         Where the value stands, or why it was assumed.
     assumed : bool
         Whether it is a typical value that nobody gave.
+    effect : str
+        Of an assumed value: what moves with it, and how much, where that is known.
     """
 
     field: str
@@ -42,6 +44,7 @@ class InputRecord:
     symbol: str
     source: str
     assumed: bool
+    effect: str = ""
 
 
 @dataclass(frozen=True)
