@@ -28,7 +28,7 @@ FIXED_IN_CYCLE = tuple(
 )
 
 AT_RESONANCE = "amplitudes at resonance rise with it, in proportion where nothing else damps"
-AT_FLYWHEEL = "the whole crankshaft alone, by bending at the flywheel; the chains do not have it"
+AT_FLYWHEEL = "bending of the whole crankshaft at the flywheel; the chains do not have it"
 # What moves with a value, where that is known without a calculation.
 EFFECTS = {
     "material.youngs_modulus": "natural frequencies of the crankshaft itself go with its square root",
@@ -36,7 +36,7 @@ EFFECTS = {
     "bearings.stiffness": "bending of the whole crankshaft, and the throws' compliance in the shaft",
     "flywheel.diametral_inertia": AT_FLYWHEEL,
     "flywheel.overhang": AT_FLYWHEEL,
-    "free_end.diametral_inertia": "the whole crankshaft alone, by bending at the free end; the chains do not have it",
+    "free_end.diametral_inertia": "bending of the whole crankshaft at the free end; the chains do not have it",
     "damping.torsional_magnifier": AT_RESONANCE,
     "damping.axial_magnifier": AT_RESONANCE,
     "damping.bending_magnifier": AT_RESONANCE,

@@ -21,6 +21,7 @@ from dynamics.assessment.verdict import Status
 
 # Magnifiers that are tried beside the one assumed, as shares of it: 25 and 60 of 40. An order of magnitude.
 MAGNIFIER_SHARES = (0.625, 1.5)
+TENSILE, YIELD = "tensile_strength", "yield_strength"
 # Yield strengths are tried up to this share of a given tensile strength.
 HIGHEST_YIELD = 0.7
 # [Pa] The change of a verdict between two strengths is told to this.
@@ -54,46 +55,59 @@ def engine_decision(
         The steel that a rule for the crankshaft was asked with and the magnifiers are varied where they
         are assumed, each by itself.
     """
-    trials = [*_steels(engine_file, status, findings)]
+    trials = _steels(engine_file, status, findings)
     if again is not None:
         trials += _magnifiers(engine_file, status, again)
     return decide(status, trials)
 
 
-def _steels(engine_file: EngineFile, status: Status, findings: Findings) -> Iterable[Trial]:
-    """Steels from the plain one to the strongest of the rule, where the crankshaft's limit comes from one."""
+def _steels(engine_file: EngineFile, status: Status, findings: Findings) -> list[Trial]:
+    """Steels from the plain one to the strongest of the rule, where the crankshaft's limit comes from one.
+
+    The strength that decides by itself, else both strengths together.
+    """
     limits = engine_file.limits or LimitsInput()
     if limits.crankshaft_stress is not None:
         return []
     tensile, yielding = strengths(engine_file)
-    free = {
-        name: is_assumed(engine_file, f"limits.{name}")
-        for name in ("tensile_strength", "yield_strength")
-    }
-    if not any(free.values()):
-        return []
-    name = "tensile_strength" if free["tensile_strength"] else "yield_strength"
 
-    def judged(strength: float) -> Status:
-        if name == "yield_strength":
-            given = {"yield_strength": strength}
-        else:
-            # The yield strength goes along, as that of the plain steel does with its own.
-            in_proportion = strength * BASE_YIELD / BASE_STRENGTH
-            given = {
-                "tensile_strength": strength,
-                "yield_strength": in_proportion if free["yield_strength"] else yielding,
-                "alloy": limits.alloy or strength > CRANKSHAFT_STRENGTHS[False],
-            }
-        changed = engine_file.changed(limits=given)
+    def judged(**given: float) -> Status:
+        strong = given.get(TENSILE, tensile) > CRANKSHAFT_STRENGTHS[False]
+        changed = engine_file.changed(limits={**given, "alloy": limits.alloy or strong})
         own = {limit.name: limit for limit in engine_limits(changed)[0].values()}
         return engine_verdict(changed, [(own[lim.name], curve) for lim, curve in findings]).status
 
-    taken, others = yielding, {BASE_YIELD, HIGHEST_YIELD * tensile}
-    if name == "tensile_strength":
-        taken, others = tensile, {BASE_STRENGTH, *CRANKSHAFT_STRENGTHS.values()}
-    made = Trial(f"limits.{name}", name.replace("_", " "), taken, "Pa", status, taken=True)
-    tried = [made, *(_tried(made, value, judged) for value in sorted(others - {taken}))]
+    ways: list[list[Trial]] = []
+    strongest = {BASE_STRENGTH, *CRANKSHAFT_STRENGTHS.values()}
+    if is_assumed(engine_file, f"limits.{TENSILE}"):
+        made = Trial(f"limits.{TENSILE}", "tensile strength", tensile, "Pa", status, taken=True)
+        ways.append(_with_changes(made, strongest, lambda value: judged(tensile_strength=value)))
+    if is_assumed(engine_file, f"limits.{YIELD}"):
+        made = Trial(f"limits.{YIELD}", "yield strength", yielding, "Pa", status, taken=True)
+        highest = max(BASE_YIELD, HIGHEST_YIELD * tensile)
+        ways.append(
+            _with_changes(made, {BASE_YIELD, highest}, lambda value: judged(yield_strength=value))
+        )
+    if len(ways) == 2:
+        made = replace(
+            ways[0][0],
+            field=f"limits.{TENSILE} and limits.{YIELD}",
+            name="tensile strength (yield strength in proportion)",
+        )
+        share = yielding / tensile
+        ways.append(
+            _with_changes(
+                made,
+                strongest,
+                lambda value: judged(tensile_strength=value, yield_strength=share * value),
+            )
+        )
+    return next((own for own in ways if changes(own)), ways[-1] if ways else [])
+
+
+def _with_changes(made: Trial, others: set[float], judged: Judged) -> list[Trial]:
+    """The value taken and others, and those between which the verdict changes."""
+    tried = [made, *(_tried(made, value, judged) for value in sorted(others - {made.value}))]
     for pair in changes(tried):
         tried += _at_change(*pair, judged)
     return tried
