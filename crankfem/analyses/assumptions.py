@@ -36,7 +36,7 @@ EFFECTS = {
     "bearings.stiffness": "bending of the whole crankshaft, and the throws' compliance in the shaft",
     "flywheel.diametral_inertia": AT_FLYWHEEL,
     "flywheel.overhang": AT_FLYWHEEL,
-    "free_end.diametral_inertia": "bending of the whole crankshaft at the free end; the chains do not have it",
+    "free_end.diametral_inertia": "bending of the whole crankshaft at that end; the chains do not have it",
     "damping.torsional_magnifier": AT_RESONANCE,
     "damping.axial_magnifier": AT_RESONANCE,
     "damping.bending_magnifier": AT_RESONANCE,
