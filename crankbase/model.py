@@ -116,6 +116,8 @@ class InputModel(BaseModel, metaclass=_ShowsFields):
 
     model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
     section: ClassVar[str] = ""
+    # Fields that choose how to calculate: their defaults assume nothing of what is calculated.
+    choices: ClassVar[frozenset[str]] = frozenset()
 
     def __init__(self, **values: Any) -> None:
         """Take and check the values of the fields, by name, in SI units."""

@@ -1,5 +1,7 @@
 """How numbers are written without their units: so many digits, in an engineer's words."""
 
+import math
+
 UNBOUNDED = "unbounded"
 
 
@@ -72,5 +74,21 @@ def tiny(value: float) -> str:
 
 
 def format_usage(share: float | None) -> str:
-    """Format how much of a limit is used; what is unbounded as that."""
-    return UNBOUNDED if share is None else f"{format_number(100.0 * share, 3)} %"
+    """Format how much of a limit is used; what is unbounded as that, what exceeds it above 100 %.
+
+    Examples
+    --------
+    >>> format_usage(0.9996), format_usage(1.0021)
+    ('100 %', '100.2 %')
+    """
+    if share is None:
+        return UNBOUNDED
+    text = format_number(100.0 * share, 3)
+    return f"{exceeding(share) if share > 1.0 and text == '100' else text} %"
+
+
+def exceeding(share: float) -> str:
+    """Format a share slightly above one in percent, with the first digit that is above."""
+    excess = 100.0 * (share - 1.0)
+    digits = max(0, -math.floor(math.log10(excess)))
+    return f"{100.0 + excess:.{digits}f}"

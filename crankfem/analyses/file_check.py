@@ -8,6 +8,7 @@ import numpy as np
 
 from crankbase.model import field_extra
 from crankbase.units.units import RPM
+from crankfem.analyses.assumptions import input_values
 from crankfem.analyses.engine_refusals import refuse_what_cannot_run
 from crankfem.analyses.record import Record, attributes, input_records
 from crankfem.analyses.vibration.engine_limits import rule_reason
@@ -189,7 +190,7 @@ def _mechanism(read: MechanismFile, content: TomlFile) -> CheckedFile:
         read.name,
         tuple(content.sections),
         (*MECHANISM_COMMANDS, *study),
-        read.records,
+        input_values(read),
         read.throw,
         _arrangement(Engine.from_text(content.sections["engine"])),
         (*read.remarks, *gas),
@@ -224,7 +225,7 @@ def _engine(read: EngineFile, content: TomlFile) -> CheckedFile:
         read.engine.name,
         tuple(content.sections),
         ("run", "vibration", *MECHANISM_COMMANDS, *study),
-        read.records,
+        input_values(read),
         read.throw,
         _arrangement(read.engine),
         tuple(remarks),

@@ -16,9 +16,14 @@ ASSUMED = "Assumed: "
 
 
 def assumed_values(records: Iterable[InputRecord]) -> list[Record]:
-    """Return field, value and reason of the inputs that nobody gave."""
+    """Return field, value, reason and effect of the inputs that nobody gave."""
     return [
-        {"field": record.field, "given": record.given, "reason": record.source}
+        {
+            "field": record.field,
+            "given": record.given,
+            "reason": record.source,
+            "effect": record.effect,
+        }
         for record in records
         if record.assumed
     ]

@@ -20,7 +20,7 @@ from crankbase.tables.output_units import SI, OutputUnits
 from crankbase.tables.table import Table
 from crankfem.cli.interrupts import interrupted_sentence, interrupts_raise
 from crankfem.jobs.error_sentences import TRACEBACK, describe_error
-from crankfem.jobs.exit_codes import EXIT_INPUT, EXIT_INTERRUPTED, EXIT_LIMITS, EXIT_PIPE
+from crankfem.jobs.exit_codes import EXIT_INPUT, EXIT_INTERRUPTED, EXIT_PIPE
 from regression.records import Outcome
 
 Value = TypeVar("Value")
@@ -127,10 +127,10 @@ def exit_usage_error(sentence: str, command: str) -> NoReturn:
     _stop(f"{sentence.rstrip('.')}; {read}", EXIT_INPUT)
 
 
-def exit_limits_exceeded(sentence: str) -> NoReturn:
-    """Exit because limits are exceeded, or cannot be judged, with --strict."""
+def exit_by_verdict(sentence: str, code: int) -> NoReturn:
+    """Exit because the verdict, with --strict, is none that can be accepted."""
     errors.print(escape(sentence), soft_wrap=True, highlight=False)
-    raise ReportedExit(EXIT_LIMITS)
+    raise ReportedExit(code)
 
 
 def _exit_broken_pipe() -> NoReturn:

@@ -1,5 +1,6 @@
 """Public names of this topic and their homes."""
 
+from crankfem.analyses.assumptions import assumed_values as assumed_values
 from crankfem.analyses.vibration.assessment import Assessment as Assessment
 from crankfem.analyses.vibration.assessment import Uncertainty as Uncertainty
 from crankfem.analyses.vibration.engine_load import EngineLoad as EngineLoad

@@ -7,6 +7,7 @@ import numpy as np
 
 from crankbase.errors import InputError
 from crankbase.units.units import RPM
+from crankfem.analyses.assumptions import input_values
 from crankfem.analyses.checks import run_checks, throw_checks
 from crankfem.analyses.mechanism.balance_records import balance_record
 from crankfem.analyses.mechanism.harmonics_record import harmonics_record, two_mass_record
@@ -60,7 +61,7 @@ def run_results(computed: RunComputation) -> dict[str, Any]:
     found: dict[str, Any] = {
         "about": provenance_record(),
         "engine": _engine_record(engine_file),
-        "inputs": input_records(engine_file.records),
+        "inputs": input_records(input_values(engine_file)),
         "sources": engine_file.sources,
         "throw": first["throw"],
         "formulas": first["formulas"],

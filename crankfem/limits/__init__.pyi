@@ -2,6 +2,9 @@
 
 from dynamics.assessment.barred_ranges import BarredRange as BarredRange
 from dynamics.assessment.barred_ranges import BarredRangeRule as BarredRangeRule
+from dynamics.assessment.decided import Decision as Decision
+from dynamics.assessment.decided import Trial as Trial
+from dynamics.assessment.decided import decide as decide
 from dynamics.assessment.limit_rules import crankshaft_limit as crankshaft_limit
 from dynamics.assessment.limit_rules import generator_set_limit as generator_set_limit
 from dynamics.assessment.limit_rules import propulsion_shaft_limit as propulsion_shaft_limit

@@ -47,14 +47,22 @@ def summary(results: Mapping[str, Any]) -> Record:
 
 def _verdict(vibration: Mapping[str, Any], assessment: Mapping[str, Any]) -> Record:
     status = {"fine": "fine", "not acceptable": "bad"}.get(assessment["status"], "barred")
+    headline, decided = assessment["sentence"].partition(":")[0], []
+    decision = assessment.get("decision") or {"status": "", "sentence": ""}
+    if decision["sentence"]:
+        decided = [f"{decision['sentence'][0].upper()}{decision['sentence'][1:]}."]
+    if decision["status"] == "undecided":
+        status, decided = "barred", [*decided, f"With the values assumed: {headline.lower()}."]
+        headline = "Undecided"
     worst = assessment["checks"][0]
     reached = quantity(worst["value"], worst["unit"])
     cause = worst.get("cause")
     share = "" if worst["used"] is None else f", {format_usage(worst['used'])} of"
     return {
         "status": status,
-        "headline": assessment["sentence"].partition(":")[0],
+        "headline": headline,
         "sentences": [
+            *decided,
             f"{worst['limit'].capitalize()}, {worst['place']}: {reached} at "
             f"{fixed(worst['speed_rpm'])} 1/min{share or '; permitted is'} "
             f"{'the permitted ' if share else ''}{quantity(worst['permitted'], worst['unit'])}.",

@@ -15,6 +15,7 @@ from dynamics.assessment.limits import (
     AmplitudeCurve,
     VibrationLimit,
     checked_rated_speed,
+    shown_excess,
     shown_range,
     usage,
 )
@@ -107,12 +108,15 @@ class ExceededRange:
         range ends on, though it lies beyond.
     cut_off : bool
         Whether the range reaches the first or last speed calculated, so that it may go on beyond.
+    used : float
+        Largest use of the limit in it.
     """
 
     low: float
     high: float
     peaks: tuple[float, ...]
     cut_off: bool
+    used: float
 
 
 @summarized("low [rad/s]", "high [rad/s]", "allowed", "peaks", "limits")
@@ -201,6 +205,7 @@ def exceeded_ranges(
                 high=min(_crossing(speeds, used, last, 1), highest),
                 peaks=_peaks_to(speeds[first : last + 1], used[first : last + 1], highest),
                 cut_off=first == 0 or last == curve.speeds.size - 1,
+                used=float(np.max(used[first : last + 1])),
             )
         )
     return tuple(found)
@@ -321,7 +326,8 @@ def _ends(group: Sequence[_Widened], rule: BarredRangeRule) -> str:
     last = max(group, key=lambda item: item.exceeded.high)
     said = [
         f"limits are exceeded from {_speed(first.exceeded.low)} ({first.place}) to "
-        f"{_speed(last.exceeded.high)} ({last.place})"
+        f"{_speed(last.exceeded.high)} ({last.place}), "
+        f"{shown_excess(max(item.exceeded.used for item in group))} at most"
     ]
     lowest = min(group, key=lambda item: item.low)
     if lowest.low < first.exceeded.low:

@@ -18,6 +18,9 @@ from crankbase.summaries import summarized
 from crankbase.units.quantity import format_quantity
 from dynamics.running_limits import within
 
+# A limit that is used up to this share is told by what is above it.
+SLIGHT = 1.5
+
 Values = Callable[[FloatArray], FloatArray]
 
 
@@ -298,6 +301,13 @@ def axial_force_limit(
         f"pinned throw; {source}",
         assumed=True,
     )
+
+
+def shown_excess(used: float) -> str:
+    """Write how far a limit is exceeded, such as "by 0.2 %" or "2.3 times", from its used share."""
+    if np.isinf(used):
+        return "without bounds"
+    return f"by {100.0 * (used - 1.0):.2g} %" if used < SLIGHT else f"{used:.3g} times"
 
 
 def checked_running_range(running_range: tuple[float, float]) -> tuple[float, float]:

@@ -22,9 +22,11 @@ from dynamics.assessment.barred_ranges import (
     limit_end_speed,
 )
 from dynamics.assessment.limits import (
+    SLIGHT,
     AmplitudeCurve,
     VibrationLimit,
     checked_running_range,
+    shown_excess,
     shown_range,
     usage,
 )
@@ -98,6 +100,11 @@ class LimitCheck:
             found = (
                 f"is at worst {format_quantity(self.worst_value, unit, 4)} at {speed}, "
                 f"{100.0 * self.used:.3g} % of the permitted {allowed}"
+            )
+        elif self.used < SLIGHT:
+            found = (
+                f"reaches {format_quantity(self.worst_value, unit, 4)} at {speed}, which exceeds the "
+                f"permitted {allowed} {shown_excess(self.used)}"
             )
         else:
             found = (

@@ -38,6 +38,7 @@ def record():
         "barred": [],
         "started_through": [],
         "sentence": "Fine.",
+        "decision": {"status": "acceptable", "sentence": ""},
         "beside": [],
     }
 
@@ -63,3 +64,21 @@ def test_speeds_above_the_running_range_are_explained(record, capsys):
         "highest running speed of 515 rpm too." in lines
     )
     assert f"Limit on {TWIST}: The maker; judged from 200 to 515 rpm." in lines
+
+
+def test_what_decides_stands_before_the_verdict_with_the_values_assumed(record, capsys):
+    record["decision"] = {"status": "undecided", "sentence": "acceptable with this: give that"}
+    print_assessment(record)
+    assert capsys.readouterr().out.splitlines()[-2:] == [
+        "Verdict: undecided, acceptable with this: give that.",
+        "With the values assumed: Fine.",
+    ]
+
+
+def test_a_verdict_that_only_its_barred_ranges_hang_on_says_so(record, capsys):
+    record["decision"] = {"status": "acceptable", "sentence": "no speeds need be barred with this"}
+    print_assessment(record)
+    assert capsys.readouterr().out.splitlines()[-2:] == [
+        "Verdict: Fine.",
+        "It hangs on what is assumed: no speeds need be barred with this.",
+    ]

@@ -121,9 +121,9 @@ def test_an_output_that_nobody_reads_ends_quietly(spawn):
 
 
 VERDICTS = {
-    "fine": (0, ""),
-    "barred range needed": (0, ""),
+    "acceptable": (0, ""),
     "not acceptable": (4, "Limits are exceeded: The verdict.\n"),
+    "undecided": (5, "Undecided: give this.\n"),
 }
 
 
@@ -131,7 +131,8 @@ VERDICTS = {
 @pytest.mark.parametrize("option", ["--json", "--quiet"])
 def test_strict_ends_by_the_verdict(call, monkeypatch, status, option):
     code, sentence = VERDICTS[status]
-    judged = {"status": status, "sentence": "The verdict."}
+    decision = {"status": status, "sentence": "give this"}
+    judged = {"sentence": "The verdict.", "decision": decision}
     monkeypatch.setattr("crankfem.analyses.vibration.run.engine_vibration", lambda *_, **__: None)
     for name in ("analyses.vibration.records.run_record", "cli.tables.vibration_tables.print_run"):
         made = {"assessment": judged}

@@ -56,6 +56,7 @@ def test_a_template_is_written_and_valid(call, tmp_path):
         "vibration.axial_source",
         "vibration.torsional_source",
         "vibration.highest_order",
+        "vibration.reciprocating",
     }
     assert read.gas is not None
 

@@ -217,6 +217,17 @@ def test_the_verdict_has_its_color_and_headline(results, status, sentence, shown
     assert (found["status"], found["headline"]) == (shown, sentence.partition(":")[0])
 
 
+def test_an_undecided_verdict_says_first_what_decides(results):
+    said = "acceptable with a tensile strength of 507 MPa, not with 506 MPa: give limits.tensile_strength"
+    results["vibration"]["assessment"]["decision"] = {"status": "undecided", "sentence": said}
+    found = summary(results)
+    assert (found["status"], found["headline"]) == ("barred", "Undecided")
+    assert found["sentences"][:2] == [
+        f"A{said[1:]}.",
+        "With the values assumed: not acceptable.",
+    ]
+
+
 def test_unbounded_vibration_is_called_so(results):
     found = summary(with_unbounded_vibration(results))
     assert "unbounded at 497.8 1/min; permitted is 21.21 MPa" in found["sentences"][0]
@@ -417,6 +428,9 @@ def test_only_speeds_that_are_dangerous_are_called_so(results, page, status, hea
         (text_filters.percent(-0.0540138), "-5.4"),
         (text_filters.format_usage(12.345), "1234 %"),
         (text_filters.format_usage(0.99961), "100 %"),
+        (text_filters.format_usage(1.0021), "100.2 %"),
+        (text_filters.format_usage(1.00004), "100.004 %"),
+        (text_filters.format_usage(1.0), "100 %"),
         (text_filters.format_usage(None), "unbounded"),
         (text_filters.quantity(12.3456, "m"), "12346 mm"),
         (text_filters.quantity(0.5, ""), "0.5"),

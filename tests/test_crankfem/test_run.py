@@ -445,7 +445,8 @@ def test_vibration_without_the_study(lightly, call):
     assert answer.code == 0, answer.err
     content = answer.json()
     assert set(content) == {
-        *("axial", "torsional", "forced", "assessment", "whole", "bearings", "files")
+        *("axial", "torsional", "forced", "assumed", "assessment", "whole", "bearings", "files"),
+        "load",
     }
     assert content["torsional"]["modes"][0]["rigid"] is True
     assert content["torsional"]["modes"][0]["frequency"] == close(0.0, abs=1e-2)

@@ -7,10 +7,11 @@ import numpy as np
 import pytest
 
 from comparing import close
+from crankfem.analyses.shaft.chains import engine_axial_chain
 from crankfem.analyses.shaft.shaft_surroundings import shaft_surroundings
 from crankfem.analyses.shaft.whole_damping import modal_damping
 from crankfem.analyses.shaft.whole_shaft import shaft_response, unmodeled_sections
-from crankfem.analyses.vibration.engine_limits import even_firing_interval
+from crankfem.analyses.vibration.engine_limits import engine_limits, even_firing_interval
 from crankfem.analyses.vibration.modes import axial_weights
 from crankfem.files.engine.engine_file import load_engine
 from crankfem.files.reading.data_files import input_path
@@ -108,6 +109,24 @@ def test_overhangs_of_a_shaft_with_both_ends():
     assert any("far side of the flange, 22 mm beyond" in remark for remark in remarks)
 
 
+def test_what_stands_at_the_ends_may_be_given_whole():
+    engine = load_engine("6chn25-34").changed(
+        flywheel={"diametral_inertia": 300.0, "overhang": 0.1},
+        free_end={"mass": 40.0, "diametral_inertia": 3.0},
+    )
+    analysis = SimpleNamespace(masses=SimpleNamespace(inertia_about_shaft=5.0))
+    found, remarks = shaft_surroundings(engine, analysis)
+    assert (found.flywheel.diametral, found.flywheel.overhang) == (300.0, 0.1)
+    assert (found.free_end.mass, found.free_end.diametral) == (40.0, 3.0)
+    assert not any("free end" in remark or "assumed" in remark for remark in remarks[1:])
+    # The mass moves along the shaft, too.
+    chains = [
+        engine_axial_chain(own, np.full(6, 1e-9), 50.0).chain.inertia
+        for own in (load_engine("6chn25-34"), engine)
+    ]
+    assert (chains[1] - chains[0]).tolist() == [40.0, *[0.0] * 6]
+
+
 @pytest.mark.parametrize(
     ("given", "axial", "torsional"),
     [
@@ -123,12 +142,23 @@ def test_overhangs_of_a_shaft_with_both_ends():
 )
 def test_each_kind_of_motion_brings_its_damping(given, axial, torsional):
     fields = dict.fromkeys(
-        ("axial_magnifier", "torsional_magnifier", "loss_factor", "cylinder_damping")
+        (
+            "axial_magnifier",
+            "torsional_magnifier",
+            "bending_magnifier",
+            "loss_factor",
+            "cylinder_damping",
+        )
     )
     engine = SimpleNamespace(damping=None if given is None else SimpleNamespace(**fields | given))
     crankshaft = SimpleNamespace(
         modes=SimpleNamespace(rigid=1, shares=SHARES), kept=2, corrections=1
     )
+    if given is not None:
+        bent = SimpleNamespace(
+            damping=SimpleNamespace(**fields | given | {"bending_magnifier": 20.0})
+        )
+        assert modal_damping(bent, crankshaft)[-1] == close(1 / 40)
     mixed = 0.5 * axial + 0.25 * torsional + 0.25 / 80
     assert modal_damping(engine, crankshaft) == close([axial, mixed, 1 / 80])
 
@@ -176,7 +206,11 @@ def test_cylinders_act_on_the_pins_and_with_the_damping_of_the_file(two_pins):
         throws=(1, 0, 0, 1),
     )
     damping = SimpleNamespace(
-        axial_magnifier=80.0, torsional_magnifier=80.0, loss_factor=None, cylinder_damping=None
+        axial_magnifier=80.0,
+        torsional_magnifier=80.0,
+        bending_magnifier=None,
+        loss_factor=None,
+        cylinder_damping=None,
     )
     engine = SimpleNamespace(pins=(3, 0, 1, 2), damping=damping)
     whole = SimpleNamespace(crankshaft=two_pins)
@@ -220,3 +254,13 @@ def test_interval_of_even_firing(degrees, strokes, interval):
 def test_interval_of_a_shipped_v_engine():
     engine = load_engine("8chn13-14").engine
     assert even_firing_interval(engine.firing_angles, engine.strokes) == 90.0
+
+
+def test_a_picked_rule_takes_the_steel_that_is_given():
+    plain = load_engine("6chn25-34")
+    speeds = np.array([0.9 * plain.engine.rated_speed])
+    permitted = [
+        engine_limits(own)[0]["crankshaft_stress"].continuous.at(speeds)[0]
+        for own in (plain, plain.changed(limits={"tensile_strength": 590e6}))
+    ]
+    assert permitted[1] / permitted[0] == close(1.0 + 2.0 / 3.0 * (590.0 / 440.0 - 1.0))

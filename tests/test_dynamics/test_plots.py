@@ -17,6 +17,7 @@ from comparing import close
 from crankbase.errors import InputError, MissingLibraryError
 from crankbase.tables.frames import table_of
 from dynamics.assessment.barred_ranges import BarredRangeRule
+from dynamics.assessment.decided import Trial, decide
 from dynamics.assessment.limits import AmplitudeCurve, given_limit
 from dynamics.assessment.separation import CriticalRange
 from dynamics.assessment.sized_damper import SizedDamper
@@ -832,6 +833,10 @@ def test_tables_refuse_wrong_options():
 # Of each table: the object, and some columns with their values and units.
 TABLES = {
     "Modes": (modes, lambda o: {"frequency": (o.frequencies, "Hz")}),
+    "Decision": (
+        lambda: decide("fine", [Trial("a.field", "strength", 4e8, "Pa", "fine")]),
+        lambda o: {"value": ([one.value for one in o.trials], "SI, see the column unit")},
+    ),
     "PeakCause": (
         lambda: peak_cause(response(), response().nodes, 0, 0),
         lambda o: {"contribution": ([one.contribution for one in o.parts], "SI")},

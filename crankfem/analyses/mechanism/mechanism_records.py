@@ -8,6 +8,7 @@ import numpy as np
 from crankbase.checks.arrays import FloatArray
 from crankbase.tables.table import format_names
 from crankbase.units.units import RPM
+from crankfem.analyses.assumptions import input_values
 from crankfem.analyses.mechanism.mechanism_run import MechanismRun
 from crankfem.analyses.mechanism.rod_comparison import compare_rod_models
 from crankfem.analyses.record import Record, assumed_values, attributes
@@ -69,7 +70,7 @@ def mechanism_record(run: MechanismRun) -> Record:
         ],
         "assumed": assumed_values(
             record
-            for record in mechanism.records
+            for record in input_values(mechanism)
             if record.field.partition(".")[0] in MECHANISM_SECTIONS
         ),
         "remarks": [*mechanism.remarks, *_gas_remarks(run)],

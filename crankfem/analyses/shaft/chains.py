@@ -31,12 +31,14 @@ def engine_axial_chain(
         Of the throws [kg].
     """
     thrust, damper = engine_file.thrust_bearing, engine_file.axial_damper
+    at_free_end = 0.0 if engine_file.free_end is None else engine_file.free_end.mass
     return axial_chain(
         compliances,
         np.broadcast_to(throw_masses, len(compliances)),
         engine_file.flywheel.mass,
         thrust.bearing,
         thrust.stiffness,
+        {0: at_free_end},
         damper=None if damper is None else damper.damper(),
         shaft_line=engine_file.shaft_lines.get("axial"),
     )

@@ -77,23 +77,34 @@ def _bearings(engine_file: EngineFile, throws: int) -> tuple[MainBearings, Remar
     )
 
 
+def flywheel_overhang(engine_file: EngineFile) -> tuple[float, bool]:
+    """Return how far the flywheel stands beyond the last main journal's middle [m], and if that is given."""
+    given, thickness = engine_file.flywheel.overhang, engine_file.shaft_ends.flange_thickness
+    if given is not None:
+        return given, True
+    if thickness is not None:
+        return thickness, False
+    return 0.5 * engine_file.crank_throws[-1].main_journal_length, False
+
+
 def _flywheel(engine_file: EngineFile) -> tuple[EndBody, Remarks]:
-    given, thickness = engine_file.flywheel, engine_file.shaft_ends.flange_thickness
-    if thickness is None:
-        overhang = 0.5 * engine_file.crank_throws[-1].main_journal_length
+    given, (overhang, known) = engine_file.flywheel, flywheel_overhang(engine_file)
+    beyond = f"{format_quantity(overhang, 'm')} beyond"
+    if known:
+        where = f"{beyond} the last main journal's middle"
+    elif engine_file.shaft_ends.flange_thickness is None:
         where = (
             "at the end of the last main journal (assumed, because no flange is given), "
-            f"{format_quantity(overhang, 'm')} beyond its middle"
+            f"{beyond} its middle"
         )
     else:
-        overhang = thickness
         where = (
-            f"at the far side of the flange, {format_quantity(overhang, 'm')} beyond the last main journal's "
+            f"at the far side of the flange, {beyond} the last main journal's "
             "middle; its mass includes that of the flange"
         )
-    return EndBody(given.mass, given.inertia, overhang=overhang), (
-        f"the flywheel is a thin disc {where}",
-    )
+    body = EndBody(given.mass, given.inertia, given.diametral_inertia, overhang)
+    kind = "a thin disc" if given.diametral_inertia is None else "a body"
+    return body, (f"the flywheel is {kind} {where}",)
 
 
 def _free_end(engine_file: EngineFile) -> tuple[EndBody | None, Remarks]:
@@ -111,12 +122,16 @@ def _free_end(engine_file: EngineFile) -> tuple[EndBody | None, Remarks]:
         mass, polar = stub.mass, float(stub.inertia[2, 2])
         diametral = float(stub.inertia[0, 0])
     if given is not None:
-        remarks = (
-            "the free end's inertia has no mass of its own, which the file does not give; half of it is "
-            "taken about a diameter",
-        )
+        across, missing = given.diametral_inertia, []
+        if given.mass == 0.0:
+            missing.append("it has no mass of its own (free_end.mass)")
+        if across is None:
+            missing.append("half of it is taken about a diameter (free_end.diametral_inertia)")
+        if missing:
+            remarks = (f"of the free end's inertia: {', '.join(missing)}",)
+        mass += given.mass
         polar += given.inertia
-        diametral += 0.5 * given.inertia
+        diametral += 0.5 * given.inertia if across is None else across
     return EndBody(mass, polar, diametral, overhang=0.5 * length), remarks
 
 

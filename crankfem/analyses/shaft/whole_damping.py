@@ -28,21 +28,25 @@ def modal_damping(engine_file: EngineFile, crankshaft: CrankshaftSystem) -> Floa
     -----
     Axial, torsional and bending motion bring each its damping, by the share that they have in the mode's
     energy: axial and torsional motion that of its chain, half of 1 / magnifier or of the loss factor;
-    bending, and corrections, the magnifier that is assumed where none is given.
+    bending, and corrections, that of its magnifier, assumed where none is given.
     """
     rigid = crankshaft.modes.rigid
     kept = crankshaft.modes.shares[:, rigid : rigid + crankshaft.kept]
-    by_share = np.array(_damping_ratios(engine_file)) @ kept
-    return np.concatenate((by_share, np.full(crankshaft.corrections, ASSUMED_RATIO)))
+    ratios = _damping_ratios(engine_file)
+    by_share = np.array(ratios) @ kept
+    return np.concatenate((by_share, np.full(crankshaft.corrections, ratios[-1])))
 
 
 def damping_remarks(engine_file: EngineFile) -> tuple[str, ...]:
     """Return what damps the whole crankshaft beside bearings and dampers, in words."""
     axial, torsional, bending = (100.0 * ratio for ratio in _damping_ratios(engine_file))
+    given = engine_file.damping
+    known = given is not None and given.bending_magnifier is not None
+    assumed = "" if known else f", which is assumed (a magnifier of {DEFAULT_MAGNIFIER:g})"
     found = [
         "modes are damped as the chains are, by the shares of their energy: "
         f"{axial:.3g} % of critical damping for axial motion, {torsional:.3g} % for torsion, "
-        f"{bending:.3g} % for bending, which is assumed (a magnifier of {DEFAULT_MAGNIFIER:g})"
+        f"{bending:.3g} % for bending{assumed}"
     ]
     if engine_file.damping is not None and engine_file.damping.cylinder_damping:
         found.append("absolute damping of the cylinders in torsion is left out; magnifiers remain")
@@ -59,4 +63,5 @@ def _damping_ratios(engine_file: EngineFile) -> tuple[float, float, float]:
         torsional = 0.5 / given.torsional_magnifier
     else:
         torsional = 0.0 if given.loss_factor else ASSUMED_RATIO
-    return axial, torsional + 0.5 * (given.loss_factor or 0.0), ASSUMED_RATIO
+    bending = 0.5 / (given.bending_magnifier or DEFAULT_MAGNIFIER)
+    return axial, torsional + 0.5 * (given.loss_factor or 0.0), bending

@@ -1,6 +1,6 @@
 """What an engine's forced vibration means: limits, verdict, and how sure it is."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
@@ -12,16 +12,23 @@ from crankbase.tables.frames import table
 from crankfem.analyses.shaft.chains import damped_engine_chain
 from crankfem.analyses.shaft.sources import FE, FE_PINNED
 from crankfem.analyses.shaft.throw_analyses import Analyses, analyses_by_name
-from crankfem.analyses.vibration.bearing_sweep import HeldChains, barred_rule, other_chains
-from crankfem.analyses.vibration.engine_limits import engine_limits, limit_findings, limited_series
+from crankfem.analyses.vibration.bearing_sweep import HeldChains, other_chains
+from crankfem.analyses.vibration.decision import engine_decision
+from crankfem.analyses.vibration.engine_limits import (
+    engine_limits,
+    engine_verdict,
+    limit_findings,
+    limited_series,
+)
 from crankfem.analyses.vibration.forced import ForcedVibration
 from crankfem.files.engine.engine_file import EngineFile
+from dynamics.assessment.decided import Decision
 from dynamics.assessment.limits import VibrationLimit
 from dynamics.assessment.response_curves import with_resonances
 from dynamics.assessment.separation import USUAL_MARGIN, CriticalRange, critical_ranges
 from dynamics.assessment.spreads import Spread
 from dynamics.assessment.uncertainty import Samples, chain_samples, frequency_bounds
-from dynamics.assessment.verdict import LimitCheck, Verdict, judge
+from dynamics.assessment.verdict import LimitCheck, Verdict
 from dynamics.chains.chain import Chain
 from dynamics.critical import engine_orders
 from dynamics.response.forced import forced_response
@@ -91,7 +98,7 @@ class Uncertainty:
         )
 
 
-@summarized("verdict.status", "limits", "remarks")
+@summarized("verdict.status", "decision.status", "limits", "remarks")
 @dataclass(frozen=True, eq=False)
 class Assessment:
     """Verdict and uncertainty of an engine's vibration.
@@ -99,6 +106,9 @@ class Assessment:
     Attributes
     ----------
     verdict : Verdict
+        With the values that were given or assumed.
+    decision : Decision
+        Whether it holds for other values of what is assumed.
     limits : dict
         Name to limit; those given, or the rule that was picked.
     remarks : tuple of str
@@ -110,6 +120,7 @@ class Assessment:
     """
 
     verdict: Verdict
+    decision: Decision
     limits: dict[str, VibrationLimit]
     remarks: tuple[str, ...]
     axial: Uncertainty
@@ -136,6 +147,7 @@ def assess(
     torsional: ForcedVibration,
     analysis: Analyses,
     held: Sequence[HeldChains] = (),
+    again: Callable[[EngineFile], tuple[ForcedVibration, ForcedVibration]] | None = None,
 ) -> Assessment:
     """Hold the forced vibration of an engine against limits, and carry what is uncertain through it.
 
@@ -148,19 +160,20 @@ def assess(
         Of the throw, or of each throw by its name, for the largest error of their compliances.
     held : sequence of HeldChains, optional
         The chains over the range of the bearings' stiffness, all of which frequencies' bounds hold for.
+    again : callable, optional
+        Forced vibration, axial and torsional, of an engine with other damping, to find out whether the
+        verdict holds; without it other damping is not tried.
 
     Raises
     ------
     InputError
         If a limit is on an element that the chain does not have.
     """
-    engine = engine_file.engine
-    running = (engine.lowest_speed, engine.highest_speed)
     limits, remarks = engine_limits(engine_file)
-    findings = limit_findings(engine_file, axial, torsional)
     analyses = analyses_by_name(engine_file, analysis).values()
     error = max(own.error_estimate for own in analyses)
-    verdict = judge(findings, running, barred_rule(engine_file))
+    findings = limit_findings(engine_file, axial, torsional)
+    verdict = engine_verdict(engine_file, findings)
     limited = {
         (limit.name, place): (forced, series)
         for name, limit in limits.items()
@@ -175,6 +188,7 @@ def assess(
     return Assessment(
         verdict=replace(verdict, checks=checks),
         limits=limits,
+        decision=engine_decision(engine_file, verdict.status, findings, again),
         remarks=remarks,
         axial=_uncertainty(engine_file, axial, error, held),
         torsional=_uncertainty(engine_file, torsional, error, held),

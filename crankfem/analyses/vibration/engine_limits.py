@@ -13,16 +13,22 @@ from crankfem.files.engine.engine_file import EngineFile
 from crankfem.files.sections.engine_sections import Engine
 from crankfem.files.sections.limits_sections import LimitsInput
 from dynamics.assessment.barred_ranges import limit_end_speed
-from dynamics.assessment.limit_rules import CRANKSHAFT_RULES, RULE_OF_DRIVEN
+from dynamics.assessment.limit_rules import (
+    BASE_STRENGTH,
+    BASE_YIELD,
+    CRANKSHAFT_RULES,
+    RULE_OF_DRIVEN,
+)
 from dynamics.assessment.limit_rules import Kind as EngineKind
 from dynamics.assessment.limits import AmplitudeCurve, VibrationLimit
 from dynamics.assessment.response_curves import curves_of
+from dynamics.assessment.verdict import Verdict, judge
 from dynamics.response.loads import ElementLoads, alternating_stress, section_modulus
 from dynamics.response.series import OrderSeries
 
 RULE_PICKED = (
-    "no limit is given: that of a classification society for crankshafts of plain "
-    "steel was picked; the engine maker's value stands in its place"
+    "no limit is given: that of a classification society for crankshafts was picked, "
+    "for plain steel unless limits.tensile_strength says more; the engine maker's value stands in its place"
 )
 # Any number above zero serves where only the names of nodes and elements are wanted.
 ANY_COMPLIANCE, ANY_INERTIA = 1e-8, 1.0
@@ -30,6 +36,9 @@ COUPLING = "flywheel - driven machine"
 # Firings count as even if their intervals differ by less [deg].
 UNEVEN = 0.01
 NOT_SAMPLED = "samples of the axial amplitude keep the excitation by torsion of the nominal chain"
+
+
+Findings = Sequence[tuple[VibrationLimit, AmplitudeCurve]]
 
 
 class Limited(Protocol):
@@ -82,11 +91,15 @@ def engine_limits(
     )
     remarks = []
     if "crankshaft_stress" not in found:
+        tensile, yielding = strengths(engine_file)
         picked = CRANKSHAFT_RULES[rule_of(engine)](
             engine.rated_speed,
             strokes=engine.strokes,
             kind=kind,
             firing_interval_deg=interval,
+            tensile_strength=tensile,
+            yield_strength=yielding,
+            alloy=given.alloy,
         )
         found["crankshaft_stress"] = replace(picked, assumed=True)
         remarks.append(f"torsional stress of the crankshaft: {RULE_PICKED}; {rule_reason(engine)}")
@@ -119,6 +132,15 @@ def rule_reason(engine: Engine) -> str:
     )
 
 
+def strengths(engine_file: EngineFile) -> tuple[float, float]:
+    """Return the tensile and the yield strength that a rule for the crankshaft is asked with [Pa].
+
+    Those that the file gives, else those of the plain steel with which the rules begin.
+    """
+    given = engine_file.limits or LimitsInput()
+    return given.tensile_strength or BASE_STRENGTH, given.yield_strength or BASE_YIELD
+
+
 def assessment_end_speeds(engine_file: EngineFile) -> tuple[float, ...]:
     """Return the speeds at which the assessment ends [rad/s], ascending, the lowest running speed first.
 
@@ -144,6 +166,14 @@ def limit_findings(
         for name, limit in limits.items()
         for curve in curves_of(limited_series(name, engine_file, axial, torsional))
     ]
+
+
+def engine_verdict(engine_file: EngineFile, findings: Findings) -> Verdict:
+    """Hold an engine's vibration, as `limit_findings` returns it, against its limits."""
+    engine = engine_file.engine
+    rule = (engine_file.limits or LimitsInput()).barred_rule(engine.rated_speed)
+    running = (engine.lowest_speed, engine.highest_speed)
+    return judge(findings, running, rule)
 
 
 def even_firing_interval(firing_angles: Sequence[float], strokes: int) -> float | None:

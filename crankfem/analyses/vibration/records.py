@@ -6,8 +6,9 @@ import numpy as np
 
 from crankbase.checks.arrays import FloatArray
 from crankbase.units.units import RPM
+from crankfem.analyses.assumptions import input_values
 from crankfem.analyses.mechanism.mechanism_records import power_record
-from crankfem.analyses.record import ASSUMED, Record, attributes, plain
+from crankfem.analyses.record import ASSUMED, Record, assumed_values, attributes, plain
 from crankfem.analyses.shaft.motion import MOTION
 from crankfem.analyses.shaft.whole_records import whole_record
 from crankfem.analyses.vibration.assessment import Assessment, Uncertainty
@@ -44,6 +45,7 @@ def run_record(run: EngineVibration) -> Record:
         **{own.kind: vibration_record(own) for own in (run.axial, run.torsional)},
         "forced": {own.kind: forced_record(own) for own in forced if own is not None} or None,
         "load": None if run.load is None else load_record(run.load),
+        "assumed": assumed_values(input_values(run.engine_file)),
         "assessment": None if run.assessment is None else assessment_record(run.assessment),
         "whole": None if run.whole is None else whole_record(run.whole, run.comparison),
         "bearings": None if run.bearings is None else sweep_record(run.bearings),
@@ -282,6 +284,13 @@ def assessment_record(assessment: Assessment) -> Record:
     running = verdict.running_range
     return {
         **attributes(verdict, "status", "sentence"),
+        "decision": attributes(assessment.decision, "status", "sentence")
+        | {
+            "trials": [
+                attributes(one, "field", "name", "value", "unit", "status", "taken")
+                for one in assessment.decision.trials
+            ]
+        },
         "running_rpm": _rpm(running),
         "checks": [_check(check, running[1]) for check in verdict.checks],
         "barred": [_range(one) for one in verdict.barred],

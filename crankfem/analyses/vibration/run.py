@@ -289,18 +289,19 @@ def engine_vibration(
         whole = whole_shaft(read, analyses)
     if harmonics is not None:
         modes = None if whole is None else whole.modes
-        lengthened, twisted = forced_vibrations(
-            read,
-            harmonics,
-            axial,
-            torsional,
-            shaft,
-            analyses,
-            () if modes is None else modes.frequencies[modes.rigid :],
-        )
+        further = () if modes is None else modes.frequencies[modes.rigid :]
+        chains = (harmonics, axial, torsional, shaft, analyses)
+        lengthened, twisted = forced_vibrations(read, *chains, further)
         if read.ranges is not None:
             tell("Sampling what is uncertain")
-        assessment = assess(read, lengthened, twisted, analyses, held)
+        assessment = assess(
+            read,
+            lengthened,
+            twisted,
+            analyses,
+            held,
+            lambda other: forced_vibrations(other, *chains),
+        )
     if whole is not None:
         answer = None if twisted is None else shaft_response(read, whole, twisted.forces)
         comparison = (

@@ -87,7 +87,9 @@ UnitsOption = Annotated[
 StrictOption = Annotated[
     bool,
     typer.Option(
-        "--strict", help="End with code 4 if limits are exceeded, with 2 if nothing can be judged."
+        "--strict",
+        help="End with code 4 if limits are exceeded, with 5 if that hangs on what is assumed, with 2 if "
+        "nothing can be judged.",
     ),
 ]
 ThrowOption = Annotated[

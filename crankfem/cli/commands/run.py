@@ -15,7 +15,7 @@ from crankfem.cli.commands.options import (
     WorkersOption,
     with_output,
 )
-from crankfem.cli.commands.strict import check_has_limits, exit_if_limits_exceeded
+from crankfem.cli.commands.strict import check_has_limits, exit_unless_acceptable
 from crankfem.cli.console import print_json
 
 if TYPE_CHECKING:
@@ -63,7 +63,7 @@ def run(
         _print(made.results, out.units)
         console.print_line(f"Report: {made.report}")
     if strict:
-        exit_if_limits_exceeded(made.results["vibration"])
+        exit_unless_acceptable(made.results["vibration"])
 
 
 def _print(results: dict[str, Any], units: "OutputUnits") -> None:

@@ -4,11 +4,12 @@ from typing import TYPE_CHECKING, Any
 
 from crankbase.errors import InputError
 from crankfem.cli import console
+from crankfem.jobs.exit_codes import EXIT_LIMITS, EXIT_UNDECIDED
 
 if TYPE_CHECKING:
     from crankfem.files.engine.engine_file import EngineFile
 
-NOT_ACCEPTABLE = "not acceptable"
+NOT_ACCEPTABLE, UNDECIDED = "not acceptable", "undecided"
 
 
 def check_has_limits(engine: "EngineFile") -> None:
@@ -26,8 +27,8 @@ def check_has_limits(engine: "EngineFile") -> None:
         )
 
 
-def exit_if_limits_exceeded(vibration: dict[str, Any]) -> None:
-    """Exit with code 4 if the limits are exceeded, after all results have been written and printed.
+def exit_unless_acceptable(vibration: dict[str, Any]) -> None:
+    """Exit with a code of its own unless the verdict is acceptable, after all has been written and printed.
 
     Parameters
     ----------
@@ -38,8 +39,11 @@ def exit_if_limits_exceeded(vibration: dict[str, Any]) -> None:
     Raises
     ------
     SystemExit
-        With code 4 if the verdict is "not acceptable".
+        With code 4 if the verdict is "not acceptable" whatever is assumed, with 5 if it is undecided.
     """
     assessment = vibration["assessment"]
-    if assessment["status"] == NOT_ACCEPTABLE:
-        console.exit_limits_exceeded(f"Limits are exceeded: {assessment['sentence']}")
+    decision = assessment["decision"]
+    if decision["status"] == UNDECIDED:
+        console.exit_by_verdict(f"Undecided: {decision['sentence']}.", EXIT_UNDECIDED)
+    if decision["status"] == NOT_ACCEPTABLE:
+        console.exit_by_verdict(f"Limits are exceeded: {assessment['sentence']}", EXIT_LIMITS)

@@ -8,7 +8,7 @@ from crankbase.errors import InputError
 from crankfem.cli import console
 from crankfem.cli.commands import completion
 from crankfem.cli.commands.options import Output, StrictOption, with_output
-from crankfem.cli.commands.strict import check_has_limits, exit_if_limits_exceeded
+from crankfem.cli.commands.strict import check_has_limits, exit_unless_acceptable
 from crankfem.cli.console import print_json
 
 if TYPE_CHECKING:
@@ -115,7 +115,7 @@ def vibration(
         for path in written:
             console.print_line(f"Written: {path}")
     if strict:
-        exit_if_limits_exceeded(record)
+        exit_unless_acceptable(record)
 
 
 def _print_chain_modes(

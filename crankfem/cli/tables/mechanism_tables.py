@@ -40,9 +40,8 @@ def print_mechanism(record: Record, units: OutputUnits = SI) -> None:
     _print_remarks(record["remarks"], units)
     if record["assumed"]:
         print_line(
-            f"Assumed in the file ({len(record['assumed'])} values): "
-            + ", ".join(entry["field"] for entry in record["assumed"])
-            + "."
+            f"Assumed, not given ({len(record['assumed'])} values; crankfem check tells them "
+            "with their reasons): " + ", ".join(entry["field"] for entry in record["assumed"]) + "."
         )
 
 
@@ -70,11 +69,7 @@ def print_hinged_rods(records: list[Record], units: OutputUnits = SI) -> None:
 
 
 def _print_remarks(remarks: list[str], units: OutputUnits) -> None:
-    """Print remarks, the assumed values of the gas cycle as one line without their reasons."""
-    assumed = [remark for remark in remarks if remark.startswith(ASSUMED)]
+    """Print remarks but for the assumed values of the gas cycle, which the list of all of them has."""
     for remark in remarks:
-        if remark not in assumed:
+        if not remark.startswith(ASSUMED):
             print_line(units.text(f"Note: {remark.rstrip('.')}."))
-    if assumed:
-        values = ", ".join(remark.removeprefix(ASSUMED).partition(",")[0] for remark in assumed)
-        print_line(units.text(f"Assumed in the cycle: {values}; the reasons stand in --json."))

@@ -40,6 +40,10 @@ def print_run(record: Record, units: OutputUnits = SI) -> None:
         _print_whole(record["whole"], units)
     for line in (record["bearings"] or {"sentences": ()})["sentences"]:
         print_line(units.text(line))
+    if record["assumed"]:
+        count = len(record["assumed"])
+        counted = "1 value is" if count == 1 else f"{count} values are"
+        print_line(f"{counted} assumed, not given; crankfem check tells which, and why.")
     if record["assessment"] is None:
         print_line(NOT_FORCED)
     else:
@@ -106,7 +110,7 @@ def _print_whole(record: Record, units: OutputUnits) -> None:
 
 
 def print_assessment(record: Record, units: OutputUnits = SI) -> None:
-    """Print what is uncertain, limits, barred ranges and, last, the verdict."""
+    """Print what is uncertain, limits, barred ranges and, last, the verdict, and what decides it."""
     for kind, uncertain in record["uncertainty"].items():
         _print_uncertainty(kind, uncertain, units)
     for limit in dict.fromkeys(check["limit"] for check in record["checks"]):
@@ -134,7 +138,14 @@ def print_assessment(record: Record, units: OutputUnits = SI) -> None:
         for one in record[name]:
             said = "; ".join(one["refusals"]) or fine
             print_line(units.text(f"Range {one['shown']}: {said}. Its ends: {one['ends']}."))
-    print_line(units.text(f"Verdict: {record['sentence']}"))
+    decision = record["decision"]
+    if decision["status"] == "undecided":
+        print_line(units.text(f"Verdict: undecided, {decision['sentence']}."))
+        print_line(units.text(f"With the values assumed: {record['sentence']}"))
+    else:
+        print_line(units.text(f"Verdict: {record['sentence']}"))
+        if decision["sentence"]:
+            print_line(units.text(f"It hangs on what is assumed: {decision['sentence']}."))
     for line in record["beside"]:
         print_line(units.text(line))
 

@@ -1,5 +1,7 @@
 """The chains of what follows the flywheel of an engine, from the files that its section names."""
 
+from dataclasses import replace
+
 from crankbase.errors import InputError
 from crankfem.files.chain.chain_file import load_chain
 from crankfem.files.reading.toml_file import TomlFile
@@ -9,6 +11,8 @@ from dynamics.chains.chain import Chain
 
 def read_shaft_lines(content: TomlFile) -> dict[str, Chain]:
     """Read the chains that the section [shaft_line] of an engine file names, by their kind.
+
+    Their values are noted beside those of the engine file.
 
     Raises
     ------
@@ -29,4 +33,7 @@ def read_shaft_lines(content: TomlFile) -> dict[str, Chain]:
                 f"{kind}, because it continues that chain of the engine."
             )
         found[kind] = read.chain
+        content.records.extend(
+            replace(one, field=f"shaft_line.{kind}: {one.field}") for one in read.records
+        )
     return found

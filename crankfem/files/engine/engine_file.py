@@ -233,11 +233,6 @@ load, gas_map, misfire, propeller_forces, limits, ranges, torque_table, two_mass
         """Pin that each cylinder works on, from 0, counted along the shaft."""
         return pins_of(self.engine, self.throw, self.throws, self.hinged_rods)
 
-    @property
-    def assumed(self) -> tuple[InputRecord, ...]:
-        """The values that nobody gave."""
-        return tuple(record for record in self.records if record.assumed)
-
     def changed(self, **sections: InputModel | Mapping[str, Any] | None) -> "EngineFile":
         """Return the engine with some sections changed, checked like a file; the file stays as it is.
 

@@ -162,7 +162,8 @@ def _changes(prefix: str, before: object, after: InputModel | None) -> Iterator[
             meaning, symbol = info.description or "", field_extra(info, "symbol") or ""
             own = name in getattr(after, "model_fields_set", ())
             source = SOURCE if own else "default"
-            record = InputRecord(field, shown, meaning, symbol, source, not own)
+            assumed = not own and name not in kind.choices
+            record = InputRecord(field, shown, meaning, symbol, source, assumed)
         yield Change(field, record)
 
 

@@ -12,6 +12,7 @@ from crankbase.checks.choices import did_you_mean
 from crankbase.errors import InputError
 from crankbase.model import InputModel, field_extra, part_kind
 from crankbase.text_limits import LARGEST_TEXT_FILE, check_file_size
+from crankbase.units.quantity import format_quantity
 from crankfem.files.reading.toml_errors import not_toml
 from crankfem.files.reading.toml_limits import check_content, check_keys, too_deep
 
@@ -34,6 +35,8 @@ class InputRecord:
         Where the value stands, or why it was assumed.
     assumed : bool
         Whether it is a typical value that nobody gave.
+    effect : str
+        Of an assumed value: what moves with it, and how much, where that is known.
     """
 
     field: str
@@ -42,6 +45,7 @@ class InputRecord:
     symbol: str
     source: str
     assumed: bool
+    effect: str = ""
 
 
 @dataclass(frozen=True)
@@ -167,7 +171,8 @@ class TomlFile:
             elif value is None or field_extra(info, "feature"):
                 continue
             else:
-                source, assumed, given = "default", True, _show(value)
+                source, assumed = "default", name not in type(made).choices
+                given = _show(value, field_extra(info, "unit"))
             self.records.append(
                 InputRecord(
                     field=field_name,
@@ -284,7 +289,7 @@ def _cite(text: str, sources: Mapping[str, str]) -> str:
     return text
 
 
-def _show(value: object) -> str:
+def _show(value: object, unit: str | None = None) -> str:
     if isinstance(value, list | tuple):
         return ", ".join(str(item) for item in value)
-    return str(value)
+    return format_quantity(value, unit) if unit and isinstance(value, float) else str(value)

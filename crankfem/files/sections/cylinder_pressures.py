@@ -82,6 +82,17 @@ def _with_remarks(pressure: GasPressure, remarks: tuple[str, ...]) -> GasPressur
     return replace(pressure, remarks=remarks + pressure.remarks)
 
 
+def assumed_cycle(gas: Gas, layout: EngineLayout) -> GasCycle:
+    """Return the parameters of the cycle model that a file's pressure comes from.
+
+    Raises
+    ------
+    InputError
+        If the cycle's values do not fit.
+    """
+    return _parameters(gas, layout)[0]
+
+
 def for_each_cylinder(
     layout: EngineLayout, calculate: Callable[[Position, float], Result]
 ) -> tuple[Result, ...]:

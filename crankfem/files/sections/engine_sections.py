@@ -254,6 +254,22 @@ class Flywheel(InputModel):
 
     inertia: float = quantity_field("flywheel inertia", "kg m^2", 1e-5, 1e7)
     mass: float = quantity_field("flywheel mass", "kg", 1e-2, 1e6)
+    diametral_inertia: float | None = quantity_field(
+        "inertia about a diameter through its center of mass, for the whole crankshaft; half of inertia, "
+        "that of a thin disc, if not given",
+        "kg m^2",
+        minimum=1e-6,
+        maximum=1e7,
+        default=None,
+    )
+    overhang: float | None = quantity_field(
+        "how far its center of mass stands beyond the middle of the last main journal, for the whole "
+        "crankshaft; the thickness of the flange, else half of the journal's length, if not given",
+        "m",
+        minimum=0.0,
+        maximum=5.0,
+        default=None,
+    )
 
 
 class FreeEnd(InputModel):
@@ -262,6 +278,21 @@ class FreeEnd(InputModel):
     section: ClassVar[str] = "free_end"
 
     inertia: float = quantity_field("inertia at the free end", "kg m^2", 1e-7, 1e6)
+    mass: float = quantity_field(
+        "mass of what has this inertia, in axial vibration and in the whole crankshaft",
+        "kg",
+        minimum=0.0,
+        maximum=1e6,
+        default=0.0,
+    )
+    diametral_inertia: float | None = quantity_field(
+        "its inertia about a diameter, for the whole crankshaft; half of inertia, that of a thin disc, if "
+        "not given",
+        "kg m^2",
+        minimum=1e-8,
+        maximum=1e6,
+        default=None,
+    )
 
 
 class ThrustBearing(InputModel):
@@ -283,6 +314,7 @@ class VibrationSettings(InputModel):
     """Choices for the vibration calculation."""
 
     section: ClassVar[str] = "vibration"
+    choices = frozenset({"axial_source", "torsional_source", "reciprocating", "highest_order"})
 
     axial_source: str = Field(
         "fe", description="source of axial compliances: fe, regression or a formula"

@@ -42,6 +42,7 @@ class GasMap(InputModel):
     """Pressure in the cylinder over speed and load, for calculations over a range of speeds."""
 
     section: ClassVar[str] = "gas_map"
+    choices = frozenset({"measure", "method"})
 
     measure: Literal["torque", "power"] = Field(
         "torque",

@@ -87,6 +87,8 @@ class LimitsInput(InputModel):
     """
 
     section: ClassVar[str] = "limits"
+    # Beyond the strengths that carbon steel may have, the rule asks for the alloy.
+    choices = frozenset({"crankshaft_rule", "alloy"})
 
     crankshaft_stress: float | None = quantity_field(
         "permissible nominal torsional vibration stress of the crankshaft",
@@ -276,6 +278,7 @@ class RangesInput(InputModel):
     """
 
     section: ClassVar[str] = "ranges"
+    choices = frozenset({"samples", "seed", "separation_margin"})
 
     axial_compliance: tuple[float, float] | None = _factors("the throws' axial compliance")
     torsional_compliance: tuple[float, float] | None = _factors("the throws' torsional compliance")

@@ -15,6 +15,9 @@ class StudySection(InputModel):
     """What a study varies, over which ranges, by which design."""
 
     section: ClassVar[str] = "study"
+    choices = frozenset(
+        {"held_out", "seed", "accuracy", "stresses", "constraints", "factors", "relations"}
+    )
 
     design: DesignKind = Field("full factorial", description="which designs are run and fitted")
     runs: int | None = quantity_field(

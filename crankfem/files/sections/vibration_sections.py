@@ -27,6 +27,13 @@ class Damping(InputModel):
         maximum=1000.0,
         default=None,
     )
+    bending_magnifier: float | None = quantity_field(
+        "amplitude of a bending mode of the whole crankshaft at resonance beside its static one",
+        "",
+        minimum=1.0,
+        maximum=1000.0,
+        default=None,
+    )
     cylinder_damping: float | None = quantity_field(
         "absolute torsional damping at each cylinder", "N m s/rad", 0.0, 1e6, default=None
     )

@@ -1,0 +1,272 @@
+"""What a calculation takes beside the values of an engine file: the one list of all that is assumed."""
+
+import math
+from collections.abc import Iterable
+
+from crankbase.model import InputModel, field_extra
+from crankbase.units.quantity import format_quantity
+from crankfem.analyses.shaft.bearings import bearing_stiffness
+from crankfem.analyses.shaft.shaft_surroundings import flywheel_overhang
+from crankfem.files.engine.engine_file import SECTIONS, EngineFile
+from crankfem.files.engine.mechanism_file import MechanismFile, mechanism_of
+from crankfem.files.reading.toml_file import InputRecord
+from crankfem.files.sections.cylinder_pressures import USUAL_PRESSURE_RISE, assumed_cycle
+from dynamics.assessment.limit_rules import (
+    BASE_STRENGTH,
+    BASE_YIELD,
+    CRANKSHAFT_STRENGTHS,
+    crankshaft_material_factors,
+)
+from dynamics.gas.cycle_values import USUAL_VALUES
+from dynamics.response.linear_system import DEFAULT_MAGNIFIER, MAGNIFIER_SOURCE
+from fem.material import STEEL
+
+PICKED_RULE = "KR main engine"
+# What the cycle model needs beside the fields of [gas].
+FIXED_IN_CYCLE = tuple(
+    name for name in USUAL_VALUES if name not in SECTIONS["gas"].model.model_fields
+)
+
+AT_RESONANCE = "amplitudes at resonance rise with it, in proportion where nothing else damps"
+AT_FLYWHEEL = "bending of the whole crankshaft at the flywheel; the chains do not have it"
+# What moves with a value, where that is known without a calculation.
+EFFECTS = {
+    "material.youngs_modulus": "natural frequencies of the crankshaft itself go with its square root",
+    "material.density": "mass and inertia of the throws are in proportion to it",
+    "bearings.stiffness": "bending of the whole crankshaft, and the throws' compliance in the shaft",
+    "flywheel.diametral_inertia": AT_FLYWHEEL,
+    "flywheel.overhang": AT_FLYWHEEL,
+    "free_end.diametral_inertia": "bending of the whole crankshaft at that end; the chains do not have it",
+    "damping.torsional_magnifier": AT_RESONANCE,
+    "damping.axial_magnifier": AT_RESONANCE,
+    "damping.bending_magnifier": AT_RESONANCE,
+    "limits.tensile_strength": "; ".join(
+        f"{strength / 1e6:g} MPa permits "
+        f"{crankshaft_material_factors(strength, BASE_YIELD, alloy=alloy)[0]:.3g} times as much"
+        for alloy, strength in CRANKSHAFT_STRENGTHS.items()
+    ),
+    "limits.yield_strength": "what may be passed quickly is in proportion to it",
+}
+
+
+def input_values(file: EngineFile | MechanismFile) -> tuple[InputRecord, ...]:
+    """Return every value of a file, and every value that is assumed where the file gives none.
+
+    Parameters
+    ----------
+    file : EngineFile or MechanismFile
+        Of a mechanism what its forces rest on.
+
+    Returns
+    -------
+    tuple of InputRecord
+        Those of the file first. Each field is the one in which the value can be given.
+    """
+    engine = file if isinstance(file, EngineFile) else None
+    mechanism = mechanism_of(engine) if engine is not None else file
+    assert isinstance(mechanism, MechanismFile)
+    given = {record.field for record in file.records}
+    found = [*_of_mechanism(mechanism, given)]
+    if engine is not None:
+        found += [*_of_shaft(engine, given), *_of_damping(engine), *_of_limits(engine)]
+    own = [record for record in file.records if _matters(record, mechanism, engine)]
+    return (*own, *found)
+
+
+def assumed_values(file: EngineFile | MechanismFile) -> tuple[InputRecord, ...]:
+    """Return the values that a file leaves open or calls assumed, each with its reason.
+
+    Parameters
+    ----------
+    file : EngineFile or MechanismFile
+
+    Returns
+    -------
+    tuple of InputRecord
+        The fields in which they can be given, with value, unit and reason.
+
+    Examples
+    --------
+    >>> [one.field for one in assumed_values(load_engine("6chn25-34"))][-2:]
+    ['limits.yield_strength', 'limits.crankshaft_rule']
+    """
+    return tuple(record for record in input_values(file) if record.assumed)
+
+
+def is_assumed(engine_file: EngineFile, field: str) -> bool:
+    """Whether the file does not give a field, or calls its value assumed."""
+    return all(record.assumed for record in engine_file.records if record.field == field)
+
+
+def _matters(record: InputRecord, mechanism: MechanismFile, engine: EngineFile | None) -> bool:
+    """Whether a default has any part in a result; what the file gives always stands in the list."""
+    if record.source != "default":
+        return True
+    gas = mechanism.gas
+    if (
+        record.field == "gas.compression_ratio"
+        and gas is not None
+        and gas.pressure_table is not None
+    ):
+        return engine is None or engine.misfire is not None
+    if record.field == "gas_map.rated_load":
+        return engine is None or engine.gas_map is None or engine.gas_map.law is not None
+    return True
+
+
+def _assumed(field: str, given: str, reason: str) -> InputRecord:
+    section, _, name = field.partition(".")
+    info = _model(section).model_fields[name]
+    meaning, symbol = info.description or "", field_extra(info, "symbol") or ""
+    effect = EFFECTS.get(field, "")
+    return InputRecord(field, given, meaning, symbol, reason, assumed=True, effect=effect)
+
+
+def _model(section: str) -> type[InputModel]:
+    return SECTIONS[section].model
+
+
+def _of_mechanism(file: MechanismFile, given: set[str]) -> Iterable[InputRecord]:
+    """What motion, masses and gas pressure rest on."""
+    layout, material = file.layout, file.material
+    if "material.density" not in given and material == STEEL:
+        for name, value, unit in (
+            ("youngs_modulus", material.youngs_modulus, "Pa"),
+            ("poisson_ratio", material.poisson_ratio, ""),
+            ("density", material.density, "kg/m^3"),
+        ):
+            yield _assumed(f"material.{name}", format_quantity(value, unit), "steel")
+    hinged = [one for one in layout.cylinders if one.slave_pin is not None]
+    plain = [one for one in layout.cylinders if one.slave_pin is None]
+    for section, cylinders in (("rod", plain), ("hinged_rods", hinged)):
+        if cylinders and f"{section}.inertia" not in given:
+            inertia = format_quantity(cylinders[0].rod.inertia, "kg m^2", 4)
+            yield _assumed(
+                f"{section}.inertia",
+                inertia,
+                "that of two masses at its pins",
+            )
+    if hinged and "hinged_rods.pin_angle" not in given:
+        yield _assumed(
+            "hinged_rods.pin_angle", "angle between the banks", "the usual place of the pin"
+        )
+    if "engine.bank_angles" in given and "engine.throws" not in given:
+        throws = ", ".join(str(number + 1) for number in file.throws)
+        yield _assumed(
+            "engine.throws",
+            throws,
+            "the first cylinder of each bank is on throw 1, the second on throw 2",
+        )
+    gas = file.gas
+    if gas is None or gas.pressure_table is not None:
+        return
+    cycle = assumed_cycle(gas, layout)
+    found = {*FIXED_IN_CYCLE}
+    if gas.peak_pressure is not None and gas.mean_effective_pressure is not None:
+        found.add("combustion_start")  # it is solved for
+    for name in USUAL_VALUES:
+        if name in found or f"gas.{name}" in given:
+            continue
+        reason = USUAL_VALUES[name].reason
+        if name == "intake_pressure" and gas.peak_pressure is not None:
+            reason = (
+                f"combustion then raises the pressure {USUAL_PRESSURE_RISE:g} times, as is usual for "
+                "diesel engines at rated load"
+            )
+        yield _assumed(f"gas.{name}", _shown_of_cycle(name, getattr(cycle, name)), reason)
+    shape = ", ".join(
+        f"{name.replace('_', ' ')} {_shown_of_cycle(name, getattr(cycle, name))}"
+        for name in FIXED_IN_CYCLE
+    )
+    yield _assumed(
+        "gas.pressure_table",
+        f"cycle model: {shape}",
+        "usual of diesel engines; a measured pressure stands in place of the whole cycle",
+    )
+
+
+def _shown_of_cycle(name: str, value: float) -> str:
+    if name.endswith("_pressure"):
+        return format_quantity(value, "Pa", 4)
+    if name.startswith(("heat_", "wiebe_")):
+        return f"{value:g}"
+    return f"{math.degrees(value):.6g} deg"
+
+
+def _of_shaft(engine: EngineFile, given: set[str]) -> Iterable[InputRecord]:
+    """What stands around the crankshaft."""
+    held = bearing_stiffness(engine)
+    if held.assumed:
+        yield _assumed(
+            "bearings.stiffness",
+            f"{held.nominal:.3g} N/m ({held.lowest:.3g} to {held.highest:.3g})",
+            "1e10 N/m per m of journal diameter, an order of magnitude",
+        )
+        yield _assumed("bearings.damping", "0 N s/m", "oil films are left out")
+    flywheel = engine.flywheel
+    if flywheel.diametral_inertia is None:
+        value = format_quantity(0.5 * flywheel.inertia, "kg m^2")
+        yield _assumed(
+            "flywheel.diametral_inertia", value, "half the polar one, that of a thin disc"
+        )
+    overhang, known = flywheel_overhang(engine)
+    if not known:
+        where = (
+            "at the end of the last main journal, for no flange is given"
+            if engine.shaft_ends.flange_thickness is None
+            else "at the far side of the flange"
+        )
+        yield _assumed("flywheel.overhang", format_quantity(overhang, "m"), where)
+    end = engine.free_end
+    if end is not None and end.diametral_inertia is None:
+        value = format_quantity(0.5 * end.inertia, "kg m^2")
+        yield _assumed(
+            "free_end.diametral_inertia", value, "half the polar one, that of a thin disc"
+        )
+    propeller = engine.propeller_forces
+    for name in ("thrust", "torque"):
+        field = f"propeller_forces.{name}_phases"
+        if propeller is not None and getattr(propeller, f"{name}_shares") and field not in given:
+            shown = ", ".join(["0 deg"] * len(getattr(propeller, f"{name}_shares")))
+            yield _assumed(field, shown, "all vary as a sine from the propeller's zero angle")
+
+
+def _of_damping(engine: EngineFile) -> Iterable[InputRecord]:
+    """The magnifiers, where something is forced."""
+    if engine.gas is None and engine.gas_map is None:
+        return
+    damping = engine.damping
+    # Cylinders damp the torsional chain, but not the whole crankshaft.
+    damped = damping is not None and damping.loss_factor
+    for name in ("torsional", "axial", "bending"):
+        field = f"{name}_magnifier"
+        if (damping is not None and getattr(damping, field) is not None) or (
+            name == "torsional" and damped
+        ):
+            continue
+        where = " (whole crankshaft only)" if _whole_only(engine, name) else ""
+        yield _assumed(f"damping.{field}", f"{DEFAULT_MAGNIFIER:g}", f"{MAGNIFIER_SOURCE}{where}")
+
+
+def _whole_only(engine: EngineFile, name: str) -> bool:
+    if name == "bending":
+        return True
+    return name == "torsional" and engine.damping is not None and engine.damping.damps_torsion
+
+
+def _of_limits(engine: EngineFile) -> Iterable[InputRecord]:
+    """The rule that is picked for the crankshaft's stress where the file gives no limit, and its steel."""
+    limits = engine.limits
+    if engine.gas is None and engine.gas_map is None:
+        return
+    if limits is not None and (limits.crankshaft_stress is not None or limits.crankshaft_rule):
+        return
+    steel = "the plain steel with which the rule begins; a stronger one raises the limit"
+    for name, value in (("tensile_strength", BASE_STRENGTH), ("yield_strength", BASE_YIELD)):
+        if limits is None or getattr(limits, name) is None:
+            yield _assumed(f"limits.{name}", format_quantity(value, "Pa"), steel)
+    yield _assumed(
+        "limits.crankshaft_rule",
+        PICKED_RULE,
+        "no limit is given; the maker's limits.crankshaft_stress stands in its place",
+    )

@@ -1,0 +1,170 @@
+"""Whether a verdict holds for all values that something assumed may have, and what decides if it does not."""
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from itertools import groupby, pairwise
+from typing import Literal
+
+from crankbase.library_types import DataFrame
+from crankbase.summaries import summarized
+from crankbase.tables.frames import Row, table_of
+from crankbase.units.quantity import format_quantity
+from dynamics.assessment.verdict import Status
+
+Acceptance = Literal["acceptable", "not acceptable", "undecided"]
+
+
+@summarized("field", "value", "unit", "status", "taken")
+@dataclass(frozen=True)
+class Trial:
+    """The verdict with one of the values that something assumed may have.
+
+    Parameters
+    ----------
+    field : str
+        Where the value can be given, such as "limits.tensile_strength".
+    name : str
+        What it is of, such as "tensile strength".
+    value : float
+        [unit]
+    unit : str
+        SI unit.
+    status : {"fine", "barred range needed", "not acceptable"}
+    taken : bool
+        Whether it is the value that the calculation took.
+    """
+
+    field: str
+    name: str
+    value: float
+    unit: str
+    status: Status
+    taken: bool = False
+
+    @property
+    def acceptable(self) -> bool:
+        """Whether the engine may run, if need be with speeds barred."""
+        return self.status != "not acceptable"
+
+    @property
+    def shown(self) -> str:
+        """The value with its unit."""
+        return format_quantity(self.value, self.unit, 4)
+
+    def row(self) -> Row:
+        """Return what a table of trials shows, each value with its unit; see `table_of`."""
+        return {
+            "field": (self.field, ""),
+            "value": (self.value, "SI, see the column unit"),
+            "unit": (self.unit, ""),
+            "status": (self.status, ""),
+            "taken": (self.taken, ""),
+        }
+
+
+@summarized("status", "sentence", "trials")
+@dataclass(frozen=True)
+class Decision:
+    """What can be concluded in spite of what is assumed.
+
+    Parameters
+    ----------
+    status : {"acceptable", "not acceptable", "undecided"}
+        "undecided" if the engine is acceptable with some of the values tried and not with others.
+    sentence : str
+        What decides, and in which fields it is given; empty if nothing of the verdict changes.
+    trials : tuple of Trial
+    """
+
+    status: Acceptance
+    sentence: str
+    trials: tuple[Trial, ...]
+
+    def to_pandas(self) -> DataFrame:
+        """Return a table with a row for each value tried.
+
+        Returns
+        -------
+        pandas.DataFrame
+            Units of the columns in ``attrs["units"]``.
+
+        Raises
+        ------
+        MissingLibraryError
+            If pandas is not installed.
+        """
+        return table_of(self.trials)
+
+
+def decide(status: Status, trials: Iterable[Trial]) -> Decision:
+    """Conclude from the verdict with the values taken, and those with the others that are possible.
+
+    Parameters
+    ----------
+    status : {"fine", "barred range needed", "not acceptable"}
+        Of the calculation.
+    trials : iterable of Trial
+        Of one or more fields, each varied by itself, the value taken among its values.
+
+    Returns
+    -------
+    Decision
+
+    Examples
+    --------
+    >>> steel = ("limits.tensile_strength", "tensile strength")
+    >>> decide("not acceptable", [
+    ...     Trial(*steel, 440e6, "Pa", "not acceptable", taken=True), Trial(*steel, 590e6, "Pa", "fine")
+    ... ]).sentence
+    'acceptable with a tensile strength of 590 MPa, not with 440 MPa (assumed): give limits.tensile_strength'
+    """
+    tried = tuple(trials)
+    by_field = [
+        sorted((one for one in tried if one.field == field), key=lambda one: one.value)
+        for field in dict.fromkeys(one.field for one in tried)
+    ]
+    accepted = status != "not acceptable"
+    flipped = [own for own in by_field if any(one.acceptable != accepted for one in own)]
+    if flipped:
+        said = [
+            f"acceptable with {_values([one.acceptable for one in own], own)}" for own in flipped
+        ]
+        return Decision("undecided", "; ".join(said), tried)
+    if not accepted:
+        return Decision("not acceptable", "", tried)
+    barred = [own for own in by_field if any(one.status != status for one in own)]
+    said = [
+        f"no speeds need be barred with {_values([one.status == 'fine' for one in own], own)}"
+        for own in barred
+    ]
+    return Decision("acceptable", "; ".join(said), tried)
+
+
+def _values(kept: Sequence[bool], trials: Sequence[Trial]) -> str:
+    """Tell with which values something holds and with which it does not: the two beside its one change."""
+    runs = [list(own) for _, own in groupby(zip(kept, trials, strict=True), key=lambda one: one[0])]
+    if len(runs) == 2:
+        ends = dict(own for runs_own in (runs[0][-1:], runs[1][:1]) for own in runs_own)
+        shown = {holds: _shown(one) for holds, one in ends.items()}
+    else:
+        shown = {
+            holds: " or ".join(
+                _shown(one) for own, one in zip(kept, trials, strict=True) if own == holds
+            )
+            for holds in (True, False)
+        }
+    first = trials[0]
+    taken = [one for one in trials if one.taken]
+    told = "assumed)" in "".join(shown.values())
+    beside = "" if told or not taken else f" ({taken[0].shown} assumed)"
+    return f"a {first.name} of {shown[True]}, not with {shown[False]}{beside}: give {first.field}"
+
+
+def _shown(trial: Trial) -> str:
+    return f"{trial.shown} (assumed)" if trial.taken else trial.shown
+
+
+def changes(trials: Sequence[Trial]) -> list[tuple[Trial, Trial]]:
+    """Return the neighbors by value between which the engine becomes acceptable, or ceases to be."""
+    ordered = sorted(trials, key=lambda one: one.value)
+    return [pair for pair in pairwise(ordered) if pair[0].acceptable != pair[1].acceptable]
