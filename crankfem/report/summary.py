@@ -26,13 +26,15 @@ def summary(results: Mapping[str, Any]) -> Record:
     -------
     dict
         "status" ("fine", "barred", "bad" or "open"), "headline", "sentences", "ranges", "speeds",
-        "limits", "remarks", "figures", "beside" (how far the whole crankshaft differs), "judged_to_rpm"
+        "limits", "remarks", "figures", "misfiring" (a sentence or None), "misfiring_passed" (None where it
+        was not calculated), "beside" (how far the whole crankshaft differs), "judged_to_rpm"
         (None where vibration is not judged above the running range).
     """
     vibration = results["vibration"]
     assessment, forced = vibration["assessment"], vibration["forced"]
     return {
         **(_open(results) if assessment is None else _verdict(assessment)),
+        **_misfiring(vibration),
         "beside": [] if assessment is None else list(assessment.get("beside", [])),
         "judged_to_rpm": None if forced is None else _assessed_above(forced),
         "forced": forced is not None,
@@ -74,6 +76,14 @@ def _verdict(assessment: Mapping[str, Any]) -> Record:
         ],
         "remarks": _limitations(assessment),
     }
+
+
+def _misfiring(vibration: Mapping[str, Any]) -> Record:
+    """What is told of misfiring; nothing of older runs, which have not calculated it."""
+    found = vibration.get("misfiring")
+    if found is None:
+        return {"misfiring": vibration.get("misfiring_note"), "misfiring_passed": None}
+    return {"misfiring": found["sentence"], "misfiring_passed": found["passed"]}
 
 
 def _limitations(assessment: Mapping[str, Any]) -> list[str]:

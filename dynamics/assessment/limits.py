@@ -118,6 +118,19 @@ class VibrationLimit:
         """Quantity and place, such as "torsional stress of crankshaft"."""
         return f"{self.quantity} of {self.applies_to}"
 
+    @property
+    def misfiring(self) -> LimitCurve:
+        """Permitted while a cylinder misfires: as in passing where that is stated, else as at kept speeds."""
+        if self.passing is None:
+            return self.continuous
+        kept, passed = self.continuous, self.passing
+
+        def values(speeds: FloatArray) -> FloatArray:
+            quick = passed.at(speeds)
+            return np.where(np.isfinite(quick), quick, kept.at(speeds))
+
+        return LimitCurve(values, min(kept.low, passed.low), max(kept.high, passed.high))
+
 
 def given_limit(
     quantity: str,

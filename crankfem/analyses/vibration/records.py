@@ -11,6 +11,7 @@ from crankfem.analyses.shaft.motion import MOTION
 from crankfem.analyses.shaft.whole_records import whole_record
 from crankfem.analyses.vibration.assessment import Assessment, Uncertainty
 from crankfem.analyses.vibration.forced import ForcedVibration
+from crankfem.analyses.vibration.misfiring_records import misfiring_record
 from crankfem.analyses.vibration.modes import SourceResult, Vibration
 from crankfem.analyses.vibration.run import EngineVibration
 from crankfem.analyses.vibration.run_up import RunUp
@@ -35,6 +36,8 @@ def run_record(run: EngineVibration) -> Record:
         **{own.kind: vibration_record(own) for own in (run.axial, run.torsional)},
         "forced": {own.kind: forced_record(own) for own in forced if own is not None} or None,
         "assessment": None if run.assessment is None else assessment_record(run.assessment),
+        "misfiring": None if run.misfiring is None else misfiring_record(run.misfiring),
+        "misfiring_note": run.misfiring_note or None,
         "whole": None if run.whole is None else whole_record(run.whole, run.comparison),
     }
 

@@ -23,8 +23,10 @@ from crankfem.analyses.shaft.whole_shaft import (
     whole_shaft_remark,
 )
 from crankfem.analyses.vibration.assessment import Assessment, assess
+from crankfem.analyses.vibration.chain_answers import EngineChains
 from crankfem.analyses.vibration.engine_excitation import engine_harmonics
 from crankfem.analyses.vibration.forced import ForcedVibration, forced_vibrations
+from crankfem.analyses.vibration.misfiring import Misfiring, misfiring_or_reason
 from crankfem.analyses.vibration.modes import Vibration, axial_vibration, torsional_vibration
 from crankfem.files.engine.engine_file import EngineFile, load_engine
 from crankfem.files.engine.mechanism_file import MechanismFile, layout_of, mechanism_of
@@ -74,6 +76,10 @@ class EngineVibration:
     comparison : ShaftComparison or None
         Coupled response of the whole crankshaft, and how far the chains agree with it; without the latter
         where the chains have a shaft line or a propeller, which the whole crankshaft has not.
+    misfiring : Misfiring or None
+        What the chains do while a cylinder misfires, beside normal firing.
+    misfiring_note : str
+        Why that was not calculated, where something is forced.
     """
 
     engine_file: EngineFile
@@ -86,6 +92,8 @@ class EngineVibration:
     assessment: Assessment | None
     whole: WholeShaft | None
     comparison: ShaftComparison | None
+    misfiring: Misfiring | None = None
+    misfiring_note: str = ""
 
     @property
     def analysis(self) -> ThrowAnalysis:
@@ -270,7 +278,8 @@ def engine_vibration(
     shaft = compliances_in_shaft(read, analyses)
     axial = axial_vibration(read, analyses, shaft, model)
     torsional = torsional_vibration(read, analyses, shaft, model)
-    lengthened = twisted = assessment = whole = comparison = None
+    lengthened = twisted = assessment = whole = comparison = misfiring = None
+    note = ""
     if coupled:
         tell("Calculating the whole crankshaft")
         whole = whole_shaft(read, analyses)
@@ -284,6 +293,10 @@ def engine_vibration(
             shaft,
             analyses,
             () if modes is None else modes.frequencies[modes.rigid :],
+        )
+        tell("Calculating misfiring")
+        misfiring, note = misfiring_or_reason(
+            EngineChains.of(read, axial, torsional, shaft), mechanism, harmonics
         )
         if read.ranges is not None:
             tell("Sampling what is uncertain")
@@ -315,6 +328,8 @@ def engine_vibration(
         assessment=assessment,
         whole=whole,
         comparison=comparison,
+        misfiring=misfiring,
+        misfiring_note=note,
     )
 
 

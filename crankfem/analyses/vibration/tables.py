@@ -2,6 +2,7 @@
 
 from collections.abc import Callable
 from dataclasses import replace
+from typing import Any
 
 from crankbase.tables.output_units import SI, OutputUnits
 from crankbase.tables.table import Column, Table
@@ -191,6 +192,49 @@ def limit_table(record: Record, limit: str | None = None, units: OutputUnits = S
         marks=["" if one["passed"] else "over" for one in checks],
     )
     return table if limit is None else table.select("where", "at", "reached", "permitted", "used")
+
+
+def misfiring_table(record: Record, units: OutputUnits = SI) -> Table:
+    """Return normal firing and misfiring side by side, from a `misfiring_record`."""
+
+    def quantity(found: Record, name: str, unit: str) -> str | None:
+        return None if found[name] is None else units.quantity(found[name], unit, 4)
+
+    def reached(found: Record, unit: str) -> str:
+        return quantity(found, "value", unit) or UNBOUNDED
+
+    def rows(one: Record) -> list[Any]:
+        normal, failing, unit = one["normal"], one["misfiring"], one["unit"]
+        return [
+            f"{one['quantity']}, {failing['place']}",
+            reached(normal, unit),
+            normal["speed_rpm"] / RPM,
+            quantity(normal, "permitted", unit),
+            normal["used"],
+            reached(failing, unit),
+            ", ".join(str(number) for number in one["cylinders"]),
+            failing["speed_rpm"] / RPM,
+            quantity(failing, "permitted", unit),
+            failing["used"],
+        ]
+
+    return Table(
+        "Largest at running speeds, all cylinders firing and one misfiring",
+        [
+            Column("quantity", words=True),
+            Column("all firing"),
+            Column("at", "1/min", decimals=0),
+            Column("permitted", missing="-"),
+            Column("used", "%", 3, missing="-"),
+            Column("misfiring"),
+            Column("cylinder"),
+            Column("at", "1/min", decimals=0),
+            Column("permitted", missing="-"),
+            Column("used", "%", 3, missing="-"),
+        ],
+        [rows(one) for one in record["checks"]],
+        marks=["over" if one["passed"] is False else "" for one in record["checks"]],
+    )
 
 
 def margin_table(record: Record, kind: str) -> Table:
