@@ -50,16 +50,12 @@ def summary(results: Mapping[str, Any]) -> Record:
 def _verdict(assessment: Mapping[str, Any]) -> Record:
     status = {"fine": "fine", "not acceptable": "bad"}.get(assessment["status"], "barred")
     worst = assessment["checks"][0]
-    reached = quantity(worst["value"], worst["unit"])
     cause = worst.get("cause")
-    share = "" if worst["used"] is None else f", {format_usage(worst['used'])} of"
     return {
         "status": status,
         "headline": assessment["sentence"].partition(":")[0],
         "sentences": [
-            f"{worst['limit'].capitalize()}, {worst['place']}: {reached} at "
-            f"{fixed(worst['speed_rpm'])} 1/min{share or '; permitted is'} "
-            f"{'the permitted ' if share else ''}{quantity(worst['permitted'], worst['unit'])}.",
+            f"{worst['limit'].capitalize()}, {worst['place']}: {_reached(worst)}.",
             *([] if cause is None else [f"{cause['sentence'][0].upper()}{cause['sentence'][1:]}."]),
         ],
         "ranges": [
@@ -76,6 +72,23 @@ def _verdict(assessment: Mapping[str, Any]) -> Record:
         ],
         "remarks": _limitations(assessment),
     }
+
+
+def _reached(check: Mapping[str, Any]) -> str:
+    """Say what is reached at running speeds, and above them where more of the limit is used there."""
+    running = check.get("running") or check
+    found = _share(running, check["unit"])
+    if check.get("in_running_range", True):
+        return found
+    return f"{found}; above the running range {_share(check, check['unit'])}"
+
+
+def _share(found: Mapping[str, Any], unit: str) -> str:
+    permitted, reached = quantity(found["permitted"], unit), quantity(found["value"], unit)
+    at = f"{reached} at {fixed(found['speed_rpm'])} 1/min"
+    if found["used"] is None:
+        return f"{at}; permitted is {permitted}"
+    return f"{at}, {format_usage(found['used'])} of the permitted {permitted}"
 
 
 def _misfiring(vibration: Mapping[str, Any]) -> Record:
@@ -143,7 +156,8 @@ def _critical_speeds(vibration: Mapping[str, Any]) -> list[Record]:
 def _largest(records: Iterable[Record], by: str, least: float) -> list[Record]:
     """The largest by a value that is at least so large."""
     found = (one for one in records if one[by] >= least)
-    return sorted(found, key=lambda one: -float(one[by]))[:SPEEDS_SHOWN]
+    worst = sorted(found, key=lambda one: (not one.get("in_running_range", True), -float(one[by])))
+    return worst[:SPEEDS_SHOWN]
 
 
 def _speed(kind: str, record: Record, strength: str, *, major: bool) -> Record:
@@ -157,12 +171,24 @@ def _speed(kind: str, record: Record, strength: str, *, major: bool) -> Record:
     }
 
 
-def _worst_of_each(checks: Iterable[Mapping[str, Any]]) -> list[Mapping[str, Any]]:
-    """The worst place of each limit; the checks come with the worst first."""
-    found: dict[str, Mapping[str, Any]] = {}
+def _worst_of_each(checks: Iterable[Mapping[str, Any]]) -> list[Record]:
+    """The worst place of each limit at running speeds, and its use above them where it is judged there."""
+    found: dict[str, Record] = {}
     for check in checks:
-        found.setdefault(check["limit"], check)
+        own = dict(check) | (check.get("running") or {})
+        limit = found.setdefault(check["limit"], own | {"above": None})
+        if _use(own) > _use(limit):
+            found[check["limit"]] = limit = own | {"above": limit["above"]}
+        above = check.get("above")
+        if above is not None and (limit["above"] is None or _use(above) > _use(limit["above"])):
+            limit["above"] = above
+    for one in found.values():
+        one["passed"] = _use(one) <= 1.0 and (one["above"] is None or _use(one["above"]) <= 1.0)
     return list(found.values())
+
+
+def _use(found: Mapping[str, Any]) -> float:
+    return float("inf") if found["used"] is None else float(found["used"])
 
 
 def _compliance(results: Mapping[str, Any]) -> Record:

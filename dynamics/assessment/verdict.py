@@ -35,6 +35,8 @@ from dynamics.running_limits import at_most, within
 
 # Checks that a diagram of the verdict draws: those of which most is used.
 WORST_DRAWN = 5
+# Speeds this near, as a share, are one: the end of the running range is not above it.
+SAME = 1e-9
 Status = Literal["fine", "barred range needed", "not acceptable"]
 
 
@@ -60,6 +62,8 @@ class LimitCheck:
         The speeds judged [rad/s].
     cause : PeakCause or None
         The orders that make the amplitude at the worst speed, where they are known.
+    highest_running : float
+        The highest speed at which the engine runs [rad/s]; speeds judged above it are told apart.
     """
 
     limit: VibrationLimit
@@ -70,6 +74,35 @@ class LimitCheck:
     remarks: tuple[str, ...]
     judged: tuple[float, float]
     cause: PeakCause | None = None
+    highest_running: float = np.inf
+
+    def worst_from(self, low: float, high: float) -> tuple[float, float, float] | None:
+        """Return speed [rad/s], value and permitted value where most of the limit is used between speeds.
+
+        None where nothing was calculated or the limit states nothing.
+        """
+        permitted = self.limit.continuous.at(self.curve.speeds)
+        some = np.isfinite(permitted) & within(self.curve.speeds, low, high)
+        if not np.any(some):
+            return None
+        worst = int(np.argmax(np.where(some, usage(self.limit, self.curve), -np.inf)))
+        return (
+            float(self.curve.speeds[worst]),
+            float(self.curve.values[worst]),
+            float(permitted[worst]),
+        )
+
+    @property
+    def running(self) -> tuple[float, float, float] | None:
+        """Worst speed [rad/s], value and permitted value at running speeds."""
+        return self.worst_from(self.judged[0], min(self.judged[1], self.highest_running))
+
+    @property
+    def above(self) -> tuple[float, float, float] | None:
+        """The same above the running range, as far as the limit is judged."""
+        if at_most(self.judged[1], self.highest_running):
+            return None
+        return self.worst_from((1.0 + SAME) * self.highest_running, self.judged[1])
 
     @property
     def used(self) -> float:
@@ -89,25 +122,27 @@ class LimitCheck:
     @property
     def sentence(self) -> str:
         """What was found, with its numbers and the limit's source."""
-        unit, speed = self.limit.unit, format_quantity(self.worst_speed, "rad/s", 4)
-        allowed = format_quantity(self.permitted, unit, 4)
         source = self.limit.source + (", assumed" if self.limit.assumed else "")
-        if np.isinf(self.worst_value):
-            found = f"is unbounded at {speed}, where {allowed} is permitted"
-        elif self.passed:
-            found = (
-                f"is at worst {format_quantity(self.worst_value, unit, 4)} at {speed}, "
-                f"{100.0 * self.used:.3g} % of the permitted {allowed}"
-            )
-        else:
-            found = (
-                f"reaches {format_quantity(self.worst_value, unit, 4)} at {speed}, "
-                f"{self.used:.3g} times the permitted {allowed}"
-            )
+        found = self._found(self.worst_speed, self.worst_value, self.permitted)
+        running = self.running
+        if running is not None and not at_most(self.worst_speed, self.highest_running):
+            found = f"{self._found(*running)} at running speeds; above them it {found}"
         text = f"{self.limit.name}, {self.curve.name}: {found} ({source})."
         if self.cause is None:
             return text
         return f"{text} {self.cause.reasons[0].upper()}{self.cause.reasons[1:]}."
+
+    def _found(self, worst_speed: float, value: float, permitted: float) -> str:
+        unit, speed = self.limit.unit, format_quantity(worst_speed, "rad/s", 4)
+        allowed, used = format_quantity(permitted, unit, 4), value / permitted
+        if np.isinf(value):
+            return f"is unbounded at {speed}, where {allowed} is permitted"
+        reached = format_quantity(value, unit, 4)
+        if used <= 1.0:
+            return (
+                f"is at worst {reached} at {speed}, {100.0 * used:.3g} % of the permitted {allowed}"
+            )
+        return f"reaches {reached} at {speed}, {used:.3g} times the permitted {allowed}"
 
     def plot(self, axes: Axes | None = None) -> Axes:
         """Draw the amplitude over the speed with what is permitted, and a dot at the worst speed.
@@ -386,4 +421,5 @@ def _check(
         permitted=float(permitted[worst]),
         remarks=tuple(remarks),
         judged=(low, min(end, float(curve.speeds[-1]))),
+        highest_running=high,
     )

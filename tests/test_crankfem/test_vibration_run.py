@@ -356,7 +356,9 @@ def test_normal_firing_stands_beside_each_misfiring_cylinder(coarse, run):
     # Half orders, which cancel in normal firing, swing a cylinder's part of the shaft.
     assert free_end.misfiring.value > free_end.normal.value
     assert stress.misfiring.used == max(one.used for one in stress.each.values())
-    assert found.sentence.startswith(f"With cylinder {stress.cylinders[0]} misfiring, torsional stress")
+    assert found.sentence.startswith(
+        f"With cylinder {stress.cylinders[0]} misfiring, torsional stress"
+    )
     record = run_record(run)
     assert json.loads(json.dumps(record["misfiring"]))["checks"][0]["cylinders"] == list(
         stress.cylinders
@@ -370,7 +372,9 @@ def test_the_file_chooses_failing_cylinders(coarse, run, tmp_path):
     assert chosen.misfiring.cases == ((3,),)
     # Normal firing stays.
     assert chosen.worst_check.worst_value == run.worst_check.worst_value
-    (stress,) = (one for one in chosen.misfiring.checks if one.quantity.startswith("torsional stress"))
+    (stress,) = (
+        one for one in chosen.misfiring.checks if one.quantity.startswith("torsional stress")
+    )
     (searched,) = (one for one in run.misfiring.checks if one.quantity == stress.quantity)
     assert stress.misfiring.used == close(searched.each[(3,)].used, rel=1e-3)
     weak = engine_vibration(

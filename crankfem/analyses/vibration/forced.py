@@ -6,7 +6,7 @@ from functools import cached_property
 from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from crankbase.checks.arrays import FloatArray
 from crankbase.checks.choices import check_choice, check_not_given
@@ -51,6 +51,7 @@ from dynamics.response.loads import ElementLoads
 from dynamics.response.order_excitation import OrderExcitation
 from dynamics.response.power import PowerBalance, power_balance
 from dynamics.response.series import OrderSeries
+from dynamics.running_limits import at_most, within
 from fem.shaft import ShaftCompliances
 
 if TYPE_CHECKING:
@@ -149,6 +150,20 @@ class ForcedVibration:
         """Torque or force in the elements of the crankshaft itself, from the free end."""
         return first_places(self.loads.elements, crank_element_count(self.engine_chain))
 
+    @property
+    def speed_parts(self) -> dict[str, NDArray[np.bool_]]:
+        """Which speeds are "running" ones, which lie "below" them, and which "above" as far as is judged."""
+        speeds = self.response.speeds
+        low, high = self.running_range
+        below, running = ~at_most(low, speeds), within(speeds, low, high)
+        above = ~at_most(speeds, high) & at_most(speeds, self.judged_range[1])
+        return {"running": running, "below": below, "above": above}
+
+    def largest_place(self, series: OrderSeries) -> int:
+        """Return the number of the place of a series with the largest amplitude at running speeds."""
+        inside = within(series.speeds, *self.running_range)
+        return int(np.argmax(np.max(series.synthesis.amplitude[inside], axis=0)))
+
     def plot(
         self,
         axes: "Axes | None" = None,
@@ -164,9 +179,9 @@ class ForcedVibration:
         axes : matplotlib.axes.Axes, optional
             New ones by default.
         show : {"amplitude", "load", "stress", "power", "axial forces"}
-            Motion of the free end; torque or force in the crankshaft's element that is loaded most;
-            nominal stress in the one that is stressed most; power in and out; the exciting axial
-            force of the first throw.
+            Motion of the free end; torque or force in the crankshaft's element that is loaded most at
+            running speeds; nominal stress in the one that is stressed most then; power in and out; the
+            exciting axial force of the first throw.
         limits : mapping of str to (S,) array_like, optional
             Limits over the response's speeds by their name [SI], of no use to power and axial forces.
         barred : sequence of (low, high), optional
@@ -196,16 +211,29 @@ class ForcedVibration:
         if show == "stress":
             if self.stress is None:
                 raise self._missing(show)
-            worst = self.stress.largest_place
-            return self.stress.plot(axes, worst, quantity="stress", limits=limits, barred=barred)
+            return self.stress.plot(
+                axes,
+                self.largest_place(self.stress),
+                quantity="stress",
+                limits=limits,
+                barred=barred,
+                running=self.running_range,
+            )
         if show == "load":
             series = self.crank_elements
             quantity: Quantity = "force" if axial else "torque"
             return series.plot(
-                axes, series.largest_place, quantity=quantity, limits=limits, barred=barred
+                axes,
+                self.largest_place(series),
+                quantity=quantity,
+                limits=limits,
+                barred=barred,
+                running=self.running_range,
             )
         moved = MOTION[self.kind].quantity
-        axes = self.free_end.plot(axes, 0, quantity=moved, limits=limits, barred=barred)
+        axes = self.free_end.plot(
+            axes, 0, quantity=moved, limits=limits, barred=barred, running=self.running_range
+        )
         write_title(axes, f"{self.kind.capitalize()} vibration of the free end")
         return axes
 

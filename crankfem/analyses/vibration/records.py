@@ -16,7 +16,7 @@ from crankfem.analyses.vibration.modes import SourceResult, Vibration
 from crankfem.analyses.vibration.run import EngineVibration
 from crankfem.analyses.vibration.run_up import RunUp
 from dynamics.assessment.barred_ranges import BarredRange, limit_end_speed
-from dynamics.assessment.verdict import LimitCheck
+from dynamics.assessment.verdict import SAME, LimitCheck
 from dynamics.excitation.axial_comparison import AxialForceComparison
 from dynamics.response.damped_criticals import DampedCritical
 from dynamics.response.peak_cause import PeakCause
@@ -108,9 +108,10 @@ def forced_record(forced: ForcedVibration) -> Record:
                 "synthesis": free_end.synthesis.amplitude[:, 0],
                 "plain_sum": free_end.synthesis.plain_sum[:, 0],
                 "orders": _order_peaks(free_end),
+                "peaks": _peaks(free_end, MOTION[forced.kind].si, forced),
             },
-            "loads": _peaks(forced.loads.elements, LOAD_UNIT[forced.kind]),
-            "stress": None if forced.stress is None else _peaks(forced.stress, "Pa"),
+            "loads": _peaks(forced.loads.elements, LOAD_UNIT[forced.kind], forced),
+            "stress": None if forced.stress is None else _peaks(forced.stress, "Pa", forced),
             "power": _power(forced),
             "running_rpm": _rpm(forced.running_range),
             "judged_rpm": _rpm(forced.judged_range),
@@ -162,8 +163,8 @@ def forced_columns(forced: ForcedVibration) -> tuple[dict[str, FloatArray], str]
     return columns, f"{forced.kind} vibration, amplitudes; inf is unbounded"
 
 
-def _peaks(series: OrderSeries, unit: str) -> list[Record]:
-    """Largest value over the speeds of each place, all orders together."""
+def _peaks(series: OrderSeries, unit: str, forced: ForcedVibration) -> list[Record]:
+    """Largest value of each place, all orders together: over all speeds, and in and beside running ones."""
     summed = series.synthesis
     worst = np.argmax(summed.amplitude, axis=0)
     return [
@@ -173,6 +174,17 @@ def _peaks(series: OrderSeries, unit: str) -> list[Record]:
             "peak": summed.amplitude[worst[place], place],
             "speed_rpm": series.speeds[worst[place]] * RPM,
             "plain_sum_peak": np.max(summed.plain_sum[:, place]),
+            **{
+                part: None
+                if not np.any(inside)
+                else {
+                    "peak": np.max(summed.amplitude[inside, place]),
+                    "speed_rpm": series.speeds[inside][np.argmax(summed.amplitude[inside, place])]
+                    * RPM,
+                    "plain_sum_peak": np.max(summed.plain_sum[inside, place]),
+                }
+                for part, inside in forced.speed_parts.items()
+            },
         }
         for place, name in enumerate(series.names)
     ]
@@ -266,9 +278,25 @@ def _check(check: LimitCheck, highest_speed: float) -> Record:
             "in_running_range": check.worst_speed <= highest_speed,
             "value": check.worst_value,
             **attributes(check, "permitted", "used", "passed"),
+            "running": _worst(check.running),
+            "above": _worst(check.above),
+            "below": _worst(check.worst_from(0.0, (1.0 - SAME) * check.judged[0])),
             **attributes(check.limit, "unit", "source", "assumed"),
         }
     )
+
+
+def _worst(found: tuple[float, float, float] | None) -> Record | None:
+    """Return where most of a limit is used among some speeds."""
+    if found is None:
+        return None
+    speed, value, permitted = found
+    return {
+        "speed_rpm": speed * RPM,
+        "value": value,
+        "permitted": permitted,
+        "used": value / permitted,
+    }
 
 
 def _cause(found: PeakCause) -> Record:
