@@ -1,6 +1,6 @@
 """Misfiring beside normal firing: the worst of all cylinders, by adding up answers of the chains."""
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -16,6 +16,7 @@ from crankfem.analyses.vibration.engine_excitation import (
     calculated_speeds,
     failing_harmonics,
     forces_over_speeds,
+    merged_speeds,
 )
 from crankfem.analyses.vibration.engine_limits import (
     compared_quantities,
@@ -29,15 +30,18 @@ from crankfem.analyses.vibration.firing_check import (
     weights,
     worst_of,
 )
+from crankfem.files.engine.engine_file import EngineFile
 from crankfem.files.engine.mechanism_file import MechanismFile
 from dynamics.assessment.largest_amplitude import speeds_above
 from dynamics.assessment.limits import shown_range
-from dynamics.assessment.worst_speeds import refined_maxima
+from dynamics.assessment.worst_speeds import NEARLY_LARGEST, refined_maxima
 from dynamics.excitation.cylinder_harmonics import CylinderHarmonics
 from dynamics.excitation.cylinders import CylinderForces, forces_at_speeds
 from dynamics.response.series import OrderSeries
 from dynamics.running_limits import within
 
+# Just beyond the speed at which a limit ends, as a share of it.
+BEYOND = 1e-6
 # By the key of `compared_quantities`.
 Series = dict[str, OrderSeries]
 Found = dict[str, dict[Cylinders, Reached]]
@@ -151,9 +155,19 @@ def misfiring_or_reason(
             raise
         return None, f"misfiring is not calculated: {error}"
     engine = file.engine
-    speeds = calculated_speeds(file, harmonics.orders, chains.damped)
+    speeds = merged_speeds(
+        calculated_speeds(file, harmonics.orders, chains.damped), _limits_bend_at(file)
+    )
     running = speeds[within(speeds, engine.lowest_speed, engine.highest_speed)]
     return _misfiring(_Superposition(chains, harmonics, failing), running), ""
+
+
+def _limits_bend_at(engine_file: EngineFile) -> list[float]:
+    """Return speeds at which a limit may bend or jump: the rated one, and where passing ends [rad/s]."""
+    limits = [one.limit for one in compared_quantities(engine_file).values()]
+    ends = [one.passing.high for one in limits if one is not None and one.passing is not None]
+    finite = [end for end in ends if np.isfinite(end)]
+    return [engine_file.engine.rated_speed, *finite, *(end * (1.0 + BEYOND) for end in finite)]
 
 
 @dataclass(frozen=True, eq=False)
@@ -199,8 +213,8 @@ def _misfiring(added: _Superposition, speeds: FloatArray) -> Misfiring:
             each.setdefault(key, {})[case] = worst_of(series, limit)
             if case and limit is not None:
                 exceeded = speeds_above(series, weights(limit, speeds), exceeded)
+    _refine(added, speeds, each)
     worst = {key: max(cases, key=lambda case: own[case].severity) for key, own in each.items()}
-    _refine(added, speeds, worst, each)
     checks = [
         FiringCheck(
             quantity=quantities[key].name,
@@ -233,12 +247,16 @@ def _ranges(speeds: FloatArray, flags: NDArray[np.bool_]) -> tuple[tuple[float, 
     )
 
 
-def _refine(
-    added: _Superposition, speeds: FloatArray, worst: Mapping[str, Cylinders], each: Found
-) -> None:
+def _refine(added: _Superposition, speeds: FloatArray, each: Found) -> None:
     """Look for the worst speeds of normal firing and of the worst cases between their neighbors."""
     quantities = compared_quantities(added.chains.engine_file)
-    pairs = [(key, case) for key, own in worst.items() for case in ((), own)]
+    pairs = []
+    for key, own in each.items():
+        most = max(one.severity for case, one in own.items() if case)
+        near_worst = tuple(NEARLY_LARGEST * size for size in most)
+        pairs += [
+            (key, case) for case, one in own.items() if not case or one.severity >= near_worst
+        ]
     cases = list(dict.fromkeys(case for _, case in pairs))
     best = {pair: each[pair[0]][pair[1]] for pair in pairs}
 
@@ -255,8 +273,8 @@ def _refine(
     near = np.unique(np.clip([tops - 1, tops, tops + 1], 0, speeds.size - 1))
     closer = np.union1d(refined_maxima(used, speeds[near]), speeds[tops])
     for case, found in added.at(closer, cases):
-        for key, own in pairs:
-            if own == case:
+        for key, of in pairs:
+            if of == case:
                 each[key][case] = worst_of(found[key], quantities[key].while_firing(case))
 
 

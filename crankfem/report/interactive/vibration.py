@@ -189,7 +189,7 @@ VIBRATION: Plots[EngineVibration] = Plots(
         plot_of_curves(
             "torsional_stress",
             "Nominal torsional stress over the speed",
-            "Nominal torsional stress, with its limit, in the element that is stressed most at running speeds.",
+            "Nominal torsional stress, with its limit, in the element stressed most at running speeds.",
             _stress,
             _stress_title,
             needs="forced",
