@@ -367,6 +367,27 @@ def test_normal_firing_stands_beside_each_misfiring_cylinder(coarse, run):
 
 
 @pytest.mark.slow
+def test_running_speeds_stand_first(run):
+    record = run_record(run)
+    engine, forced = run.engine_file.engine, run.forced_torsional
+    rpm = 30.0 / math.pi
+    ends = [engine.lowest_speed * rpm, engine.highest_speed * rpm]
+    speeds, amplitude = forced.response.speeds, forced.stress.synthesis.amplitude
+    inside = (speeds >= engine.lowest_speed) & (speeds <= engine.highest_speed * (1.0 + 1e-12))
+    for place, one in enumerate(record["forced"]["torsional"]["stress"]):
+        assert ends[0] <= one["running"]["speed_rpm"] <= ends[1] * (1.0 + 1e-12)
+        assert one["below"]["speed_rpm"] < ends[0]
+        assert ends[1] < one["above"]["speed_rpm"] <= forced.judged_range[1] * rpm * (1.0 + 1e-12)
+        assert one["running"]["peak"] == amplitude[inside, place].max()
+        assert one["peak"] >= max(one[part]["peak"] for part in ("running", "below", "above"))
+    for check in record["assessment"]["checks"]:
+        assert check["running"]["speed_rpm"] <= ends[1] * (1.0 + 1e-12)
+        both = [check[part]["used"] for part in ("running", "above") if check[part] is not None]
+        assert check["used"] == max(both)
+    assert forced.largest_place(forced.stress) == np.argmax(amplitude[inside].max(axis=0))
+
+
+@pytest.mark.slow
 def test_the_file_chooses_failing_cylinders(coarse, run, tmp_path):
     text = "[misfire]\ncylinders = [3]\n\n[gas]\n"
     chosen = engine_vibration(written(tmp_path, text), analysis=coarse)
