@@ -254,6 +254,30 @@ def usage(limit: VibrationLimit, curve: AmplitudeCurve) -> FloatArray:
     return shares
 
 
+def worst_use(
+    limit: VibrationLimit, curve: AmplitudeCurve, low: float, high: float
+) -> tuple[float, float, float] | None:
+    """Return speed [rad/s], value and permitted value of the largest use between speeds, if any."""
+    permitted = limit.continuous.at(curve.speeds)
+    some = np.isfinite(permitted) & within(curve.speeds, low, high)
+    if not np.any(some):
+        return None
+    worst = int(np.argmax(np.where(some, usage(limit, curve), -np.inf)))
+    return float(curve.speeds[worst]), float(curve.values[worst]), float(permitted[worst])
+
+
+def use_in_words(limit: VibrationLimit, speed: float, value: float, permitted: float) -> str:
+    """Say what a quantity reaches at a speed [rad/s] of what is permitted there."""
+    at, allowed = format_quantity(speed, "rad/s", 4), format_quantity(permitted, limit.unit, 4)
+    used = value / permitted
+    if np.isinf(value):
+        return f"is unbounded at {at}, where {allowed} is permitted"
+    reached = format_quantity(value, limit.unit, 4)
+    if used <= 1.0:
+        return f"is at worst {reached} at {at}, {100.0 * used:.3g} % of the permitted {allowed}"
+    return f"reaches {reached} at {at}, {used:.3g} times the permitted {allowed}"
+
+
 def axial_force_limit(
     permissible_stress: float,
     crank_radius: float,

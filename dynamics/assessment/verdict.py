@@ -27,6 +27,8 @@ from dynamics.assessment.limits import (
     checked_running_range,
     shown_range,
     usage,
+    use_in_words,
+    worst_use,
 )
 from dynamics.plots.quantities import SPEED_LABEL, in_unit
 from dynamics.plots.speed_curves import draw_barred, set_speed_axis
@@ -81,16 +83,7 @@ class LimitCheck:
 
         None where nothing was calculated or the limit states nothing.
         """
-        permitted = self.limit.continuous.at(self.curve.speeds)
-        some = np.isfinite(permitted) & within(self.curve.speeds, low, high)
-        if not np.any(some):
-            return None
-        worst = int(np.argmax(np.where(some, usage(self.limit, self.curve), -np.inf)))
-        return (
-            float(self.curve.speeds[worst]),
-            float(self.curve.values[worst]),
-            float(permitted[worst]),
-        )
+        return worst_use(self.limit, self.curve, low, high)
 
     @property
     def running(self) -> tuple[float, float, float] | None:
@@ -123,26 +116,14 @@ class LimitCheck:
     def sentence(self) -> str:
         """What was found, with its numbers and the limit's source."""
         source = self.limit.source + (", assumed" if self.limit.assumed else "")
-        found = self._found(self.worst_speed, self.worst_value, self.permitted)
+        found = use_in_words(self.limit, self.worst_speed, self.worst_value, self.permitted)
         running = self.running
         if running is not None and not at_most(self.worst_speed, self.highest_running):
-            found = f"{self._found(*running)} at running speeds; above them it {found}"
+            found = f"{use_in_words(self.limit, *running)} at running speeds; above them it {found}"
         text = f"{self.limit.name}, {self.curve.name}: {found} ({source})."
         if self.cause is None:
             return text
         return f"{text} {self.cause.reasons[0].upper()}{self.cause.reasons[1:]}."
-
-    def _found(self, worst_speed: float, value: float, permitted: float) -> str:
-        unit, speed = self.limit.unit, format_quantity(worst_speed, "rad/s", 4)
-        allowed, used = format_quantity(permitted, unit, 4), value / permitted
-        if np.isinf(value):
-            return f"is unbounded at {speed}, where {allowed} is permitted"
-        reached = format_quantity(value, unit, 4)
-        if used <= 1.0:
-            return (
-                f"is at worst {reached} at {speed}, {100.0 * used:.3g} % of the permitted {allowed}"
-            )
-        return f"reaches {reached} at {speed}, {used:.3g} times the permitted {allowed}"
 
     def plot(self, axes: Axes | None = None) -> Axes:
         """Draw the amplitude over the speed with what is permitted, and a dot at the worst speed.
