@@ -66,6 +66,7 @@ GROUPS: dict[str, tuple[str, dict[str, str]]] = {
             "test_engines_of_our_own": "matrices, solved speed by speed",
             "test_elastic_bearings": "matrices put together by hand",
             "test_gas_cycle": "ideal cycles of thermodynamics",
+            "test_power_and_load": "integral over the volume; MAN B&W 6S50MC-C, 9480 kW",
             "test_known_balance": "series of the slider-crank, handbooks",
             "test_named_throws": "sums and matrices by hand",
         },

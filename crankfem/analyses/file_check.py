@@ -13,6 +13,7 @@ from crankfem.files.chain.chain_file import ChainFile, load_chain
 from crankfem.files.engine.engine_file import EngineFile
 from crankfem.files.engine.file_kinds import any_sections, file_kind
 from crankfem.files.engine.mechanism_file import MechanismFile, load_any, mechanism_of
+from crankfem.files.engine.mechanism_load import full_load_only, pressures_at
 from crankfem.files.engine.throw_file import ThrowFile, load_study
 from crankfem.files.hinge.hinge_file import SECTIONS as HINGE_SECTIONS
 from crankfem.files.hinge.hinge_file import HingeFile, load_hinge
@@ -176,7 +177,7 @@ def _throw(read: ThrowFile, content: TomlFile) -> CheckedFile:
 
 def _mechanism(read: MechanismFile, content: TomlFile) -> CheckedFile:
     study = ("doe",) if "study" in content.sections else ()
-    gas = () if read.gas is not None else (_without_gas(),)
+    gas = (_without_gas(),) if read.power is None else (read.power.sentence,)
     return CheckedFile(
         read.path,
         "mechanism",
@@ -237,7 +238,11 @@ def _checked_mechanism(read: EngineFile) -> Iterable[str]:
 
     if read.gas_map is not None:
         gas_map_pressure(read.gas_map, read.engine.strokes, read.path)
-    return mechanism_of(read).remarks
+    mechanism = mechanism_of(read)
+    power = () if mechanism.power is None else (mechanism.power.sentence,)
+    if not full_load_only(mechanism):
+        pressures_at(mechanism, [read.engine.lowest_speed, read.engine.highest_speed])
+    return (*mechanism.remarks, *power)
 
 
 def _without_gas() -> str:

@@ -33,7 +33,7 @@ def summary(results: Mapping[str, Any]) -> Record:
     vibration = results["vibration"]
     assessment, forced = vibration["assessment"], vibration["forced"]
     return {
-        **(_open(results) if assessment is None else _verdict(assessment)),
+        **(_open(results) if assessment is None else _verdict(vibration, assessment)),
         **_misfiring(vibration),
         "beside": [] if assessment is None else list(assessment.get("beside", [])),
         "judged_to_rpm": None if forced is None else _assessed_above(forced),
@@ -47,7 +47,7 @@ def summary(results: Mapping[str, Any]) -> Record:
     }
 
 
-def _verdict(assessment: Mapping[str, Any]) -> Record:
+def _verdict(vibration: Mapping[str, Any], assessment: Mapping[str, Any]) -> Record:
     status = {"fine": "fine", "not acceptable": "bad"}.get(assessment["status"], "barred")
     worst = assessment["checks"][0]
     cause = worst.get("cause")
@@ -70,7 +70,7 @@ def _verdict(assessment: Mapping[str, Any]) -> Record:
             )
             for one in assessment[name]
         ],
-        "remarks": _limitations(assessment),
+        "remarks": [*power_and_load(vibration), *_limitations(assessment)],
     }
 
 
@@ -97,6 +97,16 @@ def _misfiring(vibration: Mapping[str, Any]) -> Record:
     if found is None:
         return {"misfiring": vibration.get("misfiring_note"), "misfiring_passed": None}
     return {"misfiring": found["sentence"], "misfiring_passed": found["passed"]}
+
+
+def power_and_load(vibration: Mapping[str, Any]) -> list[str]:
+    """What says that the file's power does not fit its gas, and the load of each speed."""
+    load = vibration.get("load")
+    if load is None:
+        return []
+    rated = load["rated"]
+    found = [] if rated["consistent"] else [rated["sentence"]]
+    return [f"{text[0].upper()}{text[1:]}." for text in (*found, load["sentence"])]
 
 
 def _limitations(assessment: Mapping[str, Any]) -> list[str]:

@@ -36,9 +36,7 @@ from dynamics.response.peak_cause import PeakCause
 from dynamics.running_limits import at_most, within
 
 # Checks that a diagram of the verdict draws: those of which most is used.
-WORST_DRAWN = 5
-# Speeds this near, as a share, are one: the end of the running range is not above it.
-SAME = 1e-9
+WORST_DRAWN, SAME = 5, 1e-9  # speeds this near, as a share, are one
 Status = Literal["fine", "barred range needed", "not acceptable"]
 
 
@@ -78,24 +76,21 @@ class LimitCheck:
     cause: PeakCause | None = None
     highest_running: float = np.inf
 
-    def worst_from(self, low: float, high: float) -> tuple[float, float, float] | None:
-        """Return speed [rad/s], value and permitted value where most of the limit is used between speeds.
-
-        None where nothing was calculated or the limit states nothing.
-        """
-        return worst_use(self.limit, self.curve, low, high)
-
     @property
     def running(self) -> tuple[float, float, float] | None:
-        """Worst speed [rad/s], value and permitted value at running speeds."""
-        return self.worst_from(self.judged[0], min(self.judged[1], self.highest_running))
+        """Worst running speed [rad/s], value and permitted value."""
+        return worst_use(
+            self.limit, self.curve, self.judged[0], min(self.judged[1], self.highest_running)
+        )
 
     @property
     def above(self) -> tuple[float, float, float] | None:
         """The same above the running range, as far as the limit is judged."""
         if at_most(self.judged[1], self.highest_running):
             return None
-        return self.worst_from((1.0 + SAME) * self.highest_running, self.judged[1])
+        return worst_use(
+            self.limit, self.curve, (1.0 + SAME) * self.highest_running, self.judged[1]
+        )
 
     @property
     def used(self) -> float:
@@ -117,9 +112,8 @@ class LimitCheck:
         """What was found, with its numbers and the limit's source."""
         source = self.limit.source + (", assumed" if self.limit.assumed else "")
         found = use_in_words(self.limit, self.worst_speed, self.worst_value, self.permitted)
-        running = self.running
-        if running is not None and not at_most(self.worst_speed, self.highest_running):
-            found = f"{use_in_words(self.limit, *running)} at running speeds; above them it {found}"
+        if self.running and not at_most(self.worst_speed, self.highest_running):
+            found = f"{use_in_words(self.limit, *self.running)} at running speeds; above them it {found}"
         text = f"{self.limit.name}, {self.curve.name}: {found} ({source})."
         if self.cause is None:
             return text

@@ -26,6 +26,7 @@ def pressure_map_from_cycles(
     speeds: ArrayLike,
     loads: ArrayLike,
     *,
+    heat: ArrayLike | None = None,
     peak_pressure: ArrayLike | None = None,
     mean_effective_pressure: ArrayLike | None = None,
     intake_pressure: ArrayLike | None = None,
@@ -46,6 +47,9 @@ def pressure_map_from_cycles(
         [rad/s].
     loads : array_like of shape (b,)
         In any measure.
+    heat : array_like of shape (a, b), optional
+        Heat released in one cycle at each point [J], in place of the pressures below; 0 is a motored
+        engine.
     peak_pressure, mean_effective_pressure : array_like of shape (a, b), optional
         Highest absolute pressure, and indicated mean effective pressure [Pa] at each point; one of
         them or both. Shapes that numpy stretches to (a, b) serve too.
@@ -67,6 +71,7 @@ def pressure_map_from_cycles(
     running, loaded = finite_vector("speeds", speeds), finite_vector("loads", loads)
     shape = (running.size, loaded.size)
     given = {
+        "heat": heat,
         "peak_pressure": peak_pressure,
         "mean_effective_pressure": mean_effective_pressure,
         "intake_pressure": intake_pressure,

@@ -7,7 +7,7 @@ from comparing import close
 from dynamics.assessment.barred_ranges import BarredRangeRule
 from dynamics.assessment.largest_amplitude import largest_amplitude, speeds_above
 from dynamics.assessment.limit_rules import crankshaft_limit
-from dynamics.assessment.limits import AmplitudeCurve, given_limit
+from dynamics.assessment.limits import AmplitudeCurve, given_limit, worst_use
 from dynamics.assessment.verdict import judge
 from dynamics.plots.quantities import quantity_display
 from dynamics.response.series import OrderSeries
@@ -85,7 +85,7 @@ def test_checks_speak_of_running_speeds_first():
         in (check.sentence)
     )
     assert "; above them it reaches 60 MPa at" in check.sentence
-    assert check.worst_from(0.0, 39.9)[1] == 80e6
+    assert worst_use(limit, check.curve, 0.0, 39.9)[1] == 80e6
 
 
 def test_diagrams_take_their_height_and_orders_from_running_speeds(series):

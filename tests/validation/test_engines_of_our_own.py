@@ -20,7 +20,9 @@ LEAST = 1e-3
 
 @pytest.fixture(scope="module", params=NAMES)
 def run(request):
-    engine = cf.load_engine(FOLDER / f"{request.param}.toml")
+    # At full load at all speeds: along the propeller's law order 4 has two tops of one mode within 4 % of
+    # the speed, in different elements, of which only the higher one is told.
+    engine = cf.load_engine(FOLDER / f"{request.param}.toml").changed(load=None)
     throw = cf.analyze_throw(engine.throw, engine.material, accuracy=0.1)
     return cf.engine_vibration(engine, analysis=throw).forced_torsional
 

@@ -12,6 +12,7 @@ from crankfem.analyses.mechanism.mechanism_run import MechanismRun
 from crankfem.analyses.mechanism.rod_comparison import compare_rod_models
 from crankfem.analyses.record import Record, assumed_values, attributes
 from crankfem.files.engine.mechanism_file import MechanismFile
+from crankfem.files.engine.rated_power import EnginePower, indicated_power
 from dynamics.engine.forces import pin_groups
 from dynamics.engine.loads import LoadDiagram
 
@@ -29,6 +30,8 @@ def mechanism_record(run: MechanismRun) -> Record:
         "firing_angles_deg": np.degrees(run.layout.firing).tolist(),
         "angle_step_deg": float(np.degrees(forces.shaft_angles[1] - forces.shaft_angles[0])),
         "power": run.torque.power,
+        "mean_indicated_pressure": _mean_indicated_pressure(run),
+        "rated": None if mechanism.power is None else power_record(mechanism.power),
         "torque": {"mean": run.torque.mean, **_extremes(torque, forces.shaft_angles)},
         "energy_error": run.torque.energy_error,
         "cylinders": [
@@ -69,6 +72,25 @@ def mechanism_record(run: MechanismRun) -> Record:
         ),
         "remarks": [*mechanism.remarks, *_gas_remarks(run)],
     }
+
+
+def power_record(power: EnginePower) -> Record:
+    """Return power at rated speed and full load, and whether the rated power fits it, in SI units."""
+    names = (
+        *("mean_indicated_pressure", "mean_effective_pressure", "mechanical_efficiency"),
+        *("consistent", "sentence"),
+    )
+    return {
+        "speed_rpm": power.speed * RPM,
+        "indicated_power": power.indicated,
+        "rated_power": power.rated,
+        **attributes(power, *names),
+    }
+
+
+def _mean_indicated_pressure(run: MechanismRun) -> float:
+    """Mean of the cylinders, each by its swept volume [Pa]."""
+    return indicated_power(run.layout, run.pressure, run.speed)[1]
 
 
 Size = tuple[float, float]

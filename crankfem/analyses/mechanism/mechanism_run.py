@@ -11,6 +11,7 @@ from crankbase.summaries import summarized
 from crankbase.tables.frames import table
 from crankfem.files.engine.engine_file import EngineFile
 from crankfem.files.engine.mechanism_file import MechanismFile, mechanism_of, with_throws
+from crankfem.files.engine.mechanism_load import full_load_only, pressures_at
 from crankfem.files.sections.cylinder_pressures import motored_pressures
 from dynamics.balance.balance import Balance, balance
 from dynamics.balance.hinged_rods import HingedRodEffects, hinged_rod_effects
@@ -212,7 +213,10 @@ def run_mechanism(
         )
     turning = mechanism.rated_speed if speed is None else speed
     layout = with_throws(mechanism, masses)
-    pressure = motored_pressures(mechanism.gas, layout) if motored else mechanism.pressure
+    if not full_load_only(mechanism):
+        pressure = pressures_at(mechanism, [turning], motored=motored)[0]
+    else:
+        pressure = motored_pressures(mechanism.gas, layout) if motored else mechanism.pressure
     angles, gas = samples_and_gas(layout, pressure, DEFAULT_SAMPLES, ATMOSPHERE)
     torque = engine_torque(layout, turning, gas, model=model, throws=mechanism.throws)
     forces = mechanism_forces(layout, angles, turning, gas, model=model)

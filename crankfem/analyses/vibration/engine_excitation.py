@@ -9,12 +9,13 @@ from numpy.typing import NDArray
 from crankbase.errors import InputError
 from crankfem.analyses.shaft.throw_analyses import Analyses, crank_analyses
 from crankfem.analyses.vibration.engine_limits import assessment_end_speeds
+from crankfem.analyses.vibration.engine_load import pressure_over_speeds
 from crankfem.analyses.vibration.modes import SourceResult
 from crankfem.files.engine.engine_file import EngineFile
 from crankfem.files.engine.mechanism_file import MechanismFile
+from crankfem.files.engine.mechanism_load import full_load_only, pressure_maps
 from crankfem.files.sections.excitation_sections import (
     gas_map_load,
-    gas_map_pressure,
     motored_for_misfire,
 )
 from dynamics.chains.engine_chains import EngineChain, Kind
@@ -25,10 +26,8 @@ from dynamics.excitation.combined_excitation import combined_excitation
 from dynamics.excitation.cylinder_harmonics import CylinderHarmonics, cylinder_harmonics
 from dynamics.excitation.cylinders import CylinderForces, forces_at_speeds
 from dynamics.excitation.gas_sources import constant_weight
-from dynamics.excitation.pressure_map import PressureMap
 from dynamics.excitation.propeller import propeller_excitation
 from dynamics.excitation.torsion_to_axial import axial_excitation_of_torsion, torsion_influence
-from dynamics.gas.pressure import GasPressure
 from dynamics.response.damping import DampedChain
 from dynamics.response.forced import ForcedResponse
 from dynamics.response.linear_system import DEFAULT_MAGNIFIER
@@ -54,7 +53,7 @@ def engine_harmonics(engine_file: EngineFile, mechanism: MechanismFile) -> Cylin
     Parameters
     ----------
     engine_file : EngineFile
-        Its pressure map, if it has one, is used in place of the one diagram of [gas].
+        Its load, or its pressure map, says what the pressure is at each speed; full load without either.
     mechanism : MechanismFile
         With gas pressure.
 
@@ -63,11 +62,7 @@ def engine_harmonics(engine_file: EngineFile, mechanism: MechanismFile) -> Cylin
     InputError
         If a pressure cannot be read, or its samples do not resolve the highest order.
     """
-    pressure: PressureMap | tuple[GasPressure, ...] = mechanism.pressure
-    if engine_file.gas_map is not None:
-        pressure = gas_map_pressure(
-            engine_file.gas_map, engine_file.engine.strokes, engine_file.path
-        )
+    pressure = pressure_over_speeds(engine_file, mechanism, _speed_range(engine_file))
     return cylinder_harmonics(
         mechanism.layout,
         engine_orders(engine_file.engine.strokes, engine_file.vibration.highest_order),
@@ -105,7 +100,11 @@ def failing_harmonics(
             "misfire: given without the section [gas]; allowed are both, or compression = false, because "
             "the pressure without combustion follows from it."
         )
-    motored = motored_for_misfire(engine_file.gas, mechanism.layout, mechanism.pressure)
+    motored = (
+        motored_for_misfire(engine_file.gas, mechanism.layout, mechanism.pressure)
+        if full_load_only(mechanism)
+        else pressure_maps(mechanism, _speed_range(engine_file), motored=True)
+    )
     return cylinder_harmonics(mechanism.layout, firing.orders, motored, throws=mechanism.throws)
 
 
@@ -129,7 +128,7 @@ def calculated_speeds(
     -------
     (S,) array
         From half the lowest running speed to 5 % above the highest (and 15 % above the rated one), within
-        the pressure map if there is one [rad/s].
+        the pressure map or the load's points if there are any [rad/s].
     """
     ratios = [np.maximum(own.system.damping_ratios(), 1e-4) for own in chains]
     low, high = _speed_range(engine_file)
@@ -320,8 +319,9 @@ def _speed_range(engine_file: EngineFile) -> tuple[float, float]:
     engine = engine_file.engine
     low = BELOW * engine.lowest_speed
     high = max(ABOVE_HIGHEST * engine.highest_speed, ABOVE_RATED * engine.rated_speed)
-    if engine_file.gas_map is not None:
-        taken = [point.speed for point in engine_file.gas_map.points]
+    told = engine_file.gas_map or engine_file.load
+    if told is not None and told.points:
+        taken = [point.speed for point in told.points]
         low = min(max(low, min(taken)), engine.lowest_speed)
         high = max(min(high, max(taken)), engine.highest_speed)
     return low, high

@@ -6,16 +6,19 @@ import numpy as np
 
 from crankbase.checks.arrays import FloatArray
 from crankbase.units.units import RPM
+from crankfem.analyses.mechanism.mechanism_records import power_record
 from crankfem.analyses.record import ASSUMED, Record, attributes, plain
 from crankfem.analyses.shaft.motion import MOTION
 from crankfem.analyses.shaft.whole_records import whole_record
 from crankfem.analyses.vibration.assessment import Assessment, Uncertainty
+from crankfem.analyses.vibration.engine_load import EngineLoad
 from crankfem.analyses.vibration.forced import ForcedVibration
 from crankfem.analyses.vibration.misfiring_records import misfiring_record
 from crankfem.analyses.vibration.modes import SourceResult, Vibration
 from crankfem.analyses.vibration.run import EngineVibration
 from crankfem.analyses.vibration.run_up import RunUp
 from dynamics.assessment.barred_ranges import BarredRange, limit_end_speed
+from dynamics.assessment.limits import worst_use
 from dynamics.assessment.verdict import SAME, LimitCheck
 from dynamics.excitation.axial_comparison import AxialForceComparison
 from dynamics.response.damped_criticals import DampedCritical
@@ -24,6 +27,8 @@ from dynamics.response.series import OrderSeries
 
 # SI units of loads in records.
 LOAD_UNIT = {"torsional": "N m", "axial": "N"}
+# How the forces begin to tell that full load serves all speeds, which the load tells.
+ONE_DIAGRAM = "One pressure diagram was used"
 
 # Shares below this are round-off: the cylinders cancel.
 ROUND_OFF = 1e-12
@@ -35,10 +40,30 @@ def run_record(run: EngineVibration) -> Record:
     return {
         **{own.kind: vibration_record(own) for own in (run.axial, run.torsional)},
         "forced": {own.kind: forced_record(own) for own in forced if own is not None} or None,
+        "load": None if run.load is None else load_record(run.load),
         "assessment": None if run.assessment is None else assessment_record(run.assessment),
         "misfiring": None if run.misfiring is None else misfiring_record(run.misfiring),
         "misfiring_note": run.misfiring_note or None,
         "whole": None if run.whole is None else whole_record(run.whole, run.comparison),
+    }
+
+
+def load_record(load: EngineLoad) -> Record:
+    """Return at which load each speed was taken, in SI units."""
+    columns = {
+        "speed_rpm": load.speeds * RPM,
+        "indicated_power": load.power,
+        "mean_indicated_pressure": load.mean_pressure,
+        "peak_pressure": load.peak_pressure,
+        "intake_pressure": load.intake_pressure,
+    }
+    known = {name: values.tolist() for name, values in columns.items() if values is not None}
+    return {
+        **attributes(load, "law", "given", "sentence"),
+        "rated": power_record(load.rated),
+        "speeds": [
+            dict(zip(known, values, strict=True)) for values in zip(*known.values(), strict=True)
+        ],
     }
 
 
@@ -241,8 +266,9 @@ def _axial_forces(compared: AxialForceComparison, forced: ForcedVibration) -> li
 
 
 def _gas_remarks(forced: ForcedVibration) -> list[str]:
-    """What the forces tell beside the gas model's own assumptions, which the mechanism reports."""
-    return [text for text in forced.forces.remarks if not text.startswith((ASSUMED, "Solved"))]
+    """What the forces tell beside what the mechanism and the load tell of the gas."""
+    left_out = (ASSUMED, "Solved", ONE_DIAGRAM)
+    return [text for text in forced.forces.remarks if not text.startswith(left_out)]
 
 
 def assessment_record(assessment: Assessment) -> Record:
@@ -280,7 +306,9 @@ def _check(check: LimitCheck, highest_speed: float) -> Record:
             **attributes(check, "permitted", "used", "passed"),
             "running": _worst(check.running),
             "above": _worst(check.above),
-            "below": _worst(check.worst_from(0.0, (1.0 - SAME) * check.judged[0])),
+            "below": _worst(
+                worst_use(check.limit, check.curve, 0.0, (1.0 - SAME) * check.judged[0])
+            ),
             **attributes(check.limit, "unit", "source", "assumed"),
         }
     )

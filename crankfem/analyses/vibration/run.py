@@ -25,6 +25,7 @@ from crankfem.analyses.shaft.whole_shaft import (
 from crankfem.analyses.vibration.assessment import Assessment, assess
 from crankfem.analyses.vibration.chain_answers import EngineChains
 from crankfem.analyses.vibration.engine_excitation import engine_harmonics
+from crankfem.analyses.vibration.engine_load import EngineLoad, engine_load
 from crankfem.analyses.vibration.forced import ForcedVibration, forced_vibrations
 from crankfem.analyses.vibration.misfiring import Misfiring, misfiring_or_reason
 from crankfem.analyses.vibration.modes import Vibration, axial_vibration, torsional_vibration
@@ -80,6 +81,8 @@ class EngineVibration:
         What the chains do while a cylinder misfires, beside normal firing.
     misfiring_note : str
         Why that was not calculated, where something is forced.
+    load : EngineLoad or None
+        At which load each speed was taken; None where nothing is forced.
     """
 
     engine_file: EngineFile
@@ -94,6 +97,7 @@ class EngineVibration:
     comparison: ShaftComparison | None
     misfiring: Misfiring | None = None
     misfiring_note: str = ""
+    load: EngineLoad | None = None
 
     @property
     def analysis(self) -> ThrowAnalysis:
@@ -266,6 +270,7 @@ def engine_vibration(
     _check_same_engine(read, analyses, mechanism)
     forcing = read.gas is not None or read.gas_map is not None
     harmonics = engine_harmonics(read, mechanism) if forcing else None
+    load = engine_load(read, mechanism) if forcing else None
     if not forcing and read.limits is not None:
         raise InputError(
             "limits: given without gas pressure; allowed are both, because amplitudes need what excites "
@@ -330,6 +335,7 @@ def engine_vibration(
         comparison=comparison,
         misfiring=misfiring,
         misfiring_note=note,
+        load=load,
     )
 
 
@@ -349,7 +355,8 @@ def _check_same_engine(
                 "analysis: given that of another throw or material; allowed is that of the engine's own, by "
                 f"analyze_throw(engine.{throw}, engine.material), because its compliances are used."
             )
-    if (mechanism.gas, mechanism.layout) != (engine.gas, layout_of(engine)):
+    described = (engine.gas, engine.load, layout_of(engine))
+    if (mechanism.gas, mechanism.load, mechanism.layout) != described:
         raise InputError(
             "mechanism: given one with other cylinders, rods or pressure than the engine's; allowed is its "
             "own, by mechanism_of(engine), because its forces are used."

@@ -45,6 +45,33 @@ def mode_table(record: Record) -> Table:
     )
 
 
+def load_table(record: Record) -> Table:
+    """Return the load at which some speeds were taken, from the `load_record`."""
+    rows = record["speeds"]
+    boosted = bool(rows) and "intake_pressure" in rows[0]
+    return Table(
+        "Load of the engine",
+        [
+            SPEED,
+            Column("indicated power", "kW"),
+            Column("mean indicated pressure", "MPa"),
+            Column("peak pressure", "MPa"),
+            *([Column("intake pressure", "MPa")] if boosted else []),
+        ],
+        [
+            [
+                one["speed_rpm"] / RPM,
+                one["indicated_power"],
+                one["mean_indicated_pressure"],
+                one["peak_pressure"],
+                *([one["intake_pressure"]] if boosted else []),
+            ]
+            for one in rows
+        ],
+        note="Peak and intake pressure are absolute.",
+    )
+
+
 def critical_table(record: Record) -> Table:
     """Return the critical speeds of one kind; marked are those at which the cylinders act together."""
     return Table(

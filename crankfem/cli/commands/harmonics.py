@@ -131,6 +131,7 @@ def _engine_harmonics(source: str, asked: _Request) -> dict[str, Any]:
     from crankfem.cli.tables.harmonics_tables import engine_record, pin_force_record
     from crankfem.files.engine.input_files import mechanism_inputs
     from crankfem.files.engine.mechanism_file import load_mechanism
+    from crankfem.files.engine.mechanism_load import full_load_only, pressures_at
     from crankfem.jobs.outputs import check_outputs
     from dynamics.torque.pin_harmonics import pin_force_harmonics
     from dynamics.torque.torque import engine_torque
@@ -152,6 +153,8 @@ def _engine_harmonics(source: str, asked: _Request) -> dict[str, Any]:
     inputs = mechanism_inputs(mechanism)
     folder = check_outputs(asked.csv, asked.pictures, *inputs, names=FILES)
     pressure = mechanism.pressure or None
+    if not full_load_only(mechanism):
+        pressure = pressures_at(mechanism, [speed])[0]
     torque = engine_torque(engine, speed, pressure, throws=mechanism.throws)
     _check_resolved(asked.orders, torque.harmonics())
     highest = USUAL_ENGINE_ORDERS if asked.orders is None else asked.orders

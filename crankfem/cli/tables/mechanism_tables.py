@@ -22,10 +22,12 @@ def print_mechanism(record: Record, units: OutputUnits = SI) -> None:
     torque, moment = record["torque"], units.of("kN m")
     print_line(
         f"{record['engine']} at {units.of('1/min').with_name(record['speed_rpm'] / RPM, 5)}, rods as "
-        f"{record['rod_model']}: indicated power {units.of('kW').with_name(record['power'])}, torque "
+        f"{record['rod_model']}: indicated power {units.of('kW').with_name(record['power'])}, mean indicated "
+        f"pressure {units.of('MPa').with_name(record['mean_indicated_pressure'])}, torque "
         f"{moment.with_name(torque['mean'])} ({moment.number(torque['smallest'])} to "
         f"{moment.with_name(torque['largest'])})."
     )
+    _print_power(record, units)
     for make in (cylinder_table, crankpin_table, bearing_table, rod_model_table):
         table = make(record)
         if table is not None:
@@ -41,6 +43,14 @@ def print_mechanism(record: Record, units: OutputUnits = SI) -> None:
             + ", ".join(entry["field"] for entry in record["assumed"])
             + "."
         )
+
+
+def _print_power(record: Record, units: OutputUnits) -> None:
+    """Print how the rated power fits the gas, where the file gives it."""
+    rated = record["rated"]
+    if rated is not None and rated["rated_power"] is not None:
+        sentence = rated["sentence"]
+        print_line(units.text(f"{sentence[0].upper()}{sentence[1:]}."))
 
 
 def print_balance(record: Record, units: OutputUnits = SI) -> None:

@@ -7,6 +7,7 @@ from crankfem.analyses.vibration.tables import (
     critical_table,
     element_table,
     limit_table,
+    load_table,
     margin_table,
     misfiring_table,
     mode_table,
@@ -25,6 +26,8 @@ NOT_FORCED = (
 def print_run(record: Record, units: OutputUnits = SI) -> None:
     """Print all of an engine's vibration, the verdict last; critical speeds only where nothing is forced."""
     forced = record["forced"]
+    if record["load"] is not None:
+        print_load(record["load"], units)
     for kind in ("axial", "torsional"):
         own = record[kind]
         print_table(mode_table(own), units)
@@ -57,6 +60,14 @@ def print_run_up(record: Record, units: OutputUnits = SI) -> None:
     """Print the largest torques of a run-up."""
     print_table(run_up_table(record, units), units)
     print_notes(record["notes"], units)
+
+
+def print_load(record: Record, units: OutputUnits = SI) -> None:
+    """Print power, how the load goes with the speed, and the load of some speeds if it does."""
+    for text in (record["rated"]["sentence"], record["sentence"]):
+        print_line(units.text(f"{text[0].upper()}{text[1:]}."))
+    if record["law"] != "constant":
+        print_table(load_table(record), units)
 
 
 def _print_forced(record: Record, units: OutputUnits) -> None:

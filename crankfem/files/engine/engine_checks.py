@@ -1,9 +1,12 @@
 """What sections of an engine file say of each other: each is refused with one sentence."""
 
+from collections.abc import Sequence
+
 from crankbase.errors import InputError
 from crankbase.units.quantity import format_quantity
 from crankfem.files.sections.engine_sections import Engine, VibrationSettings
 from crankfem.files.sections.excitation_sections import GasMap, Misfire
+from crankfem.files.sections.load_section import LoadSection
 from crankfem.files.sections.mechanism_sections import Gas
 from regression.formulas.catalogue import AXIAL_FORMULA_NAMES
 from regression.formulas.torsional_formulas import TORSIONAL_FORMULA_NAMES
@@ -41,7 +44,41 @@ def check_gas_map(gas_map: GasMap | None, engine: Engine) -> None:
     """
     if gas_map is None:
         return
-    speeds = [point.speed for point in gas_map.points]
+    _check_covers("gas_map.points", [point.speed for point in gas_map.points], engine)
+
+
+def check_load(
+    load: LoadSection | None, gas: Gas | None, gas_map: GasMap | None, engine: Engine
+) -> None:
+    """Refuse a load that nothing tells the pressure of, and one that does not cover the running range.
+
+    Raises
+    ------
+    InputError
+    """
+    if load is None:
+        return
+    if gas_map is not None:
+        raise InputError(
+            "load: given beside the section [gas_map]; allowed is one of the two, because the map says the "
+            "load with its own law."
+        )
+    if gas is None:
+        raise InputError(
+            "load: given without the section [gas]; allowed are both, because the load is a share of what "
+            "[gas] gives at rated speed."
+        )
+    if gas.pressure_table is not None and load.law != "constant":
+        raise InputError(
+            "load: given beside gas.pressure_table; allowed are peak_pressure or mean_effective_pressure in "
+            "[gas], or a section [gas_map] with diagrams of several loads, because one diagram does not tell "
+            "those of other loads."
+        )
+    if load.points:
+        _check_covers("load.points", [point.speed for point in load.points], engine)
+
+
+def _check_covers(field: str, speeds: Sequence[float], engine: Engine) -> None:
     if min(speeds) > engine.lowest_speed or max(speeds) < engine.highest_speed:
         given, allowed = (
             f"{format_quantity(low, 'rad/s', 5)} to {format_quantity(high, 'rad/s', 5)}"
@@ -51,8 +88,8 @@ def check_gas_map(gas_map: GasMap | None, engine: Engine) -> None:
             )
         )
         raise InputError(
-            f"gas_map.points: given speeds from {given}; allowed are ones that cover the running range of "
-            f"{allowed}, because nothing is guessed beyond the diagrams."
+            f"{field}: given speeds from {given}; allowed are ones that cover the running range of "
+            f"{allowed}, because nothing is guessed beyond them."
         )
 
 

@@ -12,6 +12,7 @@ from crankfem.files.chain.shaft_lines import read_shaft_lines
 from crankfem.files.engine.engine_checks import (
     check_gas_map,
     check_highest_order,
+    check_load,
     check_misfire,
     check_sources,
 )
@@ -53,6 +54,7 @@ from crankfem.files.sections.engine_sections import (
 )
 from crankfem.files.sections.excitation_sections import GasMap, Misfire, PropellerForcesSection
 from crankfem.files.sections.limits_sections import LimitsInput, RangesInput
+from crankfem.files.sections.load_section import LoadSection
 from crankfem.files.sections.mechanism_sections import Gas, HingedRods, Piston, Rod
 from crankfem.files.sections.study_section import StudySection
 from crankfem.files.sections.vibration_sections import (
@@ -102,6 +104,7 @@ SECTIONS = {
     "bearings": EngineSection(Bearings),
     "shaft_line": EngineSection(ShaftLineFiles),
     "gas": EngineSection(Gas, "optional; without it reactions are given for 100 kN"),
+    "load": EngineSection(LoadSection),
     "gas_map": EngineSection(GasMap),
     "misfire": EngineSection(Misfire),
     "propeller_forces": EngineSection(PropellerForcesSection),
@@ -129,7 +132,7 @@ class EngineFile:
     shaft_lines : dict
         Kind, "torsional" or "axial", to the chain of what follows the flywheel, where given.
     shaft, hinged_rods, free_end, damping, torsional_damper, axial_damper, driven, bearings, gas, \
-gas_map, misfire, propeller_forces, limits, ranges, torque_table, two_mass, study
+load, gas_map, misfire, propeller_forces, limits, ranges, torque_table, two_mass, study
         Optional sections; None where the file lacks them.
     records : tuple of InputRecord
         Every value with its source.
@@ -156,6 +159,7 @@ gas_map, misfire, propeller_forces, limits, ranges, torque_table, two_mass, stud
     shaft: ShaftLayout | None
     thrust_bearing: ThrustBearing
     gas: Gas | None
+    load: LoadSection | None
     gas_map: GasMap | None
     misfire: Misfire | None
     torque_table: Path | None
@@ -198,6 +202,7 @@ gas_map, misfire, propeller_forces, limits, ranges, torque_table, two_mass, stud
         _ = self.pins  # refuses hinged rods of cylinders that are not there
         check_misfire(self.misfire, self.gas, self.engine)
         check_gas_map(self.gas_map, self.engine)
+        check_load(self.load, self.gas, self.gas_map, self.engine)
         check_sources(self.vibration, self.study)
         check_highest_order(self.vibration, self.engine)
 

@@ -9,6 +9,7 @@ import numpy as np
 
 from crankbase.errors import InputError
 from crankbase.summaries import summarized
+from crankfem.files.engine.engine_checks import check_load
 from crankfem.files.engine.engine_file import EngineFile, check_sections, load_engine
 from crankfem.files.engine.file_kinds import engine_sections, file_kind
 from crankfem.files.engine.mechanism_cylinders import (
@@ -19,6 +20,7 @@ from crankfem.files.engine.mechanism_cylinders import (
     side_by_side,
     throws_of,
 )
+from crankfem.files.engine.rated_power import EnginePower, engine_power
 from crankfem.files.engine.throw_file import ThrowFile, load_throw_file
 from crankfem.files.reading.toml_file import InputRecord, TomlFile
 from crankfem.files.sections.crank_throws import (
@@ -29,6 +31,7 @@ from crankfem.files.sections.crank_throws import (
 )
 from crankfem.files.sections.cylinder_pressures import cylinder_pressures
 from crankfem.files.sections.engine_sections import Engine, Flywheel, FreeEnd, ShaftLayout
+from crankfem.files.sections.load_section import LoadSection
 from crankfem.files.sections.mechanism_sections import Gas, HingedRods, Piston, Rod
 from dynamics.engine.cylinder import RotatingMass
 from dynamics.engine.layout import EngineLayout
@@ -58,7 +61,9 @@ class MechanismFile:
         Cylinders and rods alone, without the throws' unbalance and any inertia of the shaft: these
         come from the throw's solid, by `with_throws`.
     pressure : tuple of GasPressure
-        Cylinder by cylinder; empty if the file has no section [gas].
+        Cylinder by cylinder, at full load; empty if the file has no section [gas].
+    power : EnginePower or None
+        Indicated power at rated speed beside the rated power; None without gas pressure.
     rated_speed : float
         [rad/s]
     throw, material
@@ -74,6 +79,8 @@ class MechanismFile:
         the mirror image, x against the file's.
     gas : Gas or None
         Section of the file.
+    load : LoadSection or None
+        Section of the file: how the load goes with the speed; None for full load at all speeds.
     attached_inertia : float
         Of flywheel and free end, where given [kg m^2].
     remarks : tuple of str
@@ -88,6 +95,7 @@ class MechanismFile:
     name: str
     layout: EngineLayout
     pressure: tuple[GasPressure, ...]
+    power: EnginePower | None
     rated_speed: float
     throw: CrankThrow
     crank_throws: tuple[CrankThrow, ...]
@@ -96,6 +104,7 @@ class MechanismFile:
     throws: tuple[int, ...]
     turning_sense: int
     gas: Gas | None
+    load: LoadSection | None
     attached_inertia: float
     remarks: tuple[str, ...]
     records: tuple[InputRecord, ...]
@@ -114,7 +123,7 @@ def load_mechanism(path: str | Path | TomlFile) -> MechanismFile:
     ----------
     path : path
         The file, or the name of a shipped engine; or its sections, read already. It needs
-        the sections [engine], [throw] (or several [throws.NAME]), [rod] and [piston]; [gas],
+        the sections [engine], [throw] (or several [throws.NAME]), [rod] and [piston]; [gas], [load],
         [hinged_rods] and [shaft] are read where given.
 
     Raises
@@ -130,6 +139,8 @@ def load_mechanism(path: str | Path | TomlFile) -> MechanismFile:
         check_sizes(engine, throw, rod, piston, name if name == PLAIN else f"throws.{name}")
     shaft, hinged = content.model("shaft", ShaftLayout), content.model("hinged_rods", HingedRods)
     content.model("shaft_ends", ShaftEnds)
+    gas, load = content.model("gas", Gas), content.model("load", LoadSection)
+    check_load(load, gas, None, engine)
     angles = angles_of_throws(shaft, engine, throws_of(engine))
     along = throws_along_shaft(throws, throw_names(throws, shaft, len(angles)), angles)
     return mechanism_of(
@@ -141,7 +152,8 @@ def load_mechanism(path: str | Path | TomlFile) -> MechanismFile:
             rod=rod,
             piston=piston,
             hinged_rods=hinged,
-            gas=content.model("gas", Gas),
+            gas=gas,
+            load=load,
             flywheel=content.model("flywheel", Flywheel),
             free_end=content.model("free_end", FreeEnd),
             material=content.model("material", Material) or STEEL,
@@ -163,6 +175,7 @@ class MechanismSections:
     piston: Piston
     hinged_rods: HingedRods | None
     gas: Gas | None
+    load: LoadSection | None
     flywheel: Flywheel | None
     free_end: FreeEnd | None
     material: Material
@@ -189,13 +202,16 @@ def mechanism_of(file: EngineFile | MechanismSections) -> MechanismFile:
         If cranks, throws and pins do not fit each other, or the gas pressure cannot be reached.
     """
     engine, layout, gas = file.engine, layout_of(file), file.gas
+    pressure = () if gas is None else cylinder_pressures(gas, layout, file.path)
+    power = engine_power(engine, layout, pressure) if pressure else None
     sense = engine.turning_sense
     attached = [part.inertia for part in (file.flywheel, file.free_end) if part is not None]
     return MechanismFile(
         path=file.path,
         name=engine.name,
         layout=layout,
-        pressure=() if gas is None else cylinder_pressures(gas, layout, file.path),
+        pressure=pressure,
+        power=power,
         rated_speed=engine.rated_speed,
         throw=file.crank_throws[0],
         crank_throws=file.crank_throws,
@@ -204,6 +220,7 @@ def mechanism_of(file: EngineFile | MechanismSections) -> MechanismFile:
         throws=file.throws,
         turning_sense=sense,
         gas=gas,
+        load=file.load,
         attached_inertia=sum(attached),
         remarks=_remarks(file),
         records=file.records,

@@ -3,6 +3,7 @@
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
+from typing import TypeVar
 
 from crankbase.errors import InputError
 from crankbase.units.quantity import format_quantity
@@ -12,12 +13,14 @@ from dynamics.engine.gas_forces import piston_position
 from dynamics.engine.layout import EngineLayout
 from dynamics.gas.cycle_values import USUAL_VALUES, GasCycle, usual_gas_cycle
 from dynamics.gas.cylinder_volume import Position
-from dynamics.gas.gas_cycle import gas_cycle
+from dynamics.gas.gas_cycle import GasCycleResult, gas_cycle
 from dynamics.gas.pressure import ATMOSPHERE, GasPressure
 from dynamics.gas.pressure_table import read_pressure_table
 
 # Peak pressure over that without combustion, usual for diesel engines at rated load: 1.4 to 1.8.
 USUAL_PRESSURE_RISE = 1.6
+
+Result = TypeVar("Result")
 
 
 def cylinder_pressures(gas: Gas, layout: EngineLayout, file: Path) -> tuple[GasPressure, ...]:
@@ -39,13 +42,24 @@ def cylinder_pressures(gas: Gas, layout: EngineLayout, file: Path) -> tuple[GasP
     if gas.pressure_table is not None:
         path = find_table("gas.pressure_table", file, gas.pressure_table)
         return (read_pressure_table(path, layout.strokes),) * len(layout.cylinders)
+    return tuple(one.pressure for one in full_load_cycles(gas, layout))
+
+
+def full_load_cycles(gas: Gas, layout: EngineLayout) -> tuple[GasCycleResult, ...]:
+    """Return the cycle in each cylinder that reaches what a section without a pressure table gives.
+
+    Raises
+    ------
+    InputError
+        If the cycle cannot reach it.
+    """
     cycle, remarks = _parameters(gas, layout)
 
-    def fired(position: Position, area: float) -> GasPressure:
-        pressure = _cycle_reaching_target(gas, cycle, position, area)
-        return replace(pressure, remarks=remarks + pressure.remarks)
+    def fired(position: Position, area: float) -> GasCycleResult:
+        found = _cycle_reaching_target(gas, cycle, position, area)
+        return replace(found, pressure=_with_remarks(found.pressure, remarks))
 
-    return _for_each_cylinder(layout, fired)
+    return for_each_cylinder(layout, fired)
 
 
 def motored_pressures(gas: Gas, layout: EngineLayout) -> tuple[GasPressure, ...]:
@@ -59,18 +73,21 @@ def motored_pressures(gas: Gas, layout: EngineLayout) -> tuple[GasPressure, ...]
     cycle, remarks = _parameters(gas, layout)
 
     def motored(position: Position, area: float) -> GasPressure:
-        pressure = gas_cycle(cycle, position, area, heat=0.0).pressure
-        return replace(pressure, remarks=remarks + pressure.remarks)
+        return _with_remarks(gas_cycle(cycle, position, area, heat=0.0).pressure, remarks)
 
-    return _for_each_cylinder(layout, motored)
+    return for_each_cylinder(layout, motored)
 
 
-def _for_each_cylinder(
-    layout: EngineLayout, calculate: Callable[[Position, float], GasPressure]
-) -> tuple[GasPressure, ...]:
-    """Calculate the pressure in each cylinder, once for all whose pistons move alike."""
-    found: dict[object, GasPressure] = {}
-    pressures = []
+def _with_remarks(pressure: GasPressure, remarks: tuple[str, ...]) -> GasPressure:
+    return replace(pressure, remarks=remarks + pressure.remarks)
+
+
+def for_each_cylinder(
+    layout: EngineLayout, calculate: Callable[[Position, float], Result]
+) -> tuple[Result, ...]:
+    """Calculate something of each cylinder's piston and area, once for all whose pistons move alike."""
+    found: dict[object, Result] = {}
+    results = []
     for number, cylinder in enumerate(layout.cylinders, start=1):
         main = layout.cylinders[layout.main_of(number) - 1]
         turned = round(cylinder.bank_angle - main.bank_angle, 12)
@@ -78,14 +95,14 @@ def _for_each_cylinder(
         alike = (cylinder.bore, cylinder.rod, cylinder.pin_offset, main.rod, turned, pin)
         if alike not in found:
             found[alike] = calculate(piston_position(layout, number), cylinder.area)
-        pressures.append(found[alike])
-    return tuple(pressures)
+        results.append(found[alike])
+    return tuple(results)
 
 
 def _cycle_reaching_target(
     gas: Gas, cycle: GasCycle, position: Position, area: float
-) -> GasPressure:
-    """Return the pressure of the cycle that reaches what the file asks for."""
+) -> GasCycleResult:
+    """Return the cycle that reaches what the file asks for."""
     peak = None if gas.peak_pressure is None else gas.peak_pressure + ATMOSPHERE
     try:
         return gas_cycle(
@@ -94,7 +111,7 @@ def _cycle_reaching_target(
             area,
             peak_pressure=peak,
             mean_effective_pressure=gas.mean_effective_pressure,
-        ).pressure
+        )
     except InputError as error:
         text = str(error)
         if gas.peak_pressure is not None and peak is not None and text.startswith("peak"):

@@ -29,6 +29,13 @@ class Engine(InputModel):
     rated_speed: float = quantity_field(
         "rated speed", "rad/s", 5.0 * PER_MINUTE, 30_000.0 * PER_MINUTE
     )
+    rated_power: float | None = quantity_field(
+        "power at the flywheel at rated speed, to which the gas pressure must fit",
+        "W",
+        minimum=10.0,
+        maximum=2e8,
+        default=None,
+    )
     lowest_speed: float = quantity_field(
         "lowest running speed", "rad/s", 1.0 * PER_MINUTE, 30_000.0 * PER_MINUTE
     )
