@@ -40,3 +40,16 @@ def _reached(found: Reached) -> Record:
             "used": found.used if limited else None,
         }
     )
+
+
+def worst_record(found: tuple[float, float, float] | None) -> Record | None:
+    """Return where most of a limit is used among some speeds."""
+    if found is None:
+        return None
+    speed, value, permitted = found
+    return {
+        "speed_rpm": speed * RPM,
+        "value": value,
+        "permitted": permitted,
+        "used": value / permitted,
+    }

@@ -13,7 +13,7 @@ from crankfem.analyses.shaft.whole_records import whole_record
 from crankfem.analyses.vibration.assessment import Assessment, Uncertainty
 from crankfem.analyses.vibration.engine_load import EngineLoad
 from crankfem.analyses.vibration.forced import ForcedVibration
-from crankfem.analyses.vibration.misfiring_records import misfiring_record
+from crankfem.analyses.vibration.misfiring_records import misfiring_record, worst_record
 from crankfem.analyses.vibration.modes import SourceResult, Vibration
 from crankfem.analyses.vibration.run import EngineVibration
 from crankfem.analyses.vibration.run_up import RunUp
@@ -304,27 +304,14 @@ def _check(check: LimitCheck, highest_speed: float) -> Record:
             "in_running_range": check.worst_speed <= highest_speed,
             "value": check.worst_value,
             **attributes(check, "permitted", "used", "passed"),
-            "running": _worst(check.running),
-            "above": _worst(check.above),
-            "below": _worst(
+            "running": worst_record(check.running),
+            "above": worst_record(check.above),
+            "below": worst_record(
                 worst_use(check.limit, check.curve, 0.0, (1.0 - SAME) * check.judged[0])
             ),
             **attributes(check.limit, "unit", "source", "assumed"),
         }
     )
-
-
-def _worst(found: tuple[float, float, float] | None) -> Record | None:
-    """Return where most of a limit is used among some speeds."""
-    if found is None:
-        return None
-    speed, value, permitted = found
-    return {
-        "speed_rpm": speed * RPM,
-        "value": value,
-        "permitted": permitted,
-        "used": value / permitted,
-    }
 
 
 def _cause(found: PeakCause) -> Record:
