@@ -26,13 +26,15 @@ def summary(results: Mapping[str, Any]) -> Record:
     -------
     dict
         "status" ("fine", "barred", "bad" or "open"), "headline", "sentences", "ranges", "speeds",
-        "limits", "remarks", "figures", "beside" (how far the whole crankshaft differs), "judged_to_rpm"
+        "limits", "remarks", "figures", "misfiring" (a sentence or None), "misfiring_passed" (None where it
+        was not calculated), "beside" (how far the whole crankshaft differs), "judged_to_rpm"
         (None where vibration is not judged above the running range).
     """
     vibration = results["vibration"]
     assessment, forced = vibration["assessment"], vibration["forced"]
     return {
         **(_open(results) if assessment is None else _verdict(vibration, assessment)),
+        **_misfiring(vibration),
         "beside": [] if assessment is None else list(assessment.get("beside", [])),
         "judged_to_rpm": None if forced is None else _assessed_above(forced),
         "forced": forced is not None,
@@ -55,17 +57,13 @@ def _verdict(vibration: Mapping[str, Any], assessment: Mapping[str, Any]) -> Rec
         status, decided = "barred", [*decided, f"With the values assumed: {headline.lower()}."]
         headline = "Undecided"
     worst = assessment["checks"][0]
-    reached = quantity(worst["value"], worst["unit"])
     cause = worst.get("cause")
-    share = "" if worst["used"] is None else f", {format_usage(worst['used'])} of"
     return {
         "status": status,
         "headline": headline,
         "sentences": [
             *decided,
-            f"{worst['limit'].capitalize()}, {worst['place']}: {reached} at "
-            f"{fixed(worst['speed_rpm'])} 1/min{share or '; permitted is'} "
-            f"{'the permitted ' if share else ''}{quantity(worst['permitted'], worst['unit'])}.",
+            f"{worst['limit'].capitalize()}, {worst['place']}: {_reached(worst)}.",
             *([] if cause is None else [f"{cause['sentence'][0].upper()}{cause['sentence'][1:]}."]),
         ],
         "ranges": [
@@ -82,6 +80,31 @@ def _verdict(vibration: Mapping[str, Any], assessment: Mapping[str, Any]) -> Rec
         ],
         "remarks": [*power_and_load(vibration), *_limitations(assessment)],
     }
+
+
+def _reached(check: Mapping[str, Any]) -> str:
+    """Say what is reached at running speeds, and above them where more of the limit is used there."""
+    running = check.get("running") or check
+    found = _share(running, check["unit"])
+    if check.get("in_running_range", True):
+        return found
+    return f"{found}; above the running range {_share(check, check['unit'])}"
+
+
+def _share(found: Mapping[str, Any], unit: str) -> str:
+    permitted, reached = quantity(found["permitted"], unit), quantity(found["value"], unit)
+    at = f"{reached} at {fixed(found['speed_rpm'])} 1/min"
+    if found["used"] is None:
+        return f"{at}; permitted is {permitted}"
+    return f"{at}, {format_usage(found['used'])} of the permitted {permitted}"
+
+
+def _misfiring(vibration: Mapping[str, Any]) -> Record:
+    """What is told of misfiring; nothing of older runs, which have not calculated it."""
+    found = vibration.get("misfiring")
+    if found is None:
+        return {"misfiring": vibration.get("misfiring_note"), "misfiring_passed": None}
+    return {"misfiring": found["sentence"], "misfiring_passed": found["passed"]}
 
 
 def power_and_load(vibration: Mapping[str, Any]) -> list[str]:
@@ -151,7 +174,8 @@ def _critical_speeds(vibration: Mapping[str, Any]) -> list[Record]:
 def _largest(records: Iterable[Record], by: str, least: float) -> list[Record]:
     """The largest by a value that is at least so large."""
     found = (one for one in records if one[by] >= least)
-    return sorted(found, key=lambda one: -float(one[by]))[:SPEEDS_SHOWN]
+    worst = sorted(found, key=lambda one: (not one.get("in_running_range", True), -float(one[by])))
+    return worst[:SPEEDS_SHOWN]
 
 
 def _speed(kind: str, record: Record, strength: str, *, major: bool) -> Record:
@@ -165,12 +189,24 @@ def _speed(kind: str, record: Record, strength: str, *, major: bool) -> Record:
     }
 
 
-def _worst_of_each(checks: Iterable[Mapping[str, Any]]) -> list[Mapping[str, Any]]:
-    """The worst place of each limit; the checks come with the worst first."""
-    found: dict[str, Mapping[str, Any]] = {}
+def _worst_of_each(checks: Iterable[Mapping[str, Any]]) -> list[Record]:
+    """The worst place of each limit at running speeds, and its use above them where it is judged there."""
+    found: dict[str, Record] = {}
     for check in checks:
-        found.setdefault(check["limit"], check)
+        own = dict(check) | (check.get("running") or {})
+        limit = found.setdefault(check["limit"], own | {"above": None})
+        if _use(own) > _use(limit):
+            found[check["limit"]] = limit = own | {"above": limit["above"]}
+        above = check.get("above")
+        if above is not None and (limit["above"] is None or _use(above) > _use(limit["above"])):
+            limit["above"] = above
+    for one in found.values():
+        one["passed"] = _use(one) <= 1.0 and (one["above"] is None or _use(one["above"]) <= 1.0)
     return list(found.values())
+
+
+def _use(found: Mapping[str, Any]) -> float:
+    return float("inf") if found["used"] is None else float(found["used"])
 
 
 def _compliance(results: Mapping[str, Any]) -> Record:

@@ -11,14 +11,8 @@ from crankbase.errors import InputError
 from crankbase.summaries import summarized
 from crankbase.tables.frames import Row
 from crankbase.units.quantity import format_quantity
-from dynamics.assessment.limits import (
-    AmplitudeCurve,
-    VibrationLimit,
-    checked_rated_speed,
-    shown_excess,
-    shown_range,
-    usage,
-)
+from dynamics.assessment.limit_sentences import shown_excess, shown_range
+from dynamics.assessment.limits import AmplitudeCurve, VibrationLimit, checked_rated_speed, usage
 from dynamics.running_limits import at_most, within
 
 BARRED_SOURCE = (

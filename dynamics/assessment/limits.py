@@ -15,11 +15,7 @@ from crankbase.checks.arrays import (
 )
 from crankbase.errors import InputError
 from crankbase.summaries import summarized
-from crankbase.units.quantity import format_quantity
 from dynamics.running_limits import within
-
-# A limit that is used up to this share is told by what is above it.
-SLIGHT = 1.5
 
 Values = Callable[[FloatArray], FloatArray]
 
@@ -120,6 +116,19 @@ class VibrationLimit:
     def name(self) -> str:
         """Quantity and place, such as "torsional stress of crankshaft"."""
         return f"{self.quantity} of {self.applies_to}"
+
+    @property
+    def misfiring(self) -> LimitCurve:
+        """Permitted while a cylinder misfires: as in passing where that is stated, else as at kept speeds."""
+        if self.passing is None:
+            return self.continuous
+        kept, passed = self.continuous, self.passing
+
+        def values(speeds: FloatArray) -> FloatArray:
+            quick = passed.at(speeds)
+            return np.where(np.isfinite(quick), quick, kept.at(speeds))
+
+        return LimitCurve(values, min(kept.low, passed.low), max(kept.high, passed.high))
 
 
 def given_limit(
@@ -244,6 +253,18 @@ def usage(limit: VibrationLimit, curve: AmplitudeCurve) -> FloatArray:
     return shares
 
 
+def worst_use(
+    limit: VibrationLimit, curve: AmplitudeCurve, low: float, high: float
+) -> tuple[float, float, float] | None:
+    """Return speed [rad/s], value and permitted value of the largest use between speeds, if any."""
+    permitted = limit.continuous.at(curve.speeds)
+    some = np.isfinite(permitted) & within(curve.speeds, low, high)
+    if not np.any(some):
+        return None
+    worst = int(np.argmax(np.where(some, usage(limit, curve), -np.inf)))
+    return float(curve.speeds[worst]), float(curve.values[worst]), float(permitted[worst])
+
+
 def axial_force_limit(
     permissible_stress: float,
     crank_radius: float,
@@ -303,13 +324,6 @@ def axial_force_limit(
     )
 
 
-def shown_excess(used: float) -> str:
-    """Write how far a limit is exceeded, such as "by 0.2 %" or "2.3 times", from its used share."""
-    if np.isinf(used):
-        return "without bounds"
-    return f"by {100.0 * (used - 1.0):.2g} %" if used < SLIGHT else f"{used:.3g} times"
-
-
 def checked_running_range(running_range: tuple[float, float]) -> tuple[float, float]:
     """Return the lowest and the highest running speed [rad/s].
 
@@ -347,12 +361,6 @@ def positive_range(
         shown = ", ".join(f"{end:g}" for end in found)
         raise InputError(f"{field}: given ({shown}) {unit}; allowed are {allowed}.")
     return float(found[0]), float(found[1])
-
-
-def shown_range(low: float, high: float) -> str:
-    """Write a range of speeds [rad/s] in 1/min."""
-    first = format_quantity(low, "rad/s", 4).removesuffix(" 1/min")
-    return f"{first} to {format_quantity(high, 'rad/s', 4)}"
 
 
 def checked_rated_speed(rated_speed: float) -> float:

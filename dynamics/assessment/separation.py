@@ -10,7 +10,8 @@ from crankbase.checks.arrays import FloatArray, nonnegative_vector, positive_vec
 from crankbase.summaries import summarized
 from crankbase.tables.frames import Row
 from crankbase.units.quantity import format_quantity
-from dynamics.assessment.limits import checked_running_range, shown_range
+from dynamics.assessment.limit_sentences import shown_range
+from dynamics.assessment.limits import checked_running_range
 from dynamics.assessment.spreads import Spread
 from dynamics.assessment.uncertainty import frequency_bounds
 from dynamics.chains.chain import Chain

@@ -21,14 +21,13 @@ from dynamics.assessment.barred_ranges import (
     barred_ranges,
     limit_end_speed,
 )
+from dynamics.assessment.limit_sentences import shown_range, use_in_words
 from dynamics.assessment.limits import (
-    SLIGHT,
     AmplitudeCurve,
     VibrationLimit,
     checked_running_range,
-    shown_excess,
-    shown_range,
     usage,
+    worst_use,
 )
 from dynamics.plots.quantities import SPEED_LABEL, in_unit
 from dynamics.plots.speed_curves import draw_barred, set_speed_axis
@@ -36,7 +35,7 @@ from dynamics.response.peak_cause import PeakCause
 from dynamics.running_limits import at_most, within
 
 # Checks that a diagram of the verdict draws: those of which most is used.
-WORST_DRAWN = 5
+WORST_DRAWN, SAME = 5, 1e-9  # speeds this near, as a share, are one
 Status = Literal["fine", "barred range needed", "not acceptable"]
 
 
@@ -62,6 +61,8 @@ class LimitCheck:
         The speeds judged [rad/s].
     cause : PeakCause or None
         The orders that make the amplitude at the worst speed, where they are known.
+    highest_running : float
+        The highest speed at which the engine runs [rad/s]; speeds judged above it are told apart.
     """
 
     limit: VibrationLimit
@@ -72,6 +73,23 @@ class LimitCheck:
     remarks: tuple[str, ...]
     judged: tuple[float, float]
     cause: PeakCause | None = None
+    highest_running: float = np.inf
+
+    @property
+    def running(self) -> tuple[float, float, float] | None:
+        """Worst running speed [rad/s], value and permitted value."""
+        return worst_use(
+            self.limit, self.curve, self.judged[0], min(self.judged[1], self.highest_running)
+        )
+
+    @property
+    def above(self) -> tuple[float, float, float] | None:
+        """The same above the running range, as far as the limit is judged."""
+        if at_most(self.judged[1], self.highest_running):
+            return None
+        return worst_use(
+            self.limit, self.curve, (1.0 + SAME) * self.highest_running, self.judged[1]
+        )
 
     @property
     def used(self) -> float:
@@ -91,26 +109,10 @@ class LimitCheck:
     @property
     def sentence(self) -> str:
         """What was found, with its numbers and the limit's source."""
-        unit, speed = self.limit.unit, format_quantity(self.worst_speed, "rad/s", 4)
-        allowed = format_quantity(self.permitted, unit, 4)
         source = self.limit.source + (", assumed" if self.limit.assumed else "")
-        if np.isinf(self.worst_value):
-            found = f"is unbounded at {speed}, where {allowed} is permitted"
-        elif self.passed:
-            found = (
-                f"is at worst {format_quantity(self.worst_value, unit, 4)} at {speed}, "
-                f"{100.0 * self.used:.3g} % of the permitted {allowed}"
-            )
-        elif self.used < SLIGHT:
-            found = (
-                f"reaches {format_quantity(self.worst_value, unit, 4)} at {speed}, which exceeds the "
-                f"permitted {allowed} {shown_excess(self.used)}"
-            )
-        else:
-            found = (
-                f"reaches {format_quantity(self.worst_value, unit, 4)} at {speed}, "
-                f"{self.used:.3g} times the permitted {allowed}"
-            )
+        found = use_in_words(self.limit, self.worst_speed, self.worst_value, self.permitted)
+        if self.running and not at_most(self.worst_speed, self.highest_running):
+            found = f"{use_in_words(self.limit, *self.running)} at running speeds; above them it {found}"
         text = f"{self.limit.name}, {self.curve.name}: {found} ({source})."
         if self.cause is None:
             return text
@@ -393,4 +395,5 @@ def _check(
         permitted=float(permitted[worst]),
         remarks=tuple(remarks),
         judged=(low, min(end, float(curve.speeds[-1]))),
+        highest_running=high,
     )

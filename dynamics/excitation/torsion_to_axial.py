@@ -15,7 +15,7 @@ from crankbase.errors import InputError
 from dynamics.chains.engine_chains import EngineChain
 from dynamics.excitation.chain_excitation import axial_section_forces
 from dynamics.response.forced import ForcedResponse
-from dynamics.response.loads import element_loads
+from dynamics.response.loads import elastic_loads
 from dynamics.response.order_excitation import OrderExcitation
 
 
@@ -142,7 +142,7 @@ def axial_excitation_of_torsion(
             f"{e.size} compliances; allowed is (n, n + 1) for n of both, because a shaft of n throws has "
             "n + 1 parts between cranks and ends."
         )
-    torques = _torque_of_parts(element_loads(response).elastic.values, torsional)
+    torques = _torque_of_parts(elastic_loads(response), torsional)
     pressing = torques @ lengthening.T / e
     return OrderExcitation(response.orders, response.speeds, axial_section_forces(pressing, axial))
 

@@ -20,8 +20,9 @@ from crankbase.drawing.legends import legend_below, legend_inside, write_title
 from crankbase.library_types import Axes
 from crankbase.units.units import RPM
 from dynamics.plots.quantities import SPEED_LABEL, QuantityDisplay
+from dynamics.running_limits import within
 
-BARRED = "#f6dcd9"
+BARRED, OUTSIDE = "#f6dcd9", "#ececec"
 # Orders that get a line of their own in a diagram over speed.
 MAIN_ORDERS = 5
 # Height of a diagram with unbounded speeds in medians of the plain sum.
@@ -44,7 +45,9 @@ def main_orders_of(amplitudes: FloatArray, count: int) -> list[int]:
     return [int(place) for place in np.sort(np.argsort(peaks)[::-1][: max(0, count)])]
 
 
-def order_series(orders: FloatArray, amplitudes: FloatArray, count: int) -> list[Series]:
+def order_series(
+    orders: FloatArray, amplitudes: FloatArray, count: int, counted: NDArray[np.bool_] | None = None
+) -> list[Series]:
     """Return all orders, those that are no main ones to be asked for.
 
     Parameters
@@ -54,8 +57,10 @@ def order_series(orders: FloatArray, amplitudes: FloatArray, count: int) -> list
         In the unit of the axis; what is not finite leaves a gap.
     count : int
         How many are main ones: those with the largest peaks.
+    counted : ndarray of shape (S,), bool, optional
+        Speeds whose peaks count; all by default.
     """
-    main = main_orders_of(amplitudes, count)
+    main = main_orders_of(amplitudes if counted is None else amplitudes[:, counted], count)
     others = [place for place in range(len(orders)) if place not in main]
     # Those that are seen first have the colors first.
     ranks = {place: rank for rank, place in enumerate([*main, *others])}
@@ -83,6 +88,18 @@ def barred_bands(barred: Sequence[tuple[float, float]]) -> tuple[Band, ...]:
     return tuple(Band(low * RPM, high * RPM, BARRED, "barred") for low, high in barred)
 
 
+def outside_bands(speeds: FloatArray, running: tuple[float, float] | None) -> tuple[Band, ...]:
+    """Return the speeds outside the running range [rad/s], if one is given, as they are shaded."""
+    if running is None or speeds.size < 2:
+        return ()
+    ends = ((speeds[0], running[0]), (running[1], speeds[-1]))
+    return tuple(
+        Band(float(low) * RPM, float(high) * RPM, OUTSIDE, "outside the running range")
+        for low, high in ends
+        if low < high
+    )
+
+
 def draw_barred(axes: Axes, barred: Sequence[tuple[float, float]]) -> None:
     """Shade barred ranges of speed [rad/s]."""
     draw_bands(axes, barred_bands(barred))
@@ -101,6 +118,7 @@ def over_speed(
     passing: Mapping[str, ArrayLike] | None = None,
     barred: Sequence[tuple[float, float]] = (),
     main_orders: int = MAIN_ORDERS,
+    running: tuple[float, float] | None = None,
 ) -> Curves:
     """Describe one place's orders, synthesis and plain sum over the speed, with limits.
 
@@ -121,7 +139,11 @@ def over_speed(
         Ranges of speed [rad/s], shaded.
     main_orders : int, optional
         How many orders, those with the largest peaks, are main ones.
+    running : tuple of two floats, optional
+        Lowest and highest running speed [rad/s]: what lies outside is shaded, and neither chooses the main
+        orders nor sets the height.
     """
+    inside = np.ones(speeds.shape, dtype=bool) if running is None else within(speeds, *running)
     rpm, factor = speeds * RPM, quantity.factor
     plain_sum = with_gaps(factor * plain)
     found = [
@@ -135,9 +157,9 @@ def over_speed(
         for some, main in ((limits, True), (passing, False))
         for number, (name, limit) in enumerate((some or {}).items())
     ]
-    finite = plain_sum[~unbounded]
+    finite = plain_sum[inside & ~unbounded]
     highest = float(np.max(finite, initial=0.0))
-    if finite.size < plain_sum.size:
+    if np.any(inside & unbounded):
         # Beside what has no bounds all else would be flat: let the curves leave at the top.
         highest = min(highest, BESIDE_UNBOUNDED * float(np.median(finite)) if finite.size else 0.0)
     highest = max(
@@ -146,7 +168,7 @@ def over_speed(
     return Curves(
         x=rpm,
         series=(
-            *order_series(orders, factor * by_order, main_orders),
+            *order_series(orders, factor * by_order, main_orders, inside),
             Series("all orders (synthesis)", with_gaps(factor * total), "total"),
             Series("plain sum", plain_sum, "plain sum"),
             *found,
@@ -154,7 +176,7 @@ def over_speed(
         x_label=SPEED_LABEL,
         y_label=quantity.label,
         top=HEADROOM * highest if highest > 0.0 else 1.0,
-        bands=barred_bands(barred),
+        bands=(*outside_bands(speeds, running), *barred_bands(barred)),
         marks=tuple(Mark(speed, "unbounded") for speed in rpm[unbounded].tolist()),
     )
 

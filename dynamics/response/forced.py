@@ -79,7 +79,7 @@ class ForcedResponse:
     def elastic(self) -> OrderSeries:
         """The motion without that of the rigid body, which strains nothing."""
         rigid = self.system.shapes[:, : self.system.rigid.shape[1]]
-        without = self.unknowns - (self.unknowns @ self.system.mass @ rigid) @ rigid.T
+        without = self.unknowns - (self.unknowns @ (self.system.mass @ rigid)) @ rigid.T
         return self._series(without @ self.system.expand.T)
 
     @property

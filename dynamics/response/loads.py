@@ -123,6 +123,18 @@ def element_loads(response: ForcedResponse) -> ElementLoads:
     )
 
 
+def elastic_loads(response: ForcedResponse) -> ComplexArray:
+    """Return the part of each element's load that strains it, (K, S, e): `ElementLoads.elastic` alone.
+
+    Raises
+    ------
+    InputError
+        If the response is not that of a chain.
+    """
+    chain = chain_of(response)
+    return np.asarray(response.motion @ (chain.elongations().T * chain.stiffness))
+
+
 def section_modulus(
     kind: Literal["torsional", "axial"], diameter: ArrayLike, bore: ArrayLike = 0.0
 ) -> FloatArray:

@@ -37,11 +37,15 @@ class DrawnBeside(TypedDict, total=False):
         Ranges of speed [rad/s], shaded.
     main_orders : int, optional
         How many orders, those with the largest peaks, get a line of their own.
+    running : tuple of two floats, optional
+        Lowest and highest running speed [rad/s]: what lies outside is shaded, and neither chooses these
+        orders nor sets the height.
     """
 
     limits: Mapping[str, ArrayLike] | None
     barred: Sequence[tuple[float, float]]
     main_orders: int
+    running: tuple[float, float] | None
 
 
 @summarized("orders", "speeds [rad/s]", "amplitude", "names")
@@ -157,6 +161,7 @@ class OrderSeries:
         limits: Mapping[str, ArrayLike] | None = None,
         barred: Sequence[tuple[float, float]] = (),
         main_orders: int = MAIN_ORDERS,
+        running: tuple[float, float] | None = None,
     ) -> Axes:
         """Draw one place as `plot` does, with its quantity's unit; `field` names the place."""
         number = index_of_name(
@@ -167,7 +172,9 @@ class OrderSeries:
         why = "so many orders get a line of their own"
         count = whole_number("main_orders", main_orders, 0, why)
         axes = new_axes(axes, height=4.4)
-        curves = self.over_speed(number, quantity, limits=stated, barred=ranges, main_orders=count)
+        curves = self.over_speed(
+            number, quantity, limits=stated, barred=ranges, main_orders=count, running=running
+        )
         draw_over_speed(axes, curves)
         write_title(axes, self.names[number], 10)
         return axes

@@ -46,8 +46,8 @@ def record():
 def test_each_limit_stands_once_above_its_places(record, capsys):
     print_assessment(record)
     lines = capsys.readouterr().out.splitlines()
-    heads = [line.strip() for line in lines if line.rstrip().endswith(", worst speeds")]
-    assert heads == [f"{name.capitalize()}, worst speeds" for name in (STRESS, TWIST)]
+    heads = [line.strip() for line in lines if line.rstrip().endswith(", worst running speeds")]
+    assert heads == [f"{name.capitalize()}, worst running speeds" for name in (STRESS, TWIST)]
     rows = [[cell.strip() for cell in line.split("│")[1:-1]] for line in lines if "│" in line]
     assert rows == [
         ["cylinder 4 - cylinder 5", "498.0", "10 MPa", "20 MPa", "50"],

@@ -13,7 +13,6 @@ from crankfem.files.sections.excitation_sections import (
     PropellerForcesSection,
     gas_map_load,
     gas_map_pressure,
-    misfire_shares,
     motored_for_misfire,
 )
 from crankfem.files.sections.mechanism_sections import Gas
@@ -105,9 +104,10 @@ def test_wrong_maps_are_refused(file, values, sentence):
 
 
 def test_misfire_takes_the_motored_pressure_of_table_or_cycle(file):
-    assert misfire_shares(None) == {}
-    section = Misfire.from_text({"cylinders": [1], "missing_share": 0.5})
-    assert misfire_shares(section) == {1: 0.5}
+    section = Misfire.from_text({"missing_share": 0.5})
+    assert section.cylinders is None
+    assert section.compression
+    assert not Misfire.from_text({"cylinders": [1], "compression": False}).compression
     full = read_pressure_table(file.parent / "full.csv")
     gas = Gas.from_text({"pressure_table": "full.csv", "compression_ratio": 15.0})
     (cold,) = motored_for_misfire(gas, LAYOUT, [full])
@@ -118,7 +118,7 @@ def test_misfire_takes_the_motored_pressure_of_table_or_cycle(file):
     (modeled,) = motored_for_misfire(by_cycle, LAYOUT, [full])
     assert modeled.source == "cycle model"
     forces = cylinder_forces(
-        LAYOUT, [RATED], 4.0, full, misfire=misfire_shares(section), motored=cold
+        LAYOUT, [RATED], 4.0, full, misfire={1: section.missing_share}, motored=cold
     )
     whole = cylinder_forces(LAYOUT, [RATED], 4.0, full)
     none = cylinder_forces(LAYOUT, [RATED], 4.0, cold)

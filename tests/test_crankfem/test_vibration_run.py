@@ -11,8 +11,9 @@ from comparing import close
 from crankbase.errors import InputError
 from crankfem.analyses.shaft.chains import damped_engine_chain, engine_torsional_chain
 from crankfem.analyses.vibration.assessment import assess
+from crankfem.analyses.vibration.chain_answers import nominal_section_modulus
 from crankfem.analyses.vibration.engine_excitation import engine_harmonics
-from crankfem.analyses.vibration.forced import forced_vibrations, nominal_section_modulus
+from crankfem.analyses.vibration.forced import forced_vibrations
 from crankfem.analyses.vibration.records import (
     forced_columns,
     forced_record,
@@ -337,15 +338,81 @@ def test_uncertain_values_widen_the_critical_speeds(coarse, tmp_path):
 
 
 @pytest.mark.slow
-def test_a_failing_cylinder_wakes_the_half_orders(coarse, run, tmp_path):
-    failing = engine_vibration(
-        written(tmp_path, "[misfire]\ncylinders = [3]\n\n[gas]\n"), analysis=coarse
+def test_normal_firing_stands_beside_each_misfiring_cylinder(coarse, run):
+    found = run.misfiring
+    assert found.cases == ((1,), (2,), (3,), (4,), (5,), (6,))
+    # Normal firing is what it is without misfiring.
+    worst = run.worst_check
+    checks = {one.quantity: one for one in found.checks}
+    stress = checks[worst.limit.name]
+    assert found.worst is stress
+    engine = run.engine_file.engine
+    assert all(
+        engine.lowest_speed <= one.speed <= engine.highest_speed * (1.0 + 1e-12)
+        for check in found.checks
+        for one in (check.normal, check.misfiring)
+    )
+    free_end = checks["torsional amplitude of free end"]
+    amplitude = run.forced_torsional.free_end.synthesis.amplitude[:, 0]
+    runs = (run.forced_torsional.free_end.speeds <= engine.highest_speed) & (
+        run.forced_torsional.free_end.speeds >= engine.lowest_speed
+    )
+    assert free_end.normal.value == close(amplitude[runs].max(), rel=1e-3)
+    # Half orders, which cancel in normal firing, swing a cylinder's part of the shaft.
+    assert free_end.misfiring.value > free_end.normal.value
+    assert stress.misfiring.used == max(one.used for one in stress.each.values())
+    assert found.sentence.startswith(
+        f"With cylinder {stress.cylinders[0]} misfiring, torsional stress"
+    )
+    record = run_record(run)
+    assert json.loads(json.dumps(record["misfiring"]))["checks"][0]["cylinders"] == list(
+        stress.cylinders
     )
 
-    def half(which):
-        return which.forced_torsional.forces.torque[0].sum(axis=1)
 
-    assert np.abs(half(run)).max() < 1e-9 * np.abs(half(failing)).max()
+@pytest.mark.slow
+def test_running_speeds_stand_first(run):
+    record = run_record(run)
+    engine, forced = run.engine_file.engine, run.forced_torsional
+    rpm = 30.0 / math.pi
+    ends = [engine.lowest_speed * rpm, engine.highest_speed * rpm]
+    speeds, amplitude = forced.response.speeds, forced.stress.synthesis.amplitude
+    inside = (speeds >= engine.lowest_speed) & (speeds <= engine.highest_speed * (1.0 + 1e-12))
+    for place, one in enumerate(record["forced"]["torsional"]["stress"]):
+        assert ends[0] <= one["running"]["speed_rpm"] <= ends[1] * (1.0 + 1e-12)
+        assert one["below"]["speed_rpm"] < ends[0]
+        assert ends[1] < one["above"]["speed_rpm"] <= forced.judged_range[1] * rpm * (1.0 + 1e-12)
+        assert one["running"]["peak"] == amplitude[inside, place].max()
+        assert one["peak"] >= max(one[part]["peak"] for part in ("running", "below", "above"))
+    for check in record["assessment"]["checks"]:
+        assert check["running"]["speed_rpm"] <= ends[1] * (1.0 + 1e-12)
+        both = [check[part]["used"] for part in ("running", "above") if check[part] is not None]
+        assert check["used"] == max(both)
+    assert forced.largest_place(forced.stress) == np.argmax(amplitude[inside].max(axis=0))
+
+
+@pytest.mark.slow
+def test_the_file_chooses_failing_cylinders(coarse, run, tmp_path):
+    text = "[misfire]\ncylinders = [3]\n\n[gas]\n"
+    chosen = engine_vibration(written(tmp_path, text), analysis=coarse)
+    assert chosen.misfiring.cases == ((3,),)
+    # Normal firing stays.
+    assert chosen.worst_check.worst_value == run.worst_check.worst_value
+    (stress,) = (
+        one for one in chosen.misfiring.checks if one.quantity.startswith("torsional stress")
+    )
+    (searched,) = (one for one in run.misfiring.checks if one.quantity == stress.quantity)
+    assert stress.misfiring.used == close(searched.each[(3,)].used, rel=1e-3)
+    weak = engine_vibration(
+        written(tmp_path, text.replace("[3]", "[3]\nmissing_share = 0.0")), analysis=coarse
+    )
+    for one in weak.misfiring.checks:
+        assert one.misfiring.value == close(one.normal.value, rel=1e-9) or one.limit is not None
+    bare = engine_vibration(
+        written(tmp_path, text.replace("[3]", "[3]\ncompression = false")), analysis=coarse
+    )
+    assert "compression is missing as well" in bare.misfiring.remarks[0]
+    assert bare.misfiring.worst.misfiring.value != stress.misfiring.value
 
 
 @pytest.mark.slow

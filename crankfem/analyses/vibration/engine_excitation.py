@@ -1,6 +1,7 @@
 """What excites an engine's chains: forces of its cylinders over the speeds, torques, a propeller."""
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,7 +16,6 @@ from crankfem.files.engine.mechanism_file import MechanismFile
 from crankfem.files.engine.mechanism_load import full_load_only, pressure_maps
 from crankfem.files.sections.excitation_sections import (
     gas_map_load,
-    misfire_shares,
     motored_for_misfire,
 )
 from dynamics.chains.engine_chains import EngineChain, Kind
@@ -25,6 +25,7 @@ from dynamics.excitation.chain_excitation import axial_excitation
 from dynamics.excitation.combined_excitation import combined_excitation
 from dynamics.excitation.cylinder_harmonics import CylinderHarmonics, cylinder_harmonics
 from dynamics.excitation.cylinders import CylinderForces, forces_at_speeds
+from dynamics.excitation.gas_sources import constant_weight
 from dynamics.excitation.propeller import propeller_excitation
 from dynamics.excitation.torsion_to_axial import axial_excitation_of_torsion, torsion_influence
 from dynamics.response.damping import DampedChain
@@ -61,23 +62,50 @@ def engine_harmonics(engine_file: EngineFile, mechanism: MechanismFile) -> Cylin
     InputError
         If a pressure cannot be read, or its samples do not resolve the highest order.
     """
-    speed_range = calculated_range(engine_file)
-    pressure = pressure_over_speeds(engine_file, mechanism, speed_range)
-    misfire, motored = misfire_shares(engine_file.misfire), None
-    if misfire and engine_file.gas is not None:
-        motored = (
-            motored_for_misfire(engine_file.gas, mechanism.layout, mechanism.pressure)
-            if full_load_only(mechanism)
-            else pressure_maps(mechanism, speed_range, motored=True)
-        )
+    pressure = pressure_over_speeds(engine_file, mechanism, calculated_range(engine_file))
     return cylinder_harmonics(
         mechanism.layout,
         engine_orders(engine_file.engine.strokes, engine_file.vibration.highest_order),
         pressure,
-        misfire=misfire,
-        motored=motored,
         throws=mechanism.throws,
     )
+
+
+def failing_harmonics(
+    engine_file: EngineFile, mechanism: MechanismFile, firing: CylinderHarmonics
+) -> CylinderHarmonics:
+    """Harmonics of the pin forces of cylinders in which nothing burns.
+
+    Parameters
+    ----------
+    engine_file : EngineFile
+        Its section [misfire] may say that there is no compression either; then no gas acts.
+    mechanism : MechanismFile
+    firing : CylinderHarmonics
+        From `engine_harmonics`.
+
+    Raises
+    ------
+    InputError
+        If the pressure without combustion is not known: there is no section [gas], or its table shows
+        no compression.
+    """
+    given = engine_file.misfire
+    if given is not None and not given.compression:
+        none = tuple(np.zeros((1, *own.shape[1:]), dtype=np.complex128) for own in firing.gas)
+        weights = (constant_weight,) * len(none)
+        return replace(firing, gas=none, weights=weights, takes_load=False)
+    if engine_file.gas is None:
+        raise InputError(
+            "misfire: given without the section [gas]; allowed are both, or compression = false, because "
+            "the pressure without combustion follows from it."
+        )
+    motored = (
+        motored_for_misfire(engine_file.gas, mechanism.layout, mechanism.pressure)
+        if full_load_only(mechanism)
+        else pressure_maps(mechanism, calculated_range(engine_file), motored=True)
+    )
+    return cylinder_harmonics(mechanism.layout, firing.orders, motored, throws=mechanism.throws)
 
 
 def calculated_speeds(
@@ -206,12 +234,6 @@ def excitation_along_shaft(
 def excitation_remarks(engine_file: EngineFile, kind: Kind) -> tuple[str, ...]:
     """Remarks on what excites besides cylinders that fire as one diagram tells."""
     found = []
-    if engine_file.misfire is not None:
-        numbers = ", ".join(str(number) for number in engine_file.misfire.cylinders)
-        found.append(
-            f"cylinder {numbers}: {100.0 * engine_file.misfire.missing_share:.3g} % of the combustion is "
-            "missing"
-        )
     if engine_file.gas_map is not None:
         count = len(engine_file.gas_map.points)
         beside = "" if engine_file.gas is None else ", in place of the section [gas]"

@@ -1,7 +1,7 @@
 """The limits of an engine file, those picked by rule included, and the speeds that they judge."""
 
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import Protocol
 
 import numpy as np
@@ -32,9 +32,16 @@ RULE_PICKED = (
 )
 # Any number above zero serves where only the names of nodes and elements are wanted.
 ANY_COMPLIANCE, ANY_INERTIA = 1e-8, 1.0
-COUPLING = "flywheel - driven machine"
 # Firings count as even if their intervals differ by less [deg].
 UNEVEN = 0.01
+COUPLING, DAMPER = "flywheel - driven machine", "damper ring"
+# What is compared of any engine that has it, limited or not: key, name and unit.
+COMPARED = {
+    "torsional_amplitude": ("torsional amplitude of free end", "rad"),
+    "axial_amplitude": ("axial amplitude of free end", "m"),
+    "coupling_torque": ("torque of coupling", "N m"),
+    "damper_torque": ("torque of torsional damper", "N m"),
+}
 NOT_SAMPLED = "samples of the axial amplitude keep the excitation by torsion of the nominal chain"
 
 
@@ -267,3 +274,51 @@ def limited_series(
     )
     modulus = float(section_modulus("torsional", shaft.diameter))
     return alternating_stress(torsional.loads, {element: modulus})
+
+
+@dataclass(frozen=True, eq=False)
+class ComparedQuantity:
+    """What is compared between normal firing and misfiring.
+
+    Attributes
+    ----------
+    name, unit : str
+    limit : VibrationLimit or None
+    """
+
+    name: str
+    unit: str
+    limit: VibrationLimit | None
+
+    def while_firing(self, failing: Sequence[int]) -> VibrationLimit | None:
+        """Return the limit as it holds while cylinders fail; none of them in normal firing."""
+        if self.limit is None or not failing:
+            return self.limit
+        return replace(self.limit, continuous=self.limit.misfiring, passing=None)
+
+
+def compared_quantities(engine_file: EngineFile) -> dict[str, ComparedQuantity]:
+    """Return name, unit and limit of what `compared_series` may hold, by its key."""
+    limits, _ = engine_limits(engine_file)
+    found = {key: ComparedQuantity(name, unit, None) for key, (name, unit) in COMPARED.items()}
+    return found | {
+        key: ComparedQuantity(limit.name, limit.unit, limit) for key, limit in limits.items()
+    }
+
+
+def compared_series(
+    engine_file: EngineFile, axial: Limited, torsional: Limited
+) -> dict[str, OrderSeries]:
+    """Return what limits apply to, and motions and torques of `COMPARED` that the engine has."""
+    limits, _ = engine_limits(engine_file)
+    found = {key: limited_series(key, engine_file, axial, torsional) for key in limits}
+    loads = torsional.loads.elements
+    for key in ("torsional_amplitude", "axial_amplitude", "coupling_torque"):
+        if key not in found and (key != "coupling_torque" or COUPLING in loads.names):
+            found[key] = limited_series(key, engine_file, axial, torsional)
+    for own in (loads, torsional.loads.dashpots):
+        rings = [place for place, name in enumerate(own.names) if name.endswith(DAMPER)]
+        if rings:
+            names = tuple(own.names[place] for place in rings)
+            found["damper_torque"] = replace(own, values=own.values[:, :, rings], names=names)
+    return found

@@ -6,7 +6,7 @@ from functools import cached_property
 from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from crankbase.checks.arrays import FloatArray
 from crankbase.checks.choices import check_choice, check_not_given
@@ -14,18 +14,22 @@ from crankbase.drawing.legends import write_title
 from crankbase.errors import InputError
 from crankbase.summaries import summarized
 from crankbase.tables.frames import table_of
-from crankfem.analyses.shaft.chains import damped_engine_chain
 from crankfem.analyses.shaft.motion import MOTION
 from crankfem.analyses.shaft.throw_analyses import Analyses
+from crankfem.analyses.vibration.chain_answers import (
+    Answers,
+    ChainAnswer,
+    EngineChains,
+    crank_element_count,
+    first_places,
+)
 from crankfem.analyses.vibration.engine_excitation import (
     Frequencies,
     calculated_speeds,
     compared_axial_forces,
-    excitation_along_shaft,
     excitation_remarks,
     forces_over_speeds,
     merged_speeds,
-    with_propeller,
 )
 from crankfem.analyses.vibration.engine_limits import assessment_end_speeds, limit_findings
 from crankfem.analyses.vibration.modes import Vibration
@@ -36,19 +40,19 @@ from dynamics.assessment.limits import usage
 from dynamics.assessment.worst_speeds import refined_maxima
 from dynamics.chains.engine_chains import EngineChain
 from dynamics.excitation.axial_comparison import AxialForceComparison
-from dynamics.excitation.chain_excitation import torque_excitation
 from dynamics.excitation.cylinder_harmonics import CylinderHarmonics
 from dynamics.excitation.cylinders import CylinderForces
 from dynamics.plots.quantities import Quantity
 from dynamics.response.complex_modes import ComplexModes, complex_modes
 from dynamics.response.damped_criticals import DampedCritical
-from dynamics.response.forced import ForcedResponse, forced_response
-from dynamics.response.loads import ElementLoads, alternating_stress, element_loads, section_modulus
+from dynamics.response.damping import DampedChain
+from dynamics.response.forced import ForcedResponse
+from dynamics.response.loads import ElementLoads
 from dynamics.response.order_excitation import OrderExcitation
 from dynamics.response.power import PowerBalance, power_balance
 from dynamics.response.series import OrderSeries
+from dynamics.running_limits import at_most, within
 from fem.shaft import ShaftCompliances
-from geometry.throw import CrankThrow
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -139,12 +143,26 @@ class ForcedVibration:
     @property
     def free_end(self) -> OrderSeries:
         """Motion of the free end [rad or m], without that of the rigid body, one place."""
-        return _first_places(self.response.elastic, 1)
+        return first_places(self.response.elastic, 1)
 
     @property
     def crank_elements(self) -> OrderSeries:
         """Torque or force in the elements of the crankshaft itself, from the free end."""
-        return _first_places(self.loads.elements, _crank_elements(self.engine_chain))
+        return first_places(self.loads.elements, crank_element_count(self.engine_chain))
+
+    @property
+    def speed_parts(self) -> dict[str, NDArray[np.bool_]]:
+        """Which speeds are "running" ones, which lie "below" them, and which "above" as far as is judged."""
+        speeds = self.response.speeds
+        low, high = self.running_range
+        below, running = ~at_most(low, speeds), within(speeds, low, high)
+        above = ~at_most(speeds, high) & at_most(speeds, self.judged_range[1])
+        return {"running": running, "below": below, "above": above}
+
+    def largest_place(self, series: OrderSeries) -> int:
+        """Return the number of the place of a series with the largest amplitude at running speeds."""
+        inside = within(series.speeds, *self.running_range)
+        return int(np.argmax(np.max(series.synthesis.amplitude[inside], axis=0)))
 
     def plot(
         self,
@@ -161,9 +179,9 @@ class ForcedVibration:
         axes : matplotlib.axes.Axes, optional
             New ones by default.
         show : {"amplitude", "load", "stress", "power", "axial forces"}
-            Motion of the free end; torque or force in the crankshaft's element that is loaded most;
-            nominal stress in the one that is stressed most; power in and out; the exciting axial
-            force of the first throw.
+            Motion of the free end; torque or force in the crankshaft's element that is loaded most at
+            running speeds; nominal stress in the one that is stressed most then; power in and out; the
+            exciting axial force of the first throw.
         limits : mapping of str to (S,) array_like, optional
             Limits over the response's speeds by their name [SI], of no use to power and axial forces.
         barred : sequence of (low, high), optional
@@ -193,16 +211,29 @@ class ForcedVibration:
         if show == "stress":
             if self.stress is None:
                 raise self._missing(show)
-            worst = self.stress.largest_place
-            return self.stress.plot(axes, worst, quantity="stress", limits=limits, barred=barred)
+            return self.stress.plot(
+                axes,
+                self.largest_place(self.stress),
+                quantity="stress",
+                limits=limits,
+                barred=barred,
+                running=self.running_range,
+            )
         if show == "load":
             series = self.crank_elements
             quantity: Quantity = "force" if axial else "torque"
             return series.plot(
-                axes, series.largest_place, quantity=quantity, limits=limits, barred=barred
+                axes,
+                self.largest_place(series),
+                quantity=quantity,
+                limits=limits,
+                barred=barred,
+                running=self.running_range,
             )
         moved = MOTION[self.kind].quantity
-        axes = self.free_end.plot(axes, 0, quantity=moved, limits=limits, barred=barred)
+        axes = self.free_end.plot(
+            axes, 0, quantity=moved, limits=limits, barred=barred, running=self.running_range
+        )
         write_title(axes, f"{self.kind.capitalize()} vibration of the free end")
         return axes
 
@@ -238,14 +269,6 @@ class ForcedVibration:
             f"show: given {show!r}; allowed for {self.kind} vibration are the others, because that is "
             "calculated for the other kind only."
         )
-
-
-# Of the axial and of the torsional chain.
-Answers = tuple[ForcedVibration, ForcedVibration]
-
-
-def _first_places(series: OrderSeries, count: int) -> OrderSeries:
-    return replace(series, values=series.values[:, :, :count], names=series.names[:count])
 
 
 def forced_vibrations(
@@ -284,72 +307,70 @@ def forced_vibrations(
         used. Axial vibration is excited by the radial forces and by the torques of the torsional
         vibration.
     """
-    engine, ends = engine_file.engine, assessment_end_speeds(engine_file)
-    pulled, cranks = axial.chosen, torsional.chosen.chain
-    chains = tuple(damped_engine_chain(engine_file, one) for one in (pulled.chain, cranks))
+    chains = EngineChains.of(engine_file, axial, torsional, shaft)
 
-    moduli = _sections(engine_file.crank_throws, cranks)
-
-    def responses(speeds: FloatArray) -> Answers:
-        """Axial and torsional vibration at some speeds, resonances left out."""
-        forces = forces_over_speeds(engine_file, harmonics, speeds)
-        twisted = forced_response(
-            chains[1], with_propeller(engine_file, cranks, torque_excitation(forces, cranks))
-        )
-        pressed, by_torque, remarks = excitation_along_shaft(
-            engine_file, forces, pulled, shaft, cranks, twisted
-        )
-        lengthened = forced_response(chains[0], with_propeller(engine_file, pulled.chain, pressed))
-        compared = compared_axial_forces(engine_file, forces, pulled.compliances, shaft, analysis)
-        found = [
-            ForcedVibration(
-                kind=chain.kind,
-                engine_chain=chain,
-                damping=damped.record,
-                remarks=excitation_remarks(engine_file, chain.kind),
-                forces=forces,
-                response=response,
-                loads=element_loads(response),
-                stress=None,
-                power=power_balance(response),
-                resonances=(),
-                by_torque=by_torque if chain.kind == "axial" else None,
-                axial_forces=None,
-                running_range=(engine.lowest_speed, engine.highest_speed),
-                judged_range=(ends[0], min(ends[-1], float(speeds[-1]))),
-            )
-            for chain, damped, response in zip(
-                (pulled.chain, cranks), chains, (lengthened, twisted), strict=True
-            )
-        ]
-        return (
-            replace(found[0], remarks=(*found[0].remarks, *remarks), axial_forces=compared),
-            replace(found[1], stress=alternating_stress(found[1].loads, moduli)),
-        )
+    def answers(speeds: FloatArray) -> Answers:
+        return chains.answers(forces_over_speeds(engine_file, harmonics, speeds))
 
     if speeds is not None:
-        return responses(speeds)
+        forces = forces_over_speeds(engine_file, harmonics, speeds)
+        lengthened, twisted = (
+            _vibration(engine_file, forces, damped, answer)
+            for damped, answer in zip(chains.damped, chains.answers(forces), strict=True)
+        )
+        return lengthened, twisted
     # The worst speeds are looked for among those of the chains alone, so that what else is to be
     # calculated has no part in them.
-    own = calculated_speeds(engine_file, harmonics.orders, chains)
-    worst = _worst_speeds(engine_file, responses, own)
+    own = calculated_speeds(engine_file, harmonics.orders, chains.damped)
+    worst = _worst_speeds(engine_file, answers, own)
     speeds = (
-        calculated_speeds(engine_file, harmonics.orders, chains, further) if len(further) else own
+        calculated_speeds(engine_file, harmonics.orders, chains.damped, further)
+        if len(further)
+        else own
     )
-    lengthened, twisted = responses(merged_speeds(speeds, worst))
+    forces = forces_over_speeds(engine_file, harmonics, merged_speeds(speeds, worst))
+    compliances = chains.pulled.compliances
+    compared = compared_axial_forces(engine_file, forces, compliances, shaft, analysis)
+    lengthened, twisted = (
+        _vibration(engine_file, forces, damped, answer)
+        for damped, answer in zip(chains.damped, chains.answers(forces), strict=True)
+    )
+    lengthened = replace(lengthened, axial_forces=compared)
     return (
         replace(lengthened, resonances=resonances_of(engine_file, lengthened)),
         replace(twisted, resonances=resonances_of(engine_file, twisted)),
     )
 
 
+def _vibration(
+    engine_file: EngineFile, forces: CylinderForces, damped: DampedChain, answer: ChainAnswer
+) -> ForcedVibration:
+    """Return all that is told of one chain, but for its resonances and the comparison of axial forces."""
+    engine, ends = engine_file.engine, assessment_end_speeds(engine_file)
+    kind, response = answer.engine_chain.kind, answer.response
+    return ForcedVibration(
+        kind=kind,
+        engine_chain=answer.engine_chain,
+        damping=damped.record,
+        remarks=(*excitation_remarks(engine_file, kind), *answer.remarks),
+        forces=forces,
+        response=response,
+        loads=answer.loads,
+        stress=answer.stress,
+        power=power_balance(response),
+        resonances=(),
+        by_torque=answer.by_torque,
+        axial_forces=None,
+        running_range=(engine.lowest_speed, engine.highest_speed),
+        judged_range=(ends[0], min(ends[-1], float(response.speeds[-1]))),
+    )
+
+
 def _worst_speeds(
-    engine_file: EngineFile, responses: Callable[[FloatArray], Answers], speeds: FloatArray
+    engine_file: EngineFile, answers: Callable[[FloatArray], Answers], speeds: FloatArray
 ) -> FloatArray:
     """Speeds at which most of the limits is used, and where free ends move most, closer than the grid."""
-    return refined_maxima(
-        lambda some: _limit_usage(engine_file, responses(some)), speeds, least=1.0
-    )
+    return refined_maxima(lambda some: _limit_usage(engine_file, answers(some)), speeds, least=1.0)
 
 
 def _limit_usage(engine_file: EngineFile, answers: Answers) -> FloatArray:
@@ -365,31 +386,3 @@ def _limit_usage(engine_file: EngineFile, answers: Answers) -> FloatArray:
     kept = [np.where(speeds >= engine.lowest_speed, own, 0.0) for own in used]
     moved = [own.free_end.synthesis.amplitude[:, 0] for own in answers]
     return np.array([*used, *kept, *moved])
-
-
-def nominal_section_modulus(throw: CrankThrow) -> float:
-    """Section modulus of the weaker of main journal and crankpin in torsion [m^3]."""
-    moduli = section_modulus(
-        "torsional",
-        [throw.main_journal_diameter, throw.pin_diameter],
-        [throw.main_journal_bore, throw.pin_bore],
-    )
-    return float(np.min(moduli))
-
-
-def _crank_elements(chain: EngineChain) -> int:
-    """Number of elements between free end (or first throw) and flywheel, the first of the chain."""
-    if chain.kind == "axial":
-        return chain.throws
-    return chain.throw_nodes[-1] + 1
-
-
-def _sections(throws: Sequence[CrankThrow], chain: EngineChain) -> dict[int, float]:
-    """Section modulus of each element of the crankshaft: the weaker one of the throws that it joins."""
-    moduli = [nominal_section_modulus(throw) for throw in throws]
-    found: dict[int, float] = {}
-    for element in range(_crank_elements(chain)):
-        ends = chain.chain.connections[element]
-        own = [moduli[chain.throw_nodes.index(node)] for node in ends if node in chain.throw_nodes]
-        found[element] = min(own)
-    return found

@@ -11,19 +11,17 @@ from crankfem.analyses.mechanism.mechanism_records import power_record
 from crankfem.analyses.record import ASSUMED, Record, assumed_values, attributes, plain
 from crankfem.analyses.shaft.motion import MOTION
 from crankfem.analyses.shaft.whole_records import whole_record
-from crankfem.analyses.vibration.assessment import Assessment, Uncertainty
+from crankfem.analyses.vibration.assessment_records import assessment_record
 from crankfem.analyses.vibration.bearing_sweep import BearingSweep
 from crankfem.analyses.vibration.engine_load import EngineLoad
 from crankfem.analyses.vibration.forced import ForcedVibration
+from crankfem.analyses.vibration.misfiring_records import misfiring_record
 from crankfem.analyses.vibration.modes import SourceResult, Vibration
 from crankfem.analyses.vibration.run import EngineVibration
 from crankfem.analyses.vibration.run_up import RunUp
-from dynamics.assessment.barred_ranges import BarredRange, limit_end_speed
-from dynamics.assessment.verdict import LimitCheck
 from dynamics.chains.engine_chains import CRANKSHAFT_MODE
 from dynamics.excitation.axial_comparison import AxialForceComparison
 from dynamics.response.damped_criticals import DampedCritical
-from dynamics.response.peak_cause import PeakCause
 from dynamics.response.series import OrderSeries
 
 # SI units of loads in records.
@@ -47,6 +45,8 @@ def run_record(run: EngineVibration) -> Record:
         "load": None if run.load is None else load_record(run.load),
         "assumed": assumed_values(input_values(run.engine_file)),
         "assessment": None if run.assessment is None else assessment_record(run.assessment),
+        "misfiring": None if run.misfiring is None else misfiring_record(run.misfiring),
+        "misfiring_note": run.misfiring_note or None,
         "whole": None if run.whole is None else whole_record(run.whole, run.comparison),
         "bearings": None if run.bearings is None else sweep_record(run.bearings),
     }
@@ -152,9 +152,10 @@ def forced_record(forced: ForcedVibration) -> Record:
                 "synthesis": free_end.synthesis.amplitude[:, 0],
                 "plain_sum": free_end.synthesis.plain_sum[:, 0],
                 "orders": _order_peaks(free_end),
+                "peaks": _peaks(free_end, MOTION[forced.kind].si, forced),
             },
-            "loads": _peaks(forced.loads.elements, LOAD_UNIT[forced.kind]),
-            "stress": None if forced.stress is None else _peaks(forced.stress, "Pa"),
+            "loads": _peaks(forced.loads.elements, LOAD_UNIT[forced.kind], forced),
+            "stress": None if forced.stress is None else _peaks(forced.stress, "Pa", forced),
             "power": _power(forced),
             "running_rpm": _rpm(forced.running_range),
             "judged_rpm": _rpm(forced.judged_range),
@@ -206,8 +207,8 @@ def forced_columns(forced: ForcedVibration) -> tuple[dict[str, FloatArray], str]
     return columns, f"{forced.kind} vibration, amplitudes; inf is unbounded"
 
 
-def _peaks(series: OrderSeries, unit: str) -> list[Record]:
-    """Largest value over the speeds of each place, all orders together."""
+def _peaks(series: OrderSeries, unit: str, forced: ForcedVibration) -> list[Record]:
+    """Largest value of each place, all orders together: over all speeds, and in and beside running ones."""
     summed = series.synthesis
     worst = np.argmax(summed.amplitude, axis=0)
     return [
@@ -217,6 +218,17 @@ def _peaks(series: OrderSeries, unit: str) -> list[Record]:
             "peak": summed.amplitude[worst[place], place],
             "speed_rpm": series.speeds[worst[place]] * RPM,
             "plain_sum_peak": np.max(summed.plain_sum[:, place]),
+            **{
+                part: None
+                if not np.any(inside)
+                else {
+                    "peak": np.max(summed.amplitude[inside, place]),
+                    "speed_rpm": series.speeds[inside][np.argmax(summed.amplitude[inside, place])]
+                    * RPM,
+                    "plain_sum_peak": np.max(summed.plain_sum[inside, place]),
+                }
+                for part, inside in forced.speed_parts.items()
+            },
         }
         for place, name in enumerate(series.names)
     ]
@@ -276,105 +288,6 @@ def _gas_remarks(forced: ForcedVibration) -> list[str]:
     """What the forces tell beside what the mechanism and the load tell of the gas."""
     left_out = (ASSUMED, "Solved", ONE_DIAGRAM)
     return [text for text in forced.forces.remarks if not text.startswith(left_out)]
-
-
-def assessment_record(assessment: Assessment) -> Record:
-    """Return verdict, limits and uncertainty in SI units; null where vibration is unbounded."""
-    verdict = assessment.verdict
-    running = verdict.running_range
-    return {
-        **attributes(verdict, "status", "sentence"),
-        "decision": attributes(assessment.decision, "status", "sentence")
-        | {
-            "trials": [
-                attributes(one, "field", "name", "value", "unit", "status", "taken")
-                for one in assessment.decision.trials
-            ]
-        },
-        "running_rpm": _rpm(running),
-        "checks": [_check(check, running[1]) for check in verdict.checks],
-        "barred": [_range(one) for one in verdict.barred],
-        "started_through": [_range(one) for one in verdict.started_through],
-        "remarks": [*assessment.remarks, *verdict.remarks],
-        "beside": list(assessment.beside),
-        "limits": [
-            attributes(limit, "name", "unit", "source", "assumed", "remark")
-            | {"judged_to_rpm": limit_end_speed(limit, running) * RPM}
-            for limit in assessment.limits.values()
-        ],
-        "uncertainty": {
-            one.kind: _uncertainty(one) for one in (assessment.axial, assessment.torsional)
-        },
-    }
-
-
-def _check(check: LimitCheck, highest_speed: float) -> Record:
-    return plain(
-        {
-            "limit": check.limit.name,
-            "place": check.curve.name,
-            "speed_rpm": check.worst_speed * RPM,
-            "cause": None if check.cause is None else _cause(check.cause),
-            "in_running_range": check.worst_speed <= highest_speed,
-            "value": check.worst_value,
-            **attributes(check, "permitted", "used", "passed"),
-            **attributes(check.limit, "unit", "source", "assumed"),
-        }
-    )
-
-
-def _cause(found: PeakCause) -> Record:
-    """Return the parts of the orders in a peak, and what they say."""
-    names = (
-        *("order", "contribution", "amplitude", "state", "kind", "mode", "mode_share"),
-        *("magnifier", "detuning"),
-    )
-    return {
-        "sentence": found.reasons,
-        "orders": [attributes(one, *names) for one in found.parts],
-    }
-
-
-def _range(found: BarredRange) -> Record:
-    return {
-        **attributes(found, "shown", "limits", "allowed", "refusals", "remarks", "ends"),
-        "low_rpm": found.low * RPM,
-        "high_rpm": found.high * RPM,
-    }
-
-
-def _uncertainty(uncertain: Uncertainty) -> Record:
-    amplitudes = uncertain.amplitudes
-    frequencies = zip(uncertain.lowest, uncertain.nominal, uncertain.highest, strict=True)
-    return plain(
-        {
-            "spreads": [
-                attributes(one, "name", "kind", "low", "high") for one in uncertain.spreads
-            ],
-            "frequencies": [
-                {"mode": mode, "low": low, "nominal": nominal, "high": high}
-                for mode, (low, nominal, high) in enumerate(frequencies, start=1)
-            ],
-            "critical": [
-                {
-                    **attributes(one, "mode", "order", "margin"),
-                    "speed_rpm": one.nominal * RPM,
-                    "low_rpm": one.low * RPM,
-                    "high_rpm": one.high * RPM,
-                }
-                for one in uncertain.critical
-            ],
-            "amplitudes": None
-            if amplitudes is None
-            else {
-                "samples": len(amplitudes.values),
-                "nominal": amplitudes.nominal,
-                "percentile_5": amplitudes.percentile(5.0),
-                "percentile_95": amplitudes.percentile(95.0),
-                "highest": amplitudes.highest,
-            },
-        }
-    )
 
 
 def run_up_record(found: RunUp) -> Record:

@@ -30,10 +30,12 @@ from crankfem.analyses.vibration.bearing_sweep import (
     chains_over_bearings,
     held_chains,
 )
+from crankfem.analyses.vibration.chain_answers import EngineChains
 from crankfem.analyses.vibration.engine_excitation import engine_harmonics
 from crankfem.analyses.vibration.engine_limits import refuse_limits
 from crankfem.analyses.vibration.engine_load import EngineLoad, engine_load
 from crankfem.analyses.vibration.forced import ForcedVibration, forced_vibrations
+from crankfem.analyses.vibration.misfiring import Misfiring, misfiring_or_reason
 from crankfem.analyses.vibration.modes import Vibration, axial_vibration, torsional_vibration
 from crankfem.files.engine.engine_file import EngineFile, load_engine
 from crankfem.files.engine.mechanism_file import MechanismFile, layout_of, mechanism_of
@@ -83,6 +85,10 @@ class EngineVibration:
     comparison : ShaftComparison or None
         Coupled response of the whole crankshaft, and how far the chains agree with it; without the latter
         where the chains have a shaft line or a propeller, which the whole crankshaft has not.
+    misfiring : Misfiring or None
+        What the chains do while a cylinder misfires, beside normal firing.
+    misfiring_note : str
+        Why that was not calculated, where something is forced.
     load : EngineLoad or None
         At which load each speed was taken; None where nothing is forced.
     bearings : BearingSweep or None
@@ -99,6 +105,8 @@ class EngineVibration:
     assessment: Assessment | None
     whole: WholeShaft | None
     comparison: ShaftComparison | None
+    misfiring: Misfiring | None = None
+    misfiring_note: str = ""
     load: EngineLoad | None = None
     bearings: BearingSweep | None = None
 
@@ -283,7 +291,8 @@ def engine_vibration(
     axial = axial_vibration(read, analyses, shaft, model)
     torsional = torsional_vibration(read, analyses, shaft, model)
     held = chains_over_bearings(read, analyses, model)
-    lengthened = twisted = assessment = whole = comparison = None
+    lengthened = twisted = assessment = whole = comparison = misfiring = None
+    note = ""
     if coupled:
         tell("Calculating the whole crankshaft")
         whole = whole_shaft(read, analyses)
@@ -292,6 +301,10 @@ def engine_vibration(
         further = () if modes is None else modes.frequencies[modes.rigid :]
         chains = (harmonics, axial, torsional, shaft, analyses)
         lengthened, twisted = forced_vibrations(read, *chains, further)
+        tell("Calculating misfiring")
+        misfiring, note = misfiring_or_reason(
+            EngineChains.of(read, axial, torsional, shaft), mechanism, harmonics
+        )
         if read.ranges is not None:
             tell("Sampling what is uncertain")
         assessment = assess(
@@ -344,6 +357,8 @@ def engine_vibration(
         assessment=assessment,
         whole=whole,
         comparison=comparison,
+        misfiring=misfiring,
+        misfiring_note=note,
         load=load,
         bearings=sweep,
     )

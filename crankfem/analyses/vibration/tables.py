@@ -2,6 +2,7 @@
 
 from collections.abc import Callable
 from dataclasses import replace
+from typing import Any
 
 from crankbase.tables.output_units import SI, OutputUnits
 from crankbase.tables.table import Column, Table
@@ -127,7 +128,9 @@ def source_table(record: Record, said: Callable[[str], str] = str) -> Table:
 def resonance_table(record: Record, units: OutputUnits = SI) -> Table:
     """Return the most severe resonances of a `forced_record`, by speed."""
     kind, found = record["kind"], record["resonances"]
-    worst = sorted(found, key=lambda one: -one["severity"])[:ROWS_SHOWN]
+    # Running speeds come first; what lies above them fills what is left.
+    worst = sorted(found, key=lambda one: (not one.get("in_running_range", True), -one["severity"]))
+    worst = worst[:ROWS_SHOWN]
     motion = MOTION[kind].printed
     ring = any(one.get("locked_rpm") is not None for one in found)
     speed = replace(SPEED, missing="no peak")
@@ -165,11 +168,25 @@ def _from_rpm(speed: float | None) -> float | None:
 
 
 def element_table(record: Record) -> Table:
-    """Return the largest loads, and stresses if there are, of the elements of a `forced_record`."""
-    stresses = {one["element"]: one["peak"] for one in record["stress"] or ()}
+    """Return the largest loads, and stresses if there are, of the elements of a `forced_record`.
+
+    Running speeds stand first; what is larger or smaller below and above them has columns of its own.
+    """
+
+    def peak(one: Record | None, part: str) -> float | str | None:
+        found = None if one is None else one.get(part, one)
+        return "" if found is None else found["peak"]
+
+    stresses = {one["element"]: one for one in record["stress"] or ()}
     load = LOAD[record["kind"]]
+    beside = [
+        part
+        for part in ("below", "above")
+        if any(one.get(part) is not None for one in record["loads"])
+    ]
+    where = {"below": "below running speeds", "above": "above them, as far as judged"}
     return Table(
-        f"{record['kind'].capitalize()} vibration of the elements, largest over the speeds "
+        f"{record['kind'].capitalize()} vibration of the elements, largest at running speeds "
         "(all orders over the cycle; plain sum of amplitudes)",
         [
             Column("element", words=True),
@@ -177,14 +194,16 @@ def element_table(record: Record) -> Table:
             Column("at", "1/min", decimals=0),
             Column("plain sum", load, missing=UNBOUNDED),
             *([Column("stress", "MPa", missing=UNBOUNDED)] if stresses else []),
+            *(Column(where[part], load, missing=UNBOUNDED) for part in beside),
         ],
         [
             [
                 one["element"],
-                one["peak"],
-                one["speed_rpm"] / RPM,
-                one["plain_sum_peak"],
-                *([stresses.get(one["element"], "")] if stresses else []),
+                peak(one, "running"),
+                one.get("running", one)["speed_rpm"] / RPM,
+                one.get("running", one)["plain_sum_peak"],
+                *([peak(stresses.get(one["element"]), "running")] if stresses else []),
+                *(peak(one, part) for part in beside),
             ]
             for one in record["loads"]
         ],
@@ -198,8 +217,12 @@ def limit_table(record: Record, limit: str | None = None, units: OutputUnits = S
     def quantity(value: float | None, unit: str) -> str:
         return UNBOUNDED if value is None else units.quantity(value, unit, 4)
 
+    # What was judged above the running range stands beside it.
+    beside = any(one.get("above") is not None for one in checks)
     table = Table(
-        "Limits, worst speeds" if limit is None else f"{limit.capitalize()}, worst speeds",
+        "Limits, worst running speeds"
+        if limit is None
+        else f"{limit.capitalize()}, worst running speeds",
         [
             Column("limit", words=True),
             Column("where", words=True),
@@ -207,21 +230,74 @@ def limit_table(record: Record, limit: str | None = None, units: OutputUnits = S
             Column("reached"),
             Column("permitted"),
             Column("used", "%", 3, missing=UNBOUNDED),
+            Column("above at", "1/min", decimals=1, missing="-"),
+            Column("used above", "%", 3, missing="-"),
         ],
         [
             [
                 one["limit"],
                 one["place"],
-                one["speed_rpm"] / RPM,
-                quantity(one["value"], one["unit"]),
-                quantity(one["permitted"], one["unit"]),
-                one["used"],
+                own["speed_rpm"] / RPM,
+                quantity(own["value"], one["unit"]),
+                quantity(own["permitted"], one["unit"]),
+                own["used"],
+                None if above is None else above["speed_rpm"] / RPM,
+                None if above is None else UNBOUNDED if above["used"] is None else above["used"],
             ]
             for one in checks
+            for own, above in ((one.get("running") or one, one.get("above")),)
         ],
         marks=["" if one["passed"] else "over" for one in checks],
     )
-    return table if limit is None else table.select("where", "at", "reached", "permitted", "used")
+    shown = ["where", "at", "reached", "permitted", "used"]
+    return table.select(
+        *([] if limit is not None else ["limit"]),
+        *shown,
+        *(["above at", "used above"] if beside else []),
+    )
+
+
+def misfiring_table(record: Record, units: OutputUnits = SI) -> Table:
+    """Return normal firing and misfiring side by side, from a `misfiring_record`."""
+
+    def quantity(found: Record, name: str, unit: str) -> str | None:
+        return None if found[name] is None else units.quantity(found[name], unit, 4)
+
+    def reached(found: Record, unit: str) -> str:
+        return quantity(found, "value", unit) or UNBOUNDED
+
+    def rows(one: Record) -> list[Any]:
+        normal, failing, unit = one["normal"], one["misfiring"], one["unit"]
+        return [
+            f"{one['quantity']}, {failing['place']}",
+            reached(normal, unit),
+            normal["speed_rpm"] / RPM,
+            quantity(normal, "permitted", unit),
+            normal["used"],
+            reached(failing, unit),
+            ", ".join(str(number) for number in one["cylinders"]),
+            failing["speed_rpm"] / RPM,
+            quantity(failing, "permitted", unit),
+            failing["used"],
+        ]
+
+    return Table(
+        "Largest at running speeds, all cylinders firing and one misfiring",
+        [
+            Column("quantity", words=True),
+            Column("all firing"),
+            Column("at", "1/min", decimals=0),
+            Column("permitted", missing="-"),
+            Column("used", "%", 3, missing="-"),
+            Column("misfiring"),
+            Column("cylinder"),
+            Column("at", "1/min", decimals=0),
+            Column("permitted", missing="-"),
+            Column("used", "%", 3, missing="-"),
+        ],
+        [rows(one) for one in record["checks"]],
+        marks=["over" if one["passed"] is False else "" for one in record["checks"]],
+    )
 
 
 def margin_table(record: Record, kind: str) -> Table:

@@ -9,6 +9,7 @@ from crankfem.analyses.vibration.tables import (
     limit_table,
     load_table,
     margin_table,
+    misfiring_table,
     mode_table,
     resonance_table,
     run_up_table,
@@ -48,6 +49,17 @@ def print_run(record: Record, units: OutputUnits = SI) -> None:
         print_line(NOT_FORCED)
     else:
         print_assessment(record["assessment"], units)
+        _print_misfiring(record, units)
+
+
+def _print_misfiring(record: Record, units: OutputUnits) -> None:
+    found = record["misfiring"]
+    if found is None:
+        print_notes([record["misfiring_note"]], units)
+        return
+    print_table(misfiring_table(found, units), units)
+    print_notes(found["remarks"], units)
+    print_line(units.text(f"Misfiring: {found['sentence']}"))
 
 
 def print_run_up(record: Record, units: OutputUnits = SI) -> None:

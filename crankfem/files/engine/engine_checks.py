@@ -22,16 +22,16 @@ def check_misfire(misfire: Misfire | None, gas: Gas | None, engine: Engine) -> N
     """
     if misfire is None:
         return
-    wrong = [number for number in misfire.cylinders if not 1 <= number <= engine.cylinders]
+    wrong = [number for number in misfire.cylinders or () if not 1 <= number <= engine.cylinders]
     if wrong:
         raise InputError(
             f"misfire.cylinders: given {wrong[0]}; allowed is 1 to {engine.cylinders}, because the engine "
             "has these cylinders."
         )
-    if gas is None:
+    if gas is None and misfire.compression:
         raise InputError(
-            "misfire: given without the section [gas]; allowed are both, because the pressure without "
-            "combustion follows from it."
+            "misfire: given without the section [gas]; allowed are both, or compression = false, because "
+            "the pressure without combustion follows from it."
         )
 
 

@@ -75,20 +75,29 @@ class GasMap(InputModel):
 
 
 class Misfire(InputModel):
-    """Cylinders that do not fire, or fire weakly."""
+    """Cylinders that do not fire, or fire weakly; without it each cylinder fails by itself in turn."""
 
     section: ClassVar[str] = "misfire"
 
-    cylinders: tuple[int, ...] = quantity_field("numbers of the failing cylinders", "")
+    cylinders: tuple[int, ...] | None = quantity_field(
+        "numbers of the cylinders that fail at the same time; not given, each fails by itself in turn",
+        "",
+        default=None,
+    )
     missing_share: float = quantity_field(
         "share of the combustion that is missing in each", "", 0.0, 1.0, default=1.0
+    )
+    compression: bool = Field(
+        True,
+        description="whether a failing cylinder still compresses; otherwise no gas acts in the share missing",
     )
 
     @model_validator(mode="after")
     def _names_some_once(self) -> Self:
-        if not self.cylinders or len(set(self.cylinders)) < len(self.cylinders):
+        given = self.cylinders
+        if given is not None and (not given or len(set(given)) < len(given)):
             raise InputError(
-                f"misfire.cylinders: given {list(self.cylinders)}; allowed are one or more numbers, each "
+                f"misfire.cylinders: given {list(given)}; allowed are one or more numbers, each "
                 "once, because these cylinders fail."
             )
         return self
@@ -244,10 +253,3 @@ def motored_for_misfire(
             zip(pressure, layout.cylinders, strict=True), start=1
         )
     )
-
-
-def misfire_shares(section: Misfire | None) -> dict[int, float]:
-    """Return the missing share of combustion by number of each failing cylinder."""
-    if section is None:
-        return {}
-    return dict.fromkeys(section.cylinders, section.missing_share)

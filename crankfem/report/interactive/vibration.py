@@ -83,6 +83,7 @@ def _free_end(run: EngineVibration, kind: str) -> Curves:
         MOTION[kind].quantity,
         assessment.limits.get(f"{kind}_amplitude"),
         assessment.verdict.ranges_to_bar,
+        forced.running_range,
     )
 
 
@@ -94,10 +95,11 @@ def _stress(run: EngineVibration) -> Curves:
     assert forced.stress is not None
     return amplitudes_over_speed(
         forced.stress,
-        forced.stress.largest_place,
+        forced.largest_place(forced.stress),
         "stress",
         assessment.limits.get("crankshaft_stress"),
         assessment.verdict.ranges_to_bar,
+        forced.running_range,
     )
 
 
@@ -105,7 +107,8 @@ def _stress_title(run: EngineVibration) -> str:
     assert run.forced_torsional is not None
     stress = run.forced_torsional.stress
     assert stress is not None
-    return _title(f"nominal torsional stress, {stress.names[stress.largest_place]}")(run)
+    place = run.forced_torsional.largest_place(stress)
+    return _title(f"nominal torsional stress, {stress.names[place]}")(run)
 
 
 def amplitudes_over_speed(
@@ -114,6 +117,7 @@ def amplitudes_over_speed(
     quantity: Quantity,
     limit: VibrationLimit | None,
     barred: Sequence[tuple[float, float]],
+    running: tuple[float, float] | None = None,
 ) -> Curves:
     """Describe a place's amplitudes over the speed, with their limit as far as it is stated.
 
@@ -126,6 +130,8 @@ def amplitudes_over_speed(
     limit : VibrationLimit or None
     barred : sequence of pairs of floats
         Ranges of speed [rad/s].
+    running : tuple of two floats, optional
+        Lowest and highest running speed [rad/s], outside of which is shaded.
     """
     limits, passing = {}, {}
     if limit is not None:
@@ -135,7 +141,9 @@ def amplitudes_over_speed(
             if np.isfinite(values).any():
                 passing["limit while passing"] = values
     shown = quantity_display(quantity, "SI")
-    return series.over_speed(place, shown, limits=limits, passing=passing, barred=barred)
+    return series.over_speed(
+        place, shown, limits=limits, passing=passing, barred=barred, running=running
+    )
 
 
 def _axial_split(run: EngineVibration) -> Curves:
@@ -181,7 +189,7 @@ VIBRATION: Plots[EngineVibration] = Plots(
         plot_of_curves(
             "torsional_stress",
             "Nominal torsional stress over the speed",
-            "Nominal torsional stress in the element that is stressed most, with its limit.",
+            "Nominal torsional stress, with its limit, in the element stressed most at running speeds.",
             _stress,
             _stress_title,
             needs="forced",

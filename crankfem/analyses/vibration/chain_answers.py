@@ -1,0 +1,168 @@
+"""What an engine's chains answer to forces of its cylinders: torsional, and axial with the torques."""
+
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+from crankfem.analyses.shaft.chains import damped_engine_chain
+from crankfem.analyses.vibration.engine_excitation import excitation_along_shaft, with_propeller
+from crankfem.analyses.vibration.modes import SourceResult, Vibration
+from crankfem.files.engine.engine_file import EngineFile
+from dynamics.chains.engine_chains import EngineChain
+from dynamics.excitation.chain_excitation import torque_excitation
+from dynamics.excitation.cylinders import CylinderForces
+from dynamics.response.damping import DampedChain
+from dynamics.response.forced import ForcedResponse, forced_response
+from dynamics.response.loads import ElementLoads, alternating_stress, element_loads, section_modulus
+from dynamics.response.order_excitation import OrderExcitation
+from dynamics.response.series import OrderSeries
+from fem.shaft import ShaftCompliances
+from geometry.throw import CrankThrow
+
+
+@dataclass(frozen=True, eq=False)
+class ChainAnswer:
+    """Motion of one chain, and what limits are held against; made from it when asked for.
+
+    Attributes
+    ----------
+    engine_chain : EngineChain
+    response : ForcedResponse
+    moduli : dict of int to float
+        Section modulus of each element of the crankshaft [m^3]; none in the axial direction.
+    by_torque : OrderExcitation or None
+        Of axial vibration, the part of its excitation that torques in the shaft bring.
+    remarks : tuple of str
+        What was left out of the excitation.
+    """
+
+    engine_chain: EngineChain
+    response: ForcedResponse
+    moduli: dict[int, float]
+    by_torque: OrderExcitation | None = None
+    remarks: tuple[str, ...] = ()
+
+    @cached_property
+    def loads(self) -> ElementLoads:
+        """Torque [N m] or force [N] in each element."""
+        return element_loads(self.response)
+
+    @cached_property
+    def stress(self) -> OrderSeries | None:
+        """Nominal torsional stress of the crankshaft's elements [Pa]; None in the axial direction."""
+        return alternating_stress(self.loads, self.moduli) if self.moduli else None
+
+    @cached_property
+    def free_end(self) -> OrderSeries:
+        """Motion of the free end [rad or m], without that of the rigid body, one place."""
+        return first_places(self.response.elastic, 1)
+
+    @cached_property
+    def crank_elements(self) -> OrderSeries:
+        """Torque or force in the elements of the crankshaft itself, from the free end."""
+        return first_places(self.loads.elements, crank_element_count(self.engine_chain))
+
+
+# Of the axial and of the torsional chain.
+Answers = tuple[ChainAnswer, ChainAnswer]
+
+
+@dataclass(frozen=True, eq=False)
+class EngineChains:
+    """The damped chains of an engine, ready to answer forces.
+
+    Attributes
+    ----------
+    engine_file : EngineFile
+    pulled : SourceResult
+        The axial chain and its compliances.
+    cranks : EngineChain
+        The torsional chain.
+    damped : tuple of two DampedChain
+        The axial one and the torsional one.
+    shaft : ShaftCompliances
+    """
+
+    engine_file: EngineFile
+    pulled: SourceResult
+    cranks: EngineChain
+    damped: tuple[DampedChain, DampedChain]
+    shaft: ShaftCompliances
+
+    @classmethod
+    def of(
+        cls,
+        engine_file: EngineFile,
+        axial: Vibration,
+        torsional: Vibration,
+        shaft: ShaftCompliances,
+    ) -> "EngineChains":
+        """Damp the chains with the chosen compliances."""
+        pulled, cranks = axial.chosen, torsional.chosen.chain
+        damped = (
+            damped_engine_chain(engine_file, pulled.chain),
+            damped_engine_chain(engine_file, cranks),
+        )
+        return cls(engine_file, pulled, cranks, damped, shaft)
+
+    @cached_property
+    def moduli(self) -> dict[int, float]:
+        """Section modulus of each element of the crankshaft in torsion, that of the weaker throw [m^3]."""
+        return _sections(self.engine_file, self.cranks)
+
+    def answers(self, forces: CylinderForces, *, propeller: bool = True) -> Answers:
+        """Return the axial and the torsional vibration under forces of the cylinders.
+
+        Parameters
+        ----------
+        forces : CylinderForces
+        propeller : bool, optional
+            Whether the propeller excites too. Without it the answer is linear in the forces.
+        """
+        file = self.engine_file
+        torques = torque_excitation(forces, self.cranks)
+        if propeller:
+            torques = with_propeller(file, self.cranks, torques)
+        twisted = forced_response(self.damped[1], torques)
+        pressed, by_torque, remarks = excitation_along_shaft(
+            file, forces, self.pulled, self.shaft, self.cranks, twisted
+        )
+        if propeller:
+            pressed = with_propeller(file, self.pulled.chain, pressed)
+        lengthened = forced_response(self.damped[0], pressed)
+        return (
+            ChainAnswer(self.pulled.chain, lengthened, {}, by_torque, remarks),
+            ChainAnswer(self.cranks, twisted, self.moduli),
+        )
+
+
+def first_places(series: OrderSeries, count: int) -> OrderSeries:
+    """Return a series of its first places alone."""
+    return replace(series, values=series.values[:, :, :count], names=series.names[:count])
+
+
+def crank_element_count(chain: EngineChain) -> int:
+    """Return the number of elements between free end (or first throw) and flywheel, the first ones."""
+    if chain.kind == "axial":
+        return chain.throws
+    return chain.throw_nodes[-1] + 1
+
+
+def nominal_section_modulus(throw: CrankThrow) -> float:
+    """Section modulus of the weaker of main journal and crankpin in torsion [m^3]."""
+    moduli = section_modulus(
+        "torsional",
+        [throw.main_journal_diameter, throw.pin_diameter],
+        [throw.main_journal_bore, throw.pin_bore],
+    )
+    return float(min(moduli))
+
+
+def _sections(engine_file: EngineFile, chain: EngineChain) -> dict[int, float]:
+    """Section modulus of each element of the crankshaft: the weaker one of the throws that it joins."""
+    moduli = [nominal_section_modulus(throw) for throw in engine_file.crank_throws]
+    found: dict[int, float] = {}
+    for element in range(crank_element_count(chain)):
+        ends = chain.chain.connections[element]
+        own = [moduli[chain.throw_nodes.index(node)] for node in ends if node in chain.throw_nodes]
+        found[element] = min(own)
+    return found

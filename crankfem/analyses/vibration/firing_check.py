@@ -1,0 +1,157 @@
+"""One quantity in normal firing and while cylinders misfire, side by side."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from crankbase.checks.arrays import FloatArray
+from crankbase.summaries import summarized
+from crankbase.tables.frames import Row
+from crankbase.units.quantity import format_quantity
+from dynamics.assessment.largest_amplitude import largest_amplitude
+from dynamics.assessment.limits import VibrationLimit
+from dynamics.response.series import OrderSeries
+
+# Numbers of cylinders that fail together, from 1.
+Cylinders = tuple[int, ...]
+
+
+@summarized("place", "speed [rad/s]", "value", "permitted", "used")
+@dataclass(frozen=True)
+class Reached:
+    """The worst of a quantity at running speeds.
+
+    Attributes
+    ----------
+    place : str
+        Node or element.
+    speed : float
+        [rad/s].
+    value : float
+        Amplitude, all orders together, in the quantity's unit; inf where unbounded.
+    permitted : float
+        At this speed; inf where no limit is stated.
+    """
+
+    place: str
+    speed: float
+    value: float
+    permitted: float
+
+    @property
+    def used(self) -> float:
+        """Share of the permitted amplitude; 0 where no limit is stated."""
+        return 0.0 if np.isinf(self.permitted) else self.value / self.permitted
+
+    @property
+    def severity(self) -> tuple[float, float]:
+        """What cases are compared by: the used share, and without a limit the value."""
+        return self.used, self.value
+
+
+@summarized("quantity", "unit", "normal", "cylinders", "misfiring")
+@dataclass(frozen=True, eq=False)
+class FiringCheck:
+    """One quantity in normal firing, and in the worst case of misfiring.
+
+    Attributes
+    ----------
+    quantity : str
+        Such as "torsional stress of crankshaft".
+    unit : str
+        SI unit of the values.
+    limit : VibrationLimit or None
+    normal : Reached
+        With all cylinders firing, held against the limit for continuous running.
+    cylinders : tuple of int
+        Those that fail in the worst case.
+    misfiring : Reached
+        In the worst case, held against the limit while misfiring, `VibrationLimit.misfiring`.
+    each : dict
+        Cylinders that fail to the worst then.
+    """
+
+    quantity: str
+    unit: str
+    limit: VibrationLimit | None
+    normal: Reached
+    cylinders: Cylinders
+    misfiring: Reached
+    each: Mapping[Cylinders, Reached]
+
+    @property
+    def passed(self) -> bool:
+        """Whether the limit while misfiring is kept at running speeds."""
+        return self.misfiring.used <= 1.0
+
+    @property
+    def sentence(self) -> str:
+        """What was found while misfiring, and beside it normal firing."""
+        own, unit = self.misfiring, self.unit
+        speed = format_quantity(own.speed, "rad/s", 4)
+        place = f"With {named(self.cylinders)} misfiring, {self.quantity}, {own.place}"
+        allowed = "" if np.isinf(own.permitted) else format_quantity(own.permitted, unit, 4)
+        if np.isinf(own.value):
+            found = f"is unbounded at {speed}"
+        else:
+            reached = format_quantity(own.value, unit, 4)
+            if not allowed:
+                found = f"is at worst {reached} at {speed}"
+            elif self.passed:
+                found = (
+                    f"is at worst {reached} at {speed}, {100.0 * own.used:.3g} % of the {allowed} "
+                    "permitted then"
+                )
+            else:
+                found = f"reaches {reached} at {speed}, {own.used:.3g} times the {allowed} permitted then"
+        normal = (
+            "unbounded"
+            if np.isinf(self.normal.value)
+            else format_quantity(self.normal.value, unit, 4)
+        )
+        other = format_quantity(self.normal.speed, "rad/s", 4)
+        return f"{place}: {found}; with all cylinders firing {normal} at {other}."
+
+    def row(self) -> Row:
+        """Return what a table shows, each value with its unit; see `table_of`."""
+        found: Row = {"quantity": (self.quantity, ""), "unit": (self.unit, "")}
+        for name, one in (("normal", self.normal), ("misfiring", self.misfiring)):
+            found |= {
+                f"{name}_place": (one.place, ""),
+                f"{name}_speed": (one.speed, "rad/s"),
+                f"{name}_value": (one.value, "SI, see the column unit"),
+                f"{name}_permitted": (one.permitted, "SI, see the column unit"),
+                f"{name}_used": (one.used, "1"),
+            }
+        return found | {"cylinders": (named(self.cylinders), "")}
+
+
+def named(cylinders: Cylinders) -> str:
+    """Name cylinders, such as "cylinder 4" or "cylinders 3, 5"."""
+    numbers = ", ".join(str(number) for number in cylinders)
+    return f"cylinder{'' if len(cylinders) == 1 else 's'} {numbers}"
+
+
+def permitted_at(limit: VibrationLimit | None, speeds: FloatArray) -> FloatArray:
+    """Return what is permitted at speeds [rad/s]; inf where nothing is stated, or there is no limit."""
+    if limit is None:
+        return np.full(speeds.shape, np.inf)
+    return limit.continuous.at(speeds)
+
+
+def weights(limit: VibrationLimit | None, speeds: FloatArray) -> FloatArray:
+    """Return one over what is permitted at each speed; without a limit one everywhere."""
+    return np.ones(speeds.shape) if limit is None else 1.0 / permitted_at(limit, speeds)
+
+
+def worst_of(series: OrderSeries, limit: VibrationLimit | None) -> Reached:
+    """Return the worst of a quantity: where most of a limit is used, or the largest without one."""
+    value, speed, place = largest_amplitude(series, weights(limit, series.speeds))
+    permitted = permitted_at(limit, series.speeds[[speed]])
+    return Reached(
+        place=series.names[place],
+        speed=float(series.speeds[speed]),
+        value=value,
+        permitted=float(permitted[0]),
+    )

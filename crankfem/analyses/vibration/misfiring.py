@@ -1,0 +1,303 @@
+"""Misfiring beside normal firing: the worst of all cylinders, by adding up answers of the chains."""
+
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from crankbase.checks.arrays import FloatArray
+from crankbase.errors import InputError
+from crankbase.summaries import summarized
+from crankbase.tables.frames import table_of
+from crankfem.analyses.vibration.chain_answers import EngineChains
+from crankfem.analyses.vibration.engine_excitation import (
+    calculated_speeds,
+    failing_harmonics,
+    forces_over_speeds,
+    merged_speeds,
+)
+from crankfem.analyses.vibration.engine_limits import (
+    compared_quantities,
+    compared_series,
+)
+from crankfem.analyses.vibration.firing_check import (
+    Cylinders,
+    FiringCheck,
+    Reached,
+    named,
+    weights,
+    worst_of,
+)
+from crankfem.files.engine.engine_file import EngineFile
+from crankfem.files.engine.mechanism_file import MechanismFile
+from dynamics.assessment.largest_amplitude import speeds_above
+from dynamics.assessment.limit_sentences import shown_range
+from dynamics.assessment.worst_speeds import NEARLY_LARGEST, refined_maxima
+from dynamics.excitation.cylinder_harmonics import CylinderHarmonics
+from dynamics.excitation.cylinders import CylinderForces, forces_at_speeds
+from dynamics.response.series import OrderSeries
+from dynamics.running_limits import within
+
+# Just beyond the speed at which a limit ends, as a share of it.
+BEYOND = 1e-6
+# By the key of `compared_quantities`.
+Series = dict[str, OrderSeries]
+Found = dict[str, dict[Cylinders, Reached]]
+
+
+@summarized("cases", "missing_share", "compression", "checks", "exceeded [rad/s]", "remarks")
+@dataclass(frozen=True, eq=False)
+class Misfiring:
+    """What vibrates most while cylinders misfire, beside normal firing, at running speeds.
+
+    Attributes
+    ----------
+    cases : tuple of tuples of int
+        Numbers of the cylinders that fail together, a tuple for each case that was calculated.
+    missing_share : float
+        Share of the combustion that is missing in each of them.
+    compression : bool
+        Whether they still compress.
+    checks : tuple of FiringCheck
+        Each quantity with its own worst case, those with a limit first, the worst use first.
+    exceeded : tuple of pairs of floats
+        Ranges of running speeds in which a limit while misfiring is exceeded in any of the cases, each
+        widened to the next speeds at which all are kept [rad/s].
+    """
+
+    cases: tuple[Cylinders, ...]
+    missing_share: float
+    compression: bool
+    checks: tuple[FiringCheck, ...]
+    exceeded: tuple[tuple[float, float], ...]
+
+    @property
+    def worst(self) -> FiringCheck:
+        """The quantity of which most of the limit while misfiring is used."""
+        return self.checks[0]
+
+    @property
+    def passed(self) -> bool:
+        """Whether all limits while misfiring are kept at running speeds."""
+        return self.worst.passed
+
+    @property
+    def sentence(self) -> str:
+        """The worst finding while misfiring, beside normal firing."""
+        if not self.exceeded:
+            return self.worst.sentence
+        ranges = ", ".join(shown_range(*one) for one in self.exceeded)
+        who = named(self.cases[0]) if len(self.cases) == 1 else "a cylinder"
+        return f"{self.worst.sentence} While {who} misfires limits are exceeded from {ranges}."
+
+    @property
+    def remarks(self) -> tuple[str, ...]:
+        """What was assumed, a sentence each."""
+        one = len(self.cases) == 1
+        which = named(self.cases[0]) if one else f"each of {len(self.cases)} cylinders in turn"
+        share = 100.0 * self.missing_share
+        still = "compression stays" if self.compression else "compression is missing as well"
+        return (
+            f"misfiring of {which}: {share:.3g} % of the combustion is missing, {still}; the others fire as "
+            "before, so that the mean torque is less",
+            "while misfiring the limit for passing holds at speeds for which it is stated, elsewhere that "
+            "for continuous running; running speeds alone are judged",
+        )
+
+    def to_pandas(self) -> Any:
+        """Return a table with a row for each quantity: normal firing and misfiring side by side.
+
+        Returns
+        -------
+        pandas.DataFrame
+            Units are in ``frame.attrs["units"]``; values are in the unit that the row names.
+
+        Raises
+        ------
+        MissingLibraryError
+            If pandas is not installed.
+        """
+        return table_of(self.checks)
+
+
+def misfiring_or_reason(
+    chains: EngineChains,
+    mechanism: MechanismFile,
+    harmonics: CylinderHarmonics,
+) -> tuple[Misfiring | None, str]:
+    """Calculate the vibration while cylinders misfire; without a section [misfire] each one in turn.
+
+    Parameters
+    ----------
+    chains : EngineChains
+    mechanism : MechanismFile
+    harmonics : CylinderHarmonics
+        Of normal firing.
+
+    Returns
+    -------
+    misfiring : Misfiring or None
+    reason : str
+        Why it was not calculated, or "".
+
+    Raises
+    ------
+    InputError
+        If the file has a section [misfire] and the pressure without combustion is not known.
+    """
+    file = chains.engine_file
+    try:
+        failing = failing_harmonics(file, mechanism, harmonics)
+    except InputError as error:
+        if file.misfire is not None:
+            raise
+        return None, f"misfiring is not calculated: {error}"
+    engine = file.engine
+    speeds = merged_speeds(
+        calculated_speeds(file, harmonics.orders, chains.damped), _limits_bend_at(file)
+    )
+    running = speeds[within(speeds, engine.lowest_speed, engine.highest_speed)]
+    return _misfiring(_Superposition(chains, harmonics, failing), running), ""
+
+
+def _limits_bend_at(engine_file: EngineFile) -> list[float]:
+    """Return speeds at which a limit may bend or jump: the rated one, and where passing ends [rad/s]."""
+    limits = [one.limit for one in compared_quantities(engine_file).values()]
+    ends = [one.passing.high for one in limits if one is not None and one.passing is not None]
+    finite = [end for end in ends if np.isfinite(end)]
+    return [engine_file.engine.rated_speed, *finite, *(end * (1.0 + BEYOND) for end in finite)]
+
+
+@dataclass(frozen=True, eq=False)
+class _Superposition:
+    """Adds what missing combustion changes to normal firing, for chains are linear."""
+
+    chains: EngineChains
+    firing: CylinderHarmonics
+    failing: CylinderHarmonics
+
+    def at(
+        self, speeds: FloatArray, cases: Iterable[Cylinders]
+    ) -> Iterator[tuple[Cylinders, Series]]:
+        """Return the compared quantities in each case; without a failing cylinder firing is normal."""
+        file = self.chains.engine_file
+        share = 1.0 if file.misfire is None else file.misfire.missing_share
+        forces = forces_over_speeds(file, self.firing, speeds)
+        # There is no load to ask for: where nothing burns a single diagram serves, or none.
+        cold = forces_at_speeds(self.failing, speeds)
+        normal = compared_series(file, *self.chains.answers(forces))
+        for case in cases:
+            if not case:
+                yield case, normal
+                continue
+            missing = _difference(forces, cold, case, share)
+            change = compared_series(file, *self.chains.answers(missing, propeller=False))
+            yield case, {key: _sum(normal[key], own) for key, own in change.items()}
+
+
+def _misfiring(added: _Superposition, speeds: FloatArray) -> Misfiring:
+    """Find the worst case of each quantity, and its speed closer than the grid."""
+    file = added.chains.engine_file
+    given = file.misfire
+    cases: tuple[Cylinders, ...] = tuple((n + 1,) for n in range(file.engine.cylinders))
+    if given is not None and given.cylinders is not None:
+        cases = (given.cylinders,)
+    quantities = compared_quantities(file)
+    each: Found = {}
+    exceeded = np.zeros(speeds.shape, dtype=bool)
+    for case, found in added.at(speeds, [(), *cases]):
+        for key, series in found.items():
+            limit = quantities[key].while_firing(case)
+            each.setdefault(key, {})[case] = worst_of(series, limit)
+            if case and limit is not None:
+                exceeded = speeds_above(series, weights(limit, speeds), exceeded)
+    _refine(added, speeds, each)
+    worst = {key: max(cases, key=lambda case: own[case].severity) for key, own in each.items()}
+    checks = [
+        FiringCheck(
+            quantity=quantities[key].name,
+            unit=quantities[key].unit,
+            limit=quantities[key].limit,
+            normal=own.pop(()),
+            cylinders=worst[key],
+            misfiring=own[worst[key]],
+            each=own,
+        )
+        for key, own in each.items()
+    ]
+    return Misfiring(
+        cases=cases,
+        missing_share=1.0 if given is None else given.missing_share,
+        compression=given is None or given.compression,
+        checks=tuple(sorted(checks, key=lambda one: (one.limit is None, -one.misfiring.used))),
+        exceeded=_ranges(speeds, exceeded),
+    )
+
+
+def _ranges(speeds: FloatArray, flags: NDArray[np.bool_]) -> tuple[tuple[float, float], ...]:
+    """Return the ranges of flagged speeds, each widened to the next speeds that are not."""
+    edges = np.diff(np.concatenate(([0], flags.astype(int), [0])))
+    last = speeds.size - 1
+    starts, stops = np.flatnonzero(edges == 1), np.flatnonzero(edges == -1)
+    return tuple(
+        (float(speeds[max(start - 1, 0)]), float(speeds[min(stop, last)]))
+        for start, stop in zip(starts.tolist(), stops.tolist(), strict=True)
+    )
+
+
+def _refine(added: _Superposition, speeds: FloatArray, each: Found) -> None:
+    """Look for the worst speeds of normal firing and of the worst cases between their neighbors."""
+    quantities = compared_quantities(added.chains.engine_file)
+    pairs = []
+    for key, own in each.items():
+        most = max(one.severity for case, one in own.items() if case)
+        near_worst = tuple(NEARLY_LARGEST * size for size in most)
+        pairs += [
+            (key, case) for case, one in own.items() if not case or one.severity >= near_worst
+        ]
+    cases = list(dict.fromkeys(case for _, case in pairs))
+    best = {pair: each[pair[0]][pair[1]] for pair in pairs}
+
+    def used(some: FloatArray) -> FloatArray:
+        found = dict(added.at(some, cases))
+        rows = []
+        for key, case in pairs:
+            own = _at_place(found[case][key], best[key, case].place).synthesis.amplitude[:, 0]
+            factors = weights(quantities[key].while_firing(case), some)
+            rows.append(np.where(np.isfinite(own), own * factors, 0.0))
+        return np.array(rows)
+
+    tops = np.searchsorted(speeds, [one.speed for one in best.values()])
+    near = np.unique(np.clip([tops - 1, tops, tops + 1], 0, speeds.size - 1))
+    closer = np.union1d(refined_maxima(used, speeds[near]), speeds[tops])
+    for case, found in added.at(closer, cases):
+        for key, of in pairs:
+            if of == case:
+                each[key][case] = worst_of(found[key], quantities[key].while_firing(case))
+
+
+def _difference(
+    firing: CylinderForces, cold: CylinderForces, case: Cylinders, share: float
+) -> CylinderForces:
+    """Return what a share of the combustion that is missing in some cylinders changes."""
+    factors = np.zeros(len(firing.throws))
+    factors[[number - 1 for number in case]] = share
+    names = ("tangential", "radial", "mean_tangential", "mean_radial")
+    changed = {name: factors * (getattr(cold, name) - getattr(firing, name)) for name in names}
+    return replace(firing, **changed)
+
+
+def _sum(one: OrderSeries, other: OrderSeries) -> OrderSeries:
+    """Return the sum of two series; a propeller's orders may be missing in the second."""
+    places = np.searchsorted(one.orders, other.orders)
+    values, unbounded = one.values.copy(), one.unbounded.copy()
+    values[places] += other.values
+    unbounded[places] |= other.unbounded
+    return replace(one, values=values, unbounded=unbounded)
+
+
+def _at_place(series: OrderSeries, name: str) -> OrderSeries:
+    place = series.names.index(name)
+    return replace(series, values=series.values[:, :, [place]], names=(name,))

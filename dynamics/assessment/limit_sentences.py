@@ -1,0 +1,38 @@
+"""How far limits are used, and over which speeds, in words."""
+
+import numpy as np
+
+from crankbase.units.quantity import format_quantity
+from dynamics.assessment.limits import VibrationLimit
+
+# A limit that is used up to this share is told by what is above it.
+SLIGHT = 1.5
+
+
+def use_in_words(limit: VibrationLimit, speed: float, value: float, permitted: float) -> str:
+    """Say what a quantity reaches at a speed [rad/s] of what is permitted there."""
+    at, allowed = format_quantity(speed, "rad/s", 4), format_quantity(permitted, limit.unit, 4)
+    used = value / permitted
+    if np.isinf(value):
+        return f"is unbounded at {at}, where {allowed} is permitted"
+    reached = format_quantity(value, limit.unit, 4)
+    if used <= 1.0:
+        return f"is at worst {reached} at {at}, {100.0 * used:.3g} % of the permitted {allowed}"
+    if used < SLIGHT:
+        return (
+            f"reaches {reached} at {at}, which exceeds the permitted {allowed} {shown_excess(used)}"
+        )
+    return f"reaches {reached} at {at}, {used:.3g} times the permitted {allowed}"
+
+
+def shown_excess(used: float) -> str:
+    """Write how far a limit is exceeded, such as "by 0.2 %" or "2.3 times", from its used share."""
+    if np.isinf(used):
+        return "without bounds"
+    return f"by {100.0 * (used - 1.0):.2g} %" if used < SLIGHT else f"{used:.3g} times"
+
+
+def shown_range(low: float, high: float) -> str:
+    """Write a range of speeds [rad/s] in 1/min."""
+    first = format_quantity(low, "rad/s", 4).removesuffix(" 1/min")
+    return f"{first} to {format_quantity(high, 'rad/s', 4)}"
