@@ -1,0 +1,185 @@
+"""What a run concludes, in a few sentences: what is reached, why, what may be barred, and what to do."""
+
+from collections.abc import Mapping
+from typing import Any
+
+from crankbase.units.number_formats import fixed, format_usage
+from crankfem.report.text_filters import quantity, sentence
+
+Record = Mapping[str, Any]
+MOST_SENTENCES = 6
+RESONANT = ("at resonance", "near resonance")
+# Of what orders at resonance make together, the share from which a mode is named.
+LEAST_SHARE = 0.1
+NOT_JUDGED = "Not judged: no gas pressure is given"
+DIGITS, MOST_DIGITS = 3, 6
+
+
+def headline(results: Record) -> str:
+    """Return the verdict of a run in a few words.
+
+    Parameters
+    ----------
+    results : mapping
+        Content of results.json.
+    """
+    assessment = results["vibration"]["assessment"]
+    return NOT_JUDGED if assessment is None else str(assessment["sentence"]).partition(":")[0]
+
+
+def verdict_line(results: Record) -> str:
+    """Return the verdict of a run in one line: the headline, and the limit that is used most.
+
+    Parameters
+    ----------
+    results : mapping
+        Content of results.json.
+    """
+    assessment = results["vibration"]["assessment"]
+    if assessment is None:
+        return f"Verdict: {NOT_JUDGED}."
+    worst = assessment["checks"][0]
+    used = "unbounded" if worst["used"] is None else f"{format_usage(worst['used'])} of its limit"
+    return f"Verdict: {headline(results)}: {worst['limit']} {used}."
+
+
+def conclusions(results: Record) -> list[str]:
+    """Return what follows from the results of a run, in at most six statements.
+
+    Parameters
+    ----------
+    results : mapping
+        Content of results.json. Every number of a statement is one of these, or follows from them as the
+        statement says.
+
+    Returns
+    -------
+    list of str
+        What is reached of the limit used most and where, which orders make it, which speeds may be
+        barred, what decides by assumption, how the whole crankshaft differs, and what to change or give.
+    """
+    assessment = results["vibration"]["assessment"]
+    if assessment is None:
+        return _without_forces(results)
+    worst = assessment["checks"][0]
+    cause = worst.get("cause")
+    found = [
+        _reached(assessment),
+        "" if cause is None else sentence(cause["sentence"]),
+        " ".join(_ranges(assessment)),
+        _assumed(results),
+        " ".join(assessment.get("beside", ())),
+        _advice(assessment),
+    ]
+    return [one for one in found if one][:MOST_SENTENCES]
+
+
+def reached_and_permitted(check: Record) -> tuple[str, str]:
+    """Write what is reached and what is permitted with three digits, or as many as tell them apart.
+
+    Parameters
+    ----------
+    check : mapping
+        One of the checks of an assessment's record.
+
+    Examples
+    --------
+    >>> reached_and_permitted({"value": 22.28e6, "permitted": 22.27e6, "unit": "Pa"})
+    ('22.28 MPa', '22.27 MPa')
+    """
+    value, permitted, unit = check["value"], check["permitted"], check["unit"]
+    for digits in range(DIGITS, MOST_DIGITS + 1):
+        shown = quantity(value, unit, digits), quantity(permitted, unit, digits)
+        if shown[0] != shown[1] or value == permitted:
+            break
+    return shown
+
+
+def _reached(assessment: Record) -> str:
+    worst = assessment["checks"][0]
+    reached, permitted = reached_and_permitted(worst)
+    share = (
+        f"permitted is {permitted}"
+        if worst["used"] is None
+        else f"{format_usage(worst['used'])} of the permitted {permitted}"
+    )
+    failed = sum(not one["passed"] for one in assessment["checks"])
+    others = failed - 1
+    more = f"; {others} more {'place exceeds' if others == 1 else 'places exceed'} a limit"
+    return (
+        f"{worst['limit'].capitalize()}, {worst['place']}: {reached} at {fixed(worst['speed_rpm'])} "
+        f"1/min, {share}{more if others > 0 else ''}."
+    )
+
+
+def _ranges(assessment: Record) -> list[str]:
+    return [
+        f"{one['shown']} cannot be barred: {'; '.join(one['refusals'])}."
+        if not one["allowed"]
+        else f"{one['shown']} {fine}."
+        for name, fine in (("barred", "may be barred"), ("started_through", "is passed on every start"))
+        for one in assessment[name]
+    ]
+
+
+def _assumed(results: Record) -> str:
+    """Say which limits are assumed, what is not judged, and how many inputs are assumed."""
+    assessment, inputs = results["vibration"]["assessment"], results["inputs"]
+    limits = assessment["limits"]
+    found = [
+        f"The limit on {one['name']} is assumed ({one['source']}): give the maker's."
+        for one in limits
+        if one["assumed"]
+    ]
+    if not any(one["name"].startswith("axial") for one in limits):
+        found.append(
+            "Axial vibration is not judged: give limits.axial_amplitude or limits.axial_force."
+        )
+    count = sum(bool(one["assumed"]) for one in inputs)
+    if count:
+        found.append(f"{count} of {len(inputs)} inputs are assumed.")
+    return " ".join(found)
+
+
+def _advice(assessment: Record) -> str:
+    """Say whether more damping can help at the worst place, where a limit is exceeded.
+
+    What the orders away from resonance make at the instant of the peak, their sum reaches at least; so where
+    that alone exceeds the limit, no damping keeps it.
+    """
+    worst = assessment["checks"][0]
+    cause = worst.get("cause")
+    if worst["passed"] or cause is None or worst["value"] is None or not cause.get("orders"):
+        return ""
+    resonant = [one for one in cause["orders"] if one["state"] in RESONANT]
+    made = sum(one["contribution"] for one in resonant)
+    left = {**worst, "value": worst["value"] - made}
+    rest, permitted = reached_and_permitted(left)
+    fall = f"{worst['limit'].capitalize()} must fall by {format_usage(1.0 - 1.0 / worst['used'])}"
+    if left["value"] > worst["permitted"]:
+        return (
+            f"{fall}; more damping alone cannot do that: the orders away from resonance make {rest} there, "
+            f"the permitted is {permitted}. Lessen what excites them, or strengthen the shaft."
+        )
+    least = LEAST_SHARE * made
+    modes = sorted({(one["kind"], one["mode"]) for one in resonant if one["contribution"] > least})
+    named = " and ".join(f"{kind} mode {mode}" for kind, mode in modes)
+    return (
+        f"{fall}; the orders away from resonance make {rest} there, the permitted is {permitted}: more "
+        f"damping, or another frequency of {named}, may do that at this speed."
+    )
+
+
+def _without_forces(results: Record) -> list[str]:
+    engine, vibration = results["engine"], results["vibration"]
+    count = sum(len(vibration[kind]["criticals"]) for kind in ("axial", "torsional"))
+    inputs = results["inputs"]
+    assumed = sum(bool(one["assumed"]) for one in inputs)
+    one = count == 1
+    return [
+        "Amplitudes and stresses are not calculated, so nothing can be held against limits.",
+        f"{count} critical speed{'' if one else 's'} of orders up to {engine['highest_order']:g} "
+        f"{'lies' if one else 'lie'} in the running range.",
+        *([f"{assumed} of {len(inputs)} inputs are assumed."] if assumed else []),
+        "With a section [gas] the engine file gives what excites vibration.",
+    ]
