@@ -64,6 +64,7 @@ GROUPS: dict[str, tuple[str, dict[str, str]]] = {
             "test_damper_optimum": "Den Hartog's optima",
             "test_damped_criticals": "matrices, solved speed by speed",
             "test_engines_of_our_own": "matrices, solved speed by speed",
+            "test_elastic_bearings": "matrices put together by hand",
             "test_gas_cycle": "ideal cycles of thermodynamics",
             "test_known_balance": "series of the slider-crank, handbooks",
             "test_named_throws": "sums and matrices by hand",

@@ -173,7 +173,9 @@ def shaft_modes():
     names = ("rotation about the shaft axis", "mode 1", "mode 2")
     motions = rising(4, 6, 3) - 30.0
     places = np.array([0.0, 0.4, 0.2, 0.6])
-    return ShaftModes(np.array([0.0, 300.0, 500.0]), np.eye(3), 1, names, shares, motions, places)
+    return ShaftModes(
+        np.array([0.0, 300.0, 500.0]), np.eye(3), 1, names, shares, np.ones(3), motions, places
+    )
 
 
 @cache

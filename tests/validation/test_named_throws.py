@@ -7,8 +7,8 @@ more with numpy alone:
 
 - balance: masses at their centers, at the angle and the place of each crank, and moments about the middle;
 - chains: rods as two masses at their pins and half of what moves with the piston at each crank; compliances
-  from both stiffnesses turned to the crank angles and put in a row, with sections held laterally and free to
-  tilt; half of a throw's compliance on either side of its crank;
+  from both stiffnesses turned to the crank angles and put in a row, with sections on springs across the shaft
+  and free to tilt; half of a throw's compliance on either side of its crank;
 - the whole crankshaft: where its sections stand, and its mass by the throws' mass matrices.
 
 Tolerances: both sides are the same linear algebra on systems of 24 unknowns, whose condition number (1e7 in
@@ -34,6 +34,8 @@ NAMES = ("heavy", "plain", "plain")
 ANGLES = np.radians([0.0, 240.0, 120.0])
 RADIUS, ROD, ROTATING, PISTON = 0.064, 2.5, 1.75, 1.3
 FREE_END, FLYWHEEL_INERTIA, FLYWHEEL_MASS, THRUST = 0.01, 0.78, 28.0, 2e8
+# The file gives none: 1e10 N/m per m of the journal at the free end.
+BEARING = 1e10 * 0.078
 # Between journals' middles: journal, pin and two webs.
 LENGTHS = {"heavy": 0.036 + 0.038 + 0.050, "plain": 0.034 + 0.036 + 0.050}
 STARTS = np.cumsum([0.0, *(LENGTHS[name] for name in NAMES)])
@@ -127,8 +129,9 @@ def in_a_row(analyses):
         whole = np.kron(np.eye(4), turn(angle))
         part = slice(6 * place, 6 * place + 12)
         stiffness[part, part] += whole @ analyses[name].stiffness @ whole.T
-    held = [6 * section + axis for section in range(len(NAMES) + 1) for axis in (0, 1)] + [2, 5]
-    free = np.setdiff1d(np.arange(size), held)
+    across = [6 * section + axis for section in range(len(NAMES) + 1) for axis in (0, 1)]
+    stiffness[across, across] += BEARING
+    free = np.setdiff1d(np.arange(size), [2, 5])
     motions = np.zeros((size, 2))
     loads = np.zeros((size, 2))
     loads[[size - 4, size - 1], [0, 1]] = 1.0
