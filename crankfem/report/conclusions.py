@@ -7,7 +7,6 @@ from crankbase.units.number_formats import fixed, format_usage
 from crankfem.report.text_filters import quantity, sentence
 
 Record = Mapping[str, Any]
-MOST_SENTENCES = 6
 RESONANT = ("at resonance", "near resonance")
 # Of what orders at resonance make together, the share from which a mode is named.
 LEAST_SHARE = 0.1
@@ -23,8 +22,21 @@ def headline(results: Record) -> str:
     results : mapping
         Content of results.json.
     """
-    assessment = results["vibration"]["assessment"]
-    return NOT_JUDGED if assessment is None else str(assessment["sentence"]).partition(":")[0]
+    vibration = results["vibration"]
+    assessment = vibration["assessment"]
+    if assessment is None:
+        return NOT_JUDGED
+    said = "Undecided" if undecided(assessment) else str(assessment["sentence"]).partition(":")[0]
+    failing = vibration.get("misfiring")
+    if failing is None or failing["passed"] is not False:
+        return said
+    normal = " with all cylinders firing" if assessment["status"] == "fine" else ""
+    return f"{said}{normal}; limits are exceeded while a cylinder misfires"
+
+
+def undecided(assessment: Record) -> bool:
+    """Whether the verdict changes with values that are assumed."""
+    return bool((assessment.get("decision") or {}).get("status") == "undecided")
 
 
 def verdict_line(results: Record) -> str:
@@ -55,23 +67,27 @@ def conclusions(results: Record) -> list[str]:
     Returns
     -------
     list of str
-        What is reached of the limit used most and where, which orders make it, which speeds may be
-        barred, what decides by assumption, how the whole crankshaft differs, and what to change or give.
+        What is reached of the limit used most and where, which orders make it and what can help, which
+        speeds may be barred, what misfiring does, what decides by assumption and should be given, and how
+        the whole crankshaft differs.
     """
     assessment = results["vibration"]["assessment"]
     if assessment is None:
         return _without_forces(results)
-    worst = assessment["checks"][0]
-    cause = worst.get("cause")
+    cause = assessment["checks"][0].get("cause")
     found = [
         _reached(assessment),
-        "" if cause is None else sentence(cause["sentence"]),
+        " ".join(
+            filter(
+                None, ("" if cause is None else sentence(cause["sentence"]), _advice(assessment))
+            )
+        ),
         " ".join(_ranges(assessment)),
+        _misfiring(results["vibration"]),
         _assumed(results),
         " ".join(assessment.get("beside", ())),
-        _advice(assessment),
     ]
-    return [one for one in found if one][:MOST_SENTENCES]
+    return [one for one in found if one]
 
 
 def reached_and_permitted(check: Record) -> tuple[str, str]:
@@ -106,8 +122,10 @@ def _reached(assessment: Record) -> str:
     failed = sum(not one["passed"] for one in assessment["checks"])
     others = failed - 1
     more = f"; {others} more {'place exceeds' if others == 1 else 'places exceed'} a limit"
+    condition = "With the values assumed: " if undecided(assessment) else ""
+    limit = worst["limit"] if condition else worst["limit"].capitalize()
     return (
-        f"{worst['limit'].capitalize()}, {worst['place']}: {reached} at {fixed(worst['speed_rpm'])} "
+        f"{condition}{limit}, {worst['place']}: {reached} at {fixed(worst['speed_rpm'])} "
         f"1/min, {share}{more if others > 0 else ''}."
     )
 
@@ -117,16 +135,22 @@ def _ranges(assessment: Record) -> list[str]:
         f"{one['shown']} cannot be barred: {'; '.join(one['refusals'])}."
         if not one["allowed"]
         else f"{one['shown']} {fine}."
-        for name, fine in (("barred", "may be barred"), ("started_through", "is passed on every start"))
+        for name, fine in (
+            ("barred", "may be barred"),
+            ("started_through", "is passed on every start"),
+        )
         for one in assessment[name]
     ]
 
 
 def _assumed(results: Record) -> str:
-    """Say which limits are assumed, what is not judged, and how many inputs are assumed."""
-    assessment, inputs = results["vibration"]["assessment"], results["inputs"]
+    """Say what decides by assumption, which limits are assumed, what is not judged, and the load."""
+    vibration, inputs = results["vibration"], results["inputs"]
+    assessment = vibration["assessment"]
     limits = assessment["limits"]
-    found = [
+    decision = (assessment.get("decision") or {}).get("sentence")
+    found = [sentence(decision)] if decision else []
+    found += [
         f"The limit on {one['name']} is assumed ({one['source']}): give the maker's."
         for one in limits
         if one["assumed"]
@@ -135,10 +159,20 @@ def _assumed(results: Record) -> str:
         found.append(
             "Axial vibration is not judged: give limits.axial_amplitude or limits.axial_force."
         )
+    load = vibration.get("load")
+    if load is not None and load["rated"] is not None and not load["rated"]["consistent"]:
+        found.append(sentence(load["rated"]["sentence"]))
     count = sum(bool(one["assumed"]) for one in inputs)
     if count:
         found.append(f"{count} of {len(inputs)} inputs are assumed.")
     return " ".join(found)
+
+
+def _misfiring(vibration: Record) -> str:
+    """Say what misfiring does; nothing of older runs, which have not calculated it."""
+    found = vibration.get("misfiring")
+    said = vibration.get("misfiring_note") if found is None else found["sentence"]
+    return sentence(said) if said else ""
 
 
 def _advice(assessment: Record) -> str:

@@ -1,4 +1,4 @@
-"""A schematic of the engine: cylinders and cranks, flywheel, damper and line along the shaft, and the star."""
+"""A schematic of the engine: cylinders and cranks, flywheel, damper and line along the shaft, and a star."""
 
 import math
 from collections.abc import Mapping
@@ -73,7 +73,7 @@ def _places(nodes: list[str]) -> tuple[list[str], list[int], set[str]]:
 
 def _radius(inertia: float, largest: float) -> float:
     """Of a disc of equal width, whose inertia grows with the fourth power of its radius."""
-    return max(LEAST_DISC, LARGEST_DISC * (inertia / largest) ** 0.25)
+    return max(LEAST_DISC, LARGEST_DISC * math.sqrt(math.sqrt(inertia / largest)))
 
 
 def _line(x: float, y: float, to_x: float, to_y: float, width: float, color: str = LINE) -> Markup:
@@ -83,9 +83,7 @@ def _line(x: float, y: float, to_x: float, to_y: float, width: float, color: str
 
 
 def _disc(x: float, radius: float, *, dashed: bool = False) -> Markup:
-    return Markup(
-        '<rect x="{}" y="{}" width="{}" height="{}" fill="{}" stroke="{}"{}/>'
-    ).format(
+    return Markup('<rect x="{}" y="{}" width="{}" height="{}" fill="{}" stroke="{}"{}/>').format(
         f"{x - (9.0 if dashed else 6.0):.1f}",
         f"{SHAFT - radius:.1f}",
         18 if dashed else 12,
@@ -115,9 +113,9 @@ def _crank(x: float, angle: float, number: str) -> Markup:
             _line(x + web, SHAFT, x + web, pin, 4.0),
             _line(x - web, pin, x + web, pin, 4.0),
             _line(x, pin, x, top, 2.0, ACCENT),
-            Markup(
-                '<rect x="{}" y="{}" width="{}" height="16" fill="{}" stroke="{}"/>'
-            ).format(f"{x - PISTON / 2.0:.1f}", f"{top - 16.0:.1f}", PISTON, FILL, LINE),
+            Markup('<rect x="{}" y="{}" width="{}" height="16" fill="{}" stroke="{}"/>').format(
+                f"{x - PISTON / 2.0:.1f}", f"{top - 16.0:.1f}", PISTON, FILL, LINE
+            ),
             _label(x, top - 4.0, number),
         )
     )

@@ -5,7 +5,7 @@ from typing import Any
 
 from crankbase.units.number_formats import fixed, percent, significant
 from crankfem.analyses.record import Record
-from crankfem.report.conclusions import conclusions, headline
+from crankfem.report.conclusions import conclusions, headline, undecided
 
 KINDS = ("axial", "torsional")
 
@@ -27,8 +27,11 @@ def summary(results: Mapping[str, Any]) -> Record:
     vibration = results["vibration"]
     assessment = vibration["assessment"]
     known = {"fine": "fine", "not acceptable": "bad"}
+    status = "open" if assessment is None else known.get(assessment["status"], "barred")
+    if assessment is not None and undecided(assessment):
+        status = "barred"
     return {
-        "status": "open" if assessment is None else known.get(assessment["status"], "barred"),
+        "status": status,
         "headline": headline(results),
         "sentences": conclusions(results),
         "limits": [] if assessment is None else worst_of_each(assessment["checks"]),

@@ -32,15 +32,14 @@ def speed_table(vibration: Record, units: OutputUnits = SI, most: int = ROWS_SHO
     Table
         Marked are speeds at which the cylinders act together.
     """
-    rows = [
-        _row(one, units)
-        for kind in KINDS
-        for one in _shown(_speeds(vibration, kind), most)
-    ]
+    rows = [_row(one, units) for kind in KINDS for one in _shown(_speeds(vibration, kind), most)]
     columns = [
         Column("vibration", words=True),
         SPEED,
-        *(Column(name, "1/min", decimals=1, bare=True) for name in ("lowest", "highest", "undamped")),
+        *(
+            Column(name, "1/min", decimals=1, bare=True)
+            for name in ("lowest", "highest", "undamped")
+        ),
         *(
             [Column("ring locked", "1/min", decimals=1, bare=True)]
             if any(row["ring locked"] is not None for row in rows)
@@ -61,7 +60,10 @@ def speed_table(vibration: Record, units: OutputUnits = SI, most: int = ROWS_SHO
         "Critical speeds",
         columns,
         [[row[one.name] for one in columns] for row in rows],
-        marks=["chosen" if (row["phase sum"] or 0.0) >= TOGETHER else "" for row in rows],
+        marks=[
+            "chosen" if isinstance(row["phase sum"], float) and row["phase sum"] >= TOGETHER else ""
+            for row in rows
+        ],
     )
 
 
@@ -92,7 +94,12 @@ def _strength(record: Record) -> float:
 
 def _shown(records: list[Record], most: int) -> list[Record]:
     worst = sorted(records, key=lambda one: -_strength(one))[:most]
-    return sorted(worst, key=lambda one: _speed_rpm(one) or float("inf"))
+    return sorted(worst, key=lambda one: (_speed_rpm(one) or float("inf"), _known(one)["order"]))
+
+
+def _known(record: Record) -> Record:
+    """What tells most of a critical speed: its peak, or where it lies without damping, or its margin."""
+    return next(record[part] for part in ("resonance", "critical", "margin") if part in record)
 
 
 def _speed_rpm(record: Record) -> float | None:
@@ -106,7 +113,7 @@ def _row(record: Record, units: OutputUnits) -> dict[str, Cell]:
     kind = record["kind of motion"]
     critical, peak, margin = (record.get(part, {}) for part in ("critical", "resonance", "margin"))
     speed = _speed_rpm(record)
-    known = peak or critical
+    known = _known(record)
     above = not known.get("in_running_range", True) or bool(margin.get("margin"))
     named = peak.get("kind", "")
     return {
@@ -116,8 +123,8 @@ def _row(record: Record, units: OutputUnits) -> dict[str, Cell]:
         "highest": _from_rpm(margin.get("high_rpm")),
         "undamped": _from_rpm(peak.get("undamped_rpm")),
         "ring locked": _from_rpm(peak.get("locked_rpm")),
-        "order": (peak or critical or margin)["order"],
-        "mode": (peak or critical or margin)["mode"],
+        "order": known["order"],
+        "mode": known["mode"],
         "frequency": None if peak else critical.get("frequency"),
         "phase sum": critical.get("phase_sum"),
         "amplitude": _amplitude(peak, kind, units),

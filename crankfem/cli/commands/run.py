@@ -38,8 +38,8 @@ def run(
 ) -> None:
     """Do everything: throw, formulas, study, vibration, and a report, into one folder.
 
-    The verdict is printed first and last, between them what it rests on and leads to; with --verbose all tables
-    besides. With --quiet only the path of the report is printed.
+    The verdict is printed first and last, between them what it rests on and leads to; with --verbose all
+    tables stand there. With --quiet only the path of the report is printed.
     """
     from crankfem.cli.tables.run_tables import print_verdict
     from crankfem.jobs.pipeline import run_engine
@@ -74,11 +74,12 @@ def run(
 
 def _print(results: dict[str, Any], units: "OutputUnits", *, verbose: bool) -> None:
     from crankfem.cli.tables import fit_tables, formula_tables, throw_tables
-    from crankfem.cli.tables.run_tables import print_conclusions
+    from crankfem.cli.tables.run_tables import print_conclusions, print_worst
     from crankfem.cli.tables.vibration_tables import print_run
 
     print_conclusions(results, units)
     if not verbose:
+        print_worst(results, units)
         return
     named = results.get("throws")
     for name, own in named.items() if named else [("", results)]:

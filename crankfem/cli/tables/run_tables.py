@@ -17,7 +17,7 @@ SPEEDS_SHOWN = 2
 
 
 def print_conclusions(results: Mapping[str, Any], units: OutputUnits = SI) -> None:
-    """Print the verdict of a run, what it rests on and leads to, limits and the worst critical speeds.
+    """Print the verdict of a run, and what it rests on and leads to.
 
     Parameters
     ----------
@@ -28,6 +28,17 @@ def print_conclusions(results: Mapping[str, Any], units: OutputUnits = SI) -> No
     print_verdict(results, units)
     for line in conclusions(results):
         print_line(units.text(f"- {line}"))
+
+
+def print_worst(results: Mapping[str, Any], units: OutputUnits = SI) -> None:
+    """Print limits, each at its worst place, and the worst critical speeds.
+
+    Parameters
+    ----------
+    results : mapping
+        Content of results.json.
+    units : OutputUnits, optional
+    """
     vibration = results["vibration"]
     if vibration["assessment"] is not None:
         print_table(_limits(vibration["assessment"]["checks"], units), units, plain=True)
