@@ -197,7 +197,7 @@ def test_where_a_program_reads_lines_are_not_wrapped(results, monkeypatch, capsy
 @pytest.mark.parametrize("verbose", [False, True])
 def test_no_table_of_critical_speeds_is_printed_twice(results, verbose, monkeypatch, capsys):
     assessment = results["vibration"]["assessment"]
-    assessment["running_rpm"] = [200.0, 515.0]
+    assessment |= {"running_rpm": [200.0, 515.0], "beside": []}
     assessment["limits"] = [one | {"judged_to_rpm": 575.0} for one in assessment["limits"]]
     assessment["barred"] = [one | {"ends": "not kept"} for one in assessment["barred"]]
     lines = printed(results, 200, monkeypatch, capsys, verbose)
