@@ -15,6 +15,7 @@ from crankfem.cli.tables.run_tables import print_verdict
 from crankfem.report.conclusions import conclusions, headline, verdict_line
 from crankfem.report.engine_schematic import engine_schematic
 from crankfem.report.summary import summary
+from dynamics.plots.mode_shapes import chain_places, crosses_on_axis
 
 STORED = Path(__file__).with_name("report_results.json")
 NUMBER = re.compile(r"(?<![\w.-])\d+(?:\.\d+)?(?:e-?\d+)?")
@@ -233,3 +234,13 @@ def test_the_schematic_names_what_the_chain_has(results):
     assert text.count("<rect ") == 8
     assert [f">{number}<" in text for number in range(1, 7)] == 6 * [True]
     assert ">1, 6<" in text
+
+
+def test_a_damper_ring_stands_before_the_free_end_and_later_nodes_close_up():
+    # Free end, cylinder, flywheel, ring at the free end, generator behind the flywheel, a disc on a branch.
+    pairs = [(0, 1), (1, 2), (0, 3), (2, 4), (1, 5)]
+    places = chain_places(6, pairs)
+    assert places.tolist() == [0.0, 1.0, 2.0, -1.0, 3.0, 1.5]
+    # A node in the middle of the ring's element, and one on that from cylinder to flywheel.
+    assert crosses_on_axis((2.5, 1.25), pairs, places) == [-0.5, 1.25]
+    assert chain_places(3, [(0, 1), (1, 2)]).tolist() == [0.0, 1.0, 2.0]
