@@ -7,6 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from matplotlib.image import imread
+from typer.testing import CliRunner
 
 from comparing import close
 from crankbase.errors import InputError, MissingLibraryError
@@ -19,7 +20,7 @@ from crankfem.analyses.throw.pictures.stress_picture import (
     render,
 )
 from crankfem.analyses.throw.stress import stress_record
-from crankfem.cli.commands import throw as commands
+from crankfem.cli.app import app
 from crankfem.cli.tables.throw_tables import print_stresses
 from fem import fillet_stress
 from fem.fillet_stress import fillet_stresses
@@ -133,6 +134,14 @@ def test_accuracy_not_met_is_said(found, capsys):
 # ------------------------------------------------------------------------------------------- command
 
 
+def command(*arguments):
+    found = CliRunner().invoke(app, ["stress", "6chn25-34", *map(str, arguments)])
+    if isinstance(found.exception, InputError):
+        raise found.exception
+    assert found.exit_code == 0, found.output
+    return found.stdout
+
+
 @pytest.fixture
 def computed(found, monkeypatch):
     """Let the command find its stresses done; note what it asked for."""
@@ -146,25 +155,25 @@ def computed(found, monkeypatch):
     return asked
 
 
-def test_command_prints_json_and_nothing_else(computed, capsys):
-    commands.stress("6chn25-34", accuracy=0.1, end_sections="averaged", json=True)
-    record = json.loads(capsys.readouterr().out)
+def test_command_prints_json_and_nothing_else(computed):
+    record = json.loads(command("--accuracy", 0.1, "--end-sections", "averaged", "--json"))
     assert record["pictures"] == []
     (throw, _, accuracy), options = computed[0]
     assert (throw.crank_radius, accuracy, options) == (0.17, 0.1, {"end_sections": "averaged"})
 
 
-def test_command_writes_pictures(computed, capsys, monkeypatch, tmp_path):
+def test_command_writes_pictures(computed, monkeypatch, tmp_path):
     monkeypatch.setattr(
         stress_picture, "picture_stresses", lambda _, folder: (folder / "stress-axial.png",)
     )
-    commands.stress("6chn25-34", pictures=tmp_path / "made")
-    assert f"{tmp_path / 'made' / 'stress-axial.png'} written." in capsys.readouterr().out
+    said = command("--pictures", tmp_path / "made")
+    assert f"{tmp_path / 'made' / 'stress-axial.png'} written." in said.replace("\n", "")
 
 
 def test_command_refuses_a_folder_that_cannot_be_made(computed, tmp_path):
-    with pytest.raises(InputError, match="there is no folder"):
-        commands.stress("6chn25-34", pictures=tmp_path / "missing" / "made")
+    (tmp_path / "file").touch()
+    with pytest.raises(InputError, match="a file stands in its way"):
+        command("--pictures", tmp_path / "file" / "made")
     assert not computed
 
 

@@ -149,7 +149,8 @@ def test_forced_vibration_of_an_engine(run):
     assert torsional.stress.amplitude == close(elastic / modulus)
     # Far below all resonances the engine's torque twists the chain statically; order 3 leads there.
     assert {one.mode for one in torsional.resonances} == {1}
-    assert max(torsional.resonances, key=lambda one: one.severity).order == 12.0
+    # Order 9 is met at 568 1/min, above the running range and below 1.15 of the rated speed.
+    assert max(torsional.resonances, key=lambda one: one.severity).order == 9.0
     # In phase on a rigid shaft, which the first mode resembles but is not.
     assert [one.order for one in torsional.resonances if one.kind == "major"] == [12.0]
 
