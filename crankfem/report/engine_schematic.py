@@ -50,7 +50,7 @@ def engine_schematic(results: Record) -> Markup:
     order = "-".join(str(one) for one in engine["firing_order"])
     said = f"The engine along its shaft: {', '.join(names)}; firing order {order}"
     return Markup(
-        '<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {} {}" role="img" aria-label="{}" '
+        '<svg viewBox="0 0 {} {}" role="img" aria-label="{}" '
         'font-family="sans-serif" font-size="10">{}{}</svg>'
     ).format(
         f"{total:.0f}",
