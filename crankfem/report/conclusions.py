@@ -85,7 +85,7 @@ def conclusions(results: Record) -> list[str]:
         " ".join(_ranges(assessment)),
         _misfiring(results["vibration"]),
         _assumed(results),
-        " ".join(assessment.get("beside", ())),
+        _other_models(results["vibration"]),
     ]
     return [one for one in found if one]
 
@@ -113,21 +113,24 @@ def reached_and_permitted(check: Record) -> tuple[str, str]:
 
 def _reached(assessment: Record) -> str:
     worst = assessment["checks"][0]
-    reached, permitted = reached_and_permitted(worst)
-    share = (
-        f"permitted is {permitted}"
-        if worst["used"] is None
-        else f"{format_usage(worst['used'])} of the permitted {permitted}"
-    )
+    running = worst.get("running")
+    shown = _share(worst, worst["unit"])
+    if running is not None and not worst.get("in_running_range", True):
+        shown = f"{_share(running, worst['unit'])}; above the running range {shown}"
     failed = sum(not one["passed"] for one in assessment["checks"])
     others = failed - 1
     more = f"; {others} more {'place exceeds' if others == 1 else 'places exceed'} a limit"
     condition = "With the values assumed: " if undecided(assessment) else ""
     limit = worst["limit"] if condition else worst["limit"].capitalize()
-    return (
-        f"{condition}{limit}, {worst['place']}: {reached} at {fixed(worst['speed_rpm'])} "
-        f"1/min, {share}{more if others > 0 else ''}."
-    )
+    return f"{condition}{limit}, {worst['place']}: {shown}{more if others > 0 else ''}."
+
+
+def _share(found: Record, unit: str) -> str:
+    reached, permitted = reached_and_permitted({"unit": unit, **found})
+    at = f"{reached} at {fixed(found['speed_rpm'])} 1/min"
+    if found["used"] is None:
+        return f"{at}, permitted is {permitted}"
+    return f"{at}, {format_usage(found['used'])} of the permitted {permitted}"
 
 
 def _ranges(assessment: Record) -> list[str]:
@@ -173,6 +176,13 @@ def _misfiring(vibration: Record) -> str:
     found = vibration.get("misfiring")
     said = vibration.get("misfiring_note") if found is None else found["sentence"]
     return sentence(said) if said else ""
+
+
+def _other_models(vibration: Record) -> str:
+    """Say how the whole crankshaft differs, and whether the verdict hangs on its bearings."""
+    bearings = vibration.get("bearings") or {}
+    found = [*vibration["assessment"].get("beside", ())]
+    return " ".join([*found, *(bearings.get("sentences", ()) if bearings.get("flips") else ())])
 
 
 def _advice(assessment: Record) -> str:

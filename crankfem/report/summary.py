@@ -42,12 +42,34 @@ def summary(results: Mapping[str, Any]) -> Record:
     }
 
 
-def worst_of_each(checks: Iterable[Mapping[str, Any]]) -> list[Mapping[str, Any]]:
-    """The worst place of each limit; the checks come with the worst first."""
-    found: dict[str, Mapping[str, Any]] = {}
+def worst_of_each(checks: Iterable[Mapping[str, Any]]) -> list[Record]:
+    """Return the worst place of each limit at running speeds, and its use above them where it is told.
+
+    Parameters
+    ----------
+    checks : iterable of mapping
+        Of an assessment's record.
+
+    Returns
+    -------
+    list of dict
+        Checks, each with "above": what is reached above the running range, or None.
+    """
+    found: dict[str, Record] = {}
     for check in checks:
-        found.setdefault(check["limit"], check)
+        own = dict(check) | (check.get("running") or {})
+        limit = found.setdefault(check["limit"], own | {"above": None})
+        if _use(own) > _use(limit):
+            found[check["limit"]] = limit = own | {"above": limit["above"]}
+        above = check.get("above")
+        if above is not None and (limit["above"] is None or _use(above) > _use(limit["above"])):
+            limit["above"] = above
+        limit["passed"] = limit["passed"] and check["passed"]
     return list(found.values())
+
+
+def _use(found: Mapping[str, Any]) -> float:
+    return float("inf") if found["used"] is None else float(found["used"])
 
 
 def _compliance(results: Mapping[str, Any]) -> Record:
