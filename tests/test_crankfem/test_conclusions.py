@@ -14,7 +14,7 @@ from crankfem.cli.commands.run import _print
 from crankfem.cli.tables.run_tables import print_verdict
 from crankfem.report.conclusions import conclusions, headline, verdict_line
 from crankfem.report.engine_schematic import engine_schematic
-from crankfem.report.summary import summary
+from crankfem.report.summary import summary, worst_of_each
 from dynamics.plots.mode_shapes import chain_places, crosses_on_axis
 
 STORED = Path(__file__).with_name("report_results.json")
@@ -244,3 +244,15 @@ def test_a_damper_ring_stands_before_the_free_end_and_later_nodes_close_up():
     # A node in the middle of the ring's element, and one on that from cylinder to flywheel.
     assert crosses_on_axis((2.5, 1.25), pairs, places) == [-0.5, 1.25]
     assert chain_places(3, [(0, 1), (1, 2)]).tolist() == [0.0, 1.0, 2.0]
+
+
+def test_uses_at_and_above_running_speeds_stand_apart(results):
+    checks = results["vibration"]["assessment"]["checks"]
+    for check, used in zip(checks, (0.8, 0.9), strict=False):
+        own = {name: check[name] for name in ("value", "permitted", "speed_rpm")}
+        check["running"] = own | {"used": used}
+        check["above"] = own | {"used": used + 0.3, "speed_rpm": 570.0}
+        check["in_running_range"] = False
+    (shown,) = worst_of_each(checks[:2])
+    assert (shown["used"], shown["above"]["used"]) == (0.9, 1.2)
+    assert "80 % of the permitted 21.2 MPa; above the running range" in conclusions(results)[0]
