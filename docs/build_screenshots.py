@@ -37,7 +37,7 @@ ENGINE = "6chn25-34"
 COMMANDS: tuple[tuple[str, str, str | int | None], ...] = (
     ("help", "crankfem --help", None),
     ("check", "crankfem check mine.toml", "Inputs"),
-    ("run", "crankfem run mine.toml", 26),
+    ("run", "crankfem run mine.toml", 34),
     (
         "lookup",
         "crankfem lookup mine-results/model.json web_width=300mm web_thickness=72mm pin_length=139mm",

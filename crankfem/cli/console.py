@@ -3,12 +3,14 @@
 import json
 import os
 import sys
+import textwrap
 import time
 import traceback
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import ExitStack, contextmanager, suppress
 from typing import NoReturn, TypeVar
 
+from rich import box
 from rich.console import Console
 from rich.markup import escape
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, SpinnerColumn, TaskID, TextColumn
@@ -40,7 +42,21 @@ def print_json(content: object) -> None:
 
 
 def print_line(text: str) -> None:
-    """Print one paragraph, as it is."""
+    """Print one paragraph: wrapped between words in a terminal, in one line where another program reads."""
+    if output.is_terminal or "COLUMNS" in os.environ:
+        # Rich breaks long words; names and paths stay whole here, and hyphens do not part them.
+        text = textwrap.fill(
+            text,
+            output.width,
+            subsequent_indent="  " if text.startswith("- ") else "",
+            break_long_words=False,
+            break_on_hyphens=False,
+        )
+    print_path(text)
+
+
+def print_path(text: str) -> None:
+    """Print one line that is never wrapped, such as one that ends in a path."""
     output.print(text, soft_wrap=True, highlight=False)
 
 
@@ -50,10 +66,19 @@ def print_note(text: str, quiet: bool = False) -> None:
         errors.print(escape(text), soft_wrap=True, highlight=False)
 
 
-def print_table(table: Table, units: OutputUnits = SI) -> None:
-    """Print a table and its note; the first column and columns of words are set left."""
+def print_table(table: Table, units: OutputUnits = SI, *, plain: bool = False) -> None:
+    """Print a table and its note; the first column and columns of words are set left.
+
+    With `plain` there is a line below the heads only.
+    """
     drawn = RichTable(
-        title=table.title, title_justify="left", title_style="bold", header_style="bold"
+        title=table.title,
+        title_justify="left",
+        title_style="bold",
+        header_style="bold",
+        box=box.SIMPLE_HEAD if plain else box.HEAVY_HEAD,
+        show_edge=not plain,
+        pad_edge=not plain,
     )
     rows = table.texts(units)
     for place, column in enumerate(table.columns):

@@ -6,6 +6,7 @@ import re
 
 from markupsafe import Markup, escape
 
+from crankbase.tables.table import Table
 from crankbase.units.number_formats import (
     UNBOUNDED,
     fixed,
@@ -24,6 +25,8 @@ from crankfem.analyses.shaft.motion import MOTION
 # What the sources of compliances are called in results.json, and in words.
 SOURCE_WORDS = {"fe": "finite elements", "fe pinned": "finite elements, pinned"}
 UNIT_BEHIND = re.compile(r"(?<=\d) (?=(?:1/min|[MG]?Pa|kN|N|mm|m/N|Hz|%|µm|mrad|deg)(?![\w]))")
+TABLE_DIGITS = 3
+DECIMALS = re.compile(r"(?<![\w.])(?P<whole>\d+)\.(?P<decimals>\d+)")
 MINUTE, HOUR = 60.0, 3600.0
 MOST_DIGITS = 15  # of a double
 
@@ -152,13 +155,42 @@ def head(text: str) -> Markup:
     )
 
 
+def table_cells(table: Table) -> list[list[str]]:
+    """Write the cells of a table: numbers with three digits, but those that were given as they are."""
+    return [
+        [
+            text if column.words or column.digits is None else with_three_digits(text)
+            for column, text in zip(table.columns, row, strict=True)
+        ]
+        for row in table.texts(write=significant)
+    ]
+
+
+def with_three_digits(text: str) -> str:
+    """Cut the decimals of the numbers in a cell so that three digits stay; digits before the point stay.
+
+    Examples
+    --------
+    >>> with_three_digits("376.08"), with_three_digits("0.5522"), with_three_digits("24.51 MPa")
+    ('376', '0.552', '24.5 MPa')
+    """
+
+    def cut(found: re.Match[str]) -> str:
+        whole, decimals = found["whole"].lstrip("0"), found["decimals"]
+        leading = 0 if whole else len(decimals) - len(decimals.lstrip("0"))
+        kept = max(0, TABLE_DIGITS - len(whole)) + leading
+        return found[0] if kept >= len(decimals) else f"{float(found[0]):.{kept}f}"
+
+    return DECIMALS.sub(cut, text).replace(" um", " \N{MICRO SIGN}m")
+
+
 def keep_units_together(text: str) -> str:
     """Keep numbers and the units behind them on one line."""
     return UNIT_BEHIND.sub("\N{NO-BREAK SPACE}", text)
 
 
 FILTERS = {
-    "cells": lambda table: table.texts(write=significant),
+    "cells": table_cells,
     "sig": significant,
     "plain": lambda value: f"{value:g}",
     "count": lambda value: f"{value:,}".replace(",", "\N{NARROW NO-BREAK SPACE}"),

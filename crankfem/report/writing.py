@@ -16,18 +16,18 @@ from crankfem.analyses.mechanism.load_tables import bearing_table
 from crankfem.analyses.throw.compliances import compliance_tables, further_compliances
 from crankfem.analyses.throw.stress import mirrored, stress_tables
 from crankfem.analyses.throw.throw_tables import reaction_table, support_table
+from crankfem.analyses.vibration.speed_table import speed_table
 from crankfem.analyses.vibration.tables import (
-    critical_table,
     element_table,
     limit_table,
     load_table,
-    margin_table,
     misfiring_table,
     mode_table,
-    resonance_table,
     source_table,
     whole_table,
 )
+from crankfem.report.conclusions import reached_and_permitted
+from crankfem.report.engine_schematic import engine_schematic
 from crankfem.report.figures import load_figures
 from crankfem.report.plots import PLOTS
 from crankfem.report.summary import summary
@@ -49,25 +49,24 @@ LATER: dict[str, Any] = {
     "throws": None,
 }
 LATER_ABOUT: dict[str, Any] = {"python": None, "platform": None, "processors": None, "packages": {}}
-# What makes tables of the results.
+# What makes tables, or their cells, of the results.
 TABLES = (
     balance_table,
     bearing_table,
-    critical_table,
     element_table,
     limit_table,
     load_table,
-    margin_table,
     misfiring_table,
     mode_table,
-    resonance_table,
     source_table,
+    speed_table,
     whole_table,
     harmonics_table,
     support_table,
     reaction_table,
     stress_tables,
     mirrored,
+    reached_and_permitted,
 )
 TEMPLATE, STYLE, DRAWING = "report.html.j2", "report/style.css", "interactive.js"
 
@@ -128,6 +127,7 @@ def render_report(results: Mapping[str, Any], pictures: Path) -> tuple[str, str 
         .render(
             r=results,
             first=summary(results),
+            schematic=engine_schematic(results),
             compliances=compliance_tables(results),
             further=further_compliances(results),
             figures=figures,

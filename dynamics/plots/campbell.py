@@ -136,6 +136,8 @@ def draw_campbell(
             textcoords="offset points",
             fontsize=8,
             color=color,
+            # Orders do not run through it.
+            bbox={"facecolor": "white", "alpha": 0.85, "edgecolor": "none", "pad": 0.8},
         )
     for kind, color in KIND_COLORS.items():
         own = [one for one in found if one.kind == kind]

@@ -41,14 +41,14 @@ def draw_chain_shapes(
     motion : str, optional
         "twist" or "displacement".
     """
-    places = np.arange(len(names))
+    places = chain_places(len(names), pairs)
     axes.axhline(0.0, color=GRAY, linewidth=1.0)
     for shown, (label, positions) in enumerate(zip(labels, still, strict=True)):
         shape, color = shapes[:, shown], COLORS[shown % len(COLORS)]
         for pair in pairs:
             axes.plot(places[list(pair)], shape[list(pair)], "-", color=color)
         axes.plot(places, shape, "o", color=color, markersize=4, label=label)
-        crosses = _between(positions, pairs)
+        crosses = crosses_on_axis(positions, pairs, places)
         axes.plot(crosses, np.zeros(len(crosses)), "x", color=color, markersize=7)
     crowded = sum(max(map(len, name.split("\n"))) for name in names) > ROOM
     axes.set_xticks(
@@ -128,11 +128,49 @@ def draw_shaft_shape(axes: Axes, positions: FloatArray, motion: FloatArray, radi
     axes.set_xlabel("place along the shaft [mm]")
 
 
-def _between(positions: tuple[float, ...], pairs: Sequence[tuple[int, int]]) -> list[float]:
-    """Return where positions on elements lie on the axis of node numbers."""
+def chain_places(count: int, pairs: Sequence[tuple[int, int]]) -> FloatArray:
+    """Return where a chain's nodes stand on the axis of a diagram, from their numbers.
+
+    Parameters
+    ----------
+    count : int
+        Of nodes.
+    pairs : sequence of pairs of int
+        Nodes that elements join.
+
+    Returns
+    -------
+    ndarray of shape (count,)
+        A node that ends a branch, such as a damper's ring, stands beside the node that carries it: before
+        the first node if that does.
+
+    Examples
+    --------
+    >>> chain_places(4, [(0, 1), (1, 2), (0, 3)]).tolist()
+    [0.0, 1.0, 2.0, -1.0]
+    """
+    places = np.arange(float(count))
+    # The node in which the line of nodes ends so far, and the place before the first.
+    end, before = 0, 0.0
+    for node in range(1, count):
+        joined = [min(pair) for pair in pairs if max(pair) == node]
+        if not joined or end in joined:
+            end, places[node] = node, places[end] + 1.0
+        elif joined[0] == 0:
+            before -= 1.0
+            places[node] = before
+        else:
+            places[node] = places[joined[0]] + 0.5
+    return places
+
+
+def crosses_on_axis(
+    positions: tuple[float, ...], pairs: Sequence[tuple[int, int]], places: FloatArray
+) -> list[float]:
+    """Return where positions on elements lie on an axis on which the nodes have such places."""
     found = []
     for position in positions:
         number = min(int(position), len(pairs) - 1)
         left, right = pairs[number]
-        found.append(left + (position - number) * (right - left))
+        found.append(float(places[left] + (position - number) * (places[right] - places[left])))
     return found

@@ -164,8 +164,8 @@ def test_the_first_screen_says_what_matters(results, page):
     first = page(results).section("verdict")
     assert first.startswith("Not acceptable")
     for shown in (
-        "24.48 MPa at 497.8 1/min",
-        "115 % of the permitted 21.21 MPa",
+        "24.5 MPa at 497.8 1/min",
+        "115 % of the permitted 21.2 MPa",
         "406.2 to 465.6 1/min cannot be barred",
         "27 of 37 inputs are assumed",
         "1.289e-9 m/N",
@@ -173,8 +173,6 @@ def test_the_first_screen_says_what_matters(results, page):
         "76.8 Hz",
         "87.0 Hz",
         "whole crankshaft in its bearings: 81.1 Hz",
-        "512.1 9 (major) 341 µm",
-        "434.8 12 (major) 1.42 mrad",
     ):
         assert shown in first
 
@@ -184,10 +182,7 @@ def test_without_gas_pressure_critical_speeds_stand_in_for_resonances(results, p
     first = found.section("verdict")
     assert first.startswith("Not judged: no gas pressure is given")
     assert "11 critical speeds of orders up to 12 lie in the running range" in first
-    assert (
-        "phase sum 1 is all in phase vibration speed [1/min] order phase sum axial 383.8 12 1.00"
-        in first
-    )
+    assert "axial 384 12 1 76.8 1.00" in found.section("campbell")
     assert "Amplitudes and stresses against limits" not in first
     there = {own["id"] for own, _ in found.all("section")}
     assert there.isdisjoint({"response", "limits", "loads"})
@@ -230,7 +225,7 @@ def test_an_undecided_verdict_says_first_what_decides(results):
 
 def test_unbounded_vibration_is_called_so(results):
     found = summary(with_unbounded_vibration(results))
-    assert "unbounded at 497.8 1/min; permitted is 21.21 MPa" in found["sentences"][0]
+    assert "unbounded at 497.8 1/min, permitted is 21.2 MPa" in found["sentences"][0]
 
 
 def test_each_limit_stands_once_at_its_worst_place(results):
@@ -398,23 +393,16 @@ def test_stresses_stand_with_their_element(results, page):
     forced = results["vibration"]["forced"]["torsional"]
     forced["stress"] = [forced["stress"][2], forced["stress"][0]]
     response = page(results).section("response")
-    assert "free end - cylinder 1 2.476 575 2.897 2.163 " in response
-    assert "cylinder 1 - cylinder 2 25.94 575 41.78 cylinder 2" in response
-    assert "cylinder 2 - cylinder 3 32.62 575 58.35 28.49 " in response
+    assert "free end - cylinder 1 2.48 575 2.90 2.16 " in response
+    assert "cylinder 1 - cylinder 2 25.9 575 41.8 cylinder 2" in response
+    assert "cylinder 2 - cylinder 3 32.6 575 58.4 28.5 " in response
 
 
-@pytest.mark.parametrize(
-    ("status", "heading"),
-    [
-        ("fine", "Largest resonances in the running range"),
-        ("not acceptable", "Dangerous speeds in the running range"),
-    ],
-)
-def test_only_speeds_that_are_dangerous_are_called_so(results, page, status, heading):
-    results["vibration"]["assessment"]["status"] = status
-    headings = [text for _, text in page(results).all("h3")]
-    assert heading in headings
-    assert sum("in the running range" in text for text in headings) == 1
+def test_critical_speeds_stand_in_one_table(results, page):
+    found = page(results)
+    heads = [text for _, text in found.all("thead")]
+    assert sum("order" in text and "speed" in text for text in heads) == 1
+    assert "speed [1/min]" in found.section("campbell")
 
 
 @pytest.mark.parametrize(
@@ -463,21 +451,12 @@ def test_numbers_are_written_for_reading(written, expected):
 # Texts by section: every number that a report shows, read beside the value in the file, which is in SI
 # units. A factor of a unit or a digit that is wrong shows.
 AS_STORED = [
-    ("verdict", "24.48 MPa at 497.8 1/min, 115 % of the permitted 21.21 MPa"),
+    ("verdict", "24.5 MPa at 497.8 1/min, 115 % of the permitted 21.2 MPa"),
     ("verdict", "en 1.289e-9 m/N"),
     ("verdict", "error about 0.96 %"),
     ("verdict", "First axial frequency 76.8 Hz 76.5 to 76.8 Hz with what is uncertain"),
     ("verdict", "crankshaft in its bearings: 81.1 Hz"),
-    (
-        "verdict",
-        "axial 512.1 9 (major) 341 µm axial 384.0 12 (major) 116 µm axial 439.1 10.5 58.5 µm",
-    ),
-    (
-        "verdict",
-        "by that order alone vibration speed [1/min] order amplitude axial 512.1 9 (major)",
-    ),
-    ("verdict", "torsional 434.8 12 (major) 1.42 mrad torsional 496.9 10.5 1.01 mrad"),
-    ("verdict", "cylinder 4 - cylinder 5, 498 1/min 24.48 MPa 21.21 MPa 115 %"),
+    ("verdict", "cylinder 4 - cylinder 5, 498 1/min 24.5 MPa 21.2 MPa 115 %"),
     ("inputs", "Crank radius R 170 mm Main journal diameter 220 mm Crankpin diameter 180 mm"),
     (
         "inputs",
@@ -485,24 +464,24 @@ AS_STORED = [
     ),
     ("inputs", "Young's modulus 210 GPa Density 7850 kg/m³"),
     ("inputs", "27 of 37 values are assumed"),
-    ("throw", "pinned 1.289 41.31 0.6159 0.4777 guided"),
-    ("throw", "guided 0.2580 25.72 0.06621 0.2566"),
+    ("throw", "pinned 1.29 41.3 0.616 0.478 guided"),
+    ("throw", "guided 0.258 25.7 0.0662 0.257"),
     ("throw", "discretization error of en: 0.96 % (asked for: 1 %); the true"),
     ("throw", "rigid, 15 597 unknowns."),
     ("throw", "axial 0.76, 0.63, 0.36, 0.36, 0.63, 0.76; torsional 0.91, 0.78, 0.91"),
     ("throw", "Mass of the throw 188.5 kg Center of mass, towards the pin 79.33 mm"),
     ("throw", "about the shaft 4.398 kg m² Static unbalance of the throw 14.95 kg m Crankshaft"),
     ("throw", "without rods: mass 1131 kg Crankshaft: moment of inertia 26.39 kg m²"),
-    ("throw", "Z = 417.2 kN towards the shaft axis, the gas force at peak pressure;"),
-    ("throw", "P = c Z / en = 199.3 kN where they are pinned"),
+    ("reactions", "Z = 417.2 kN towards the shaft axis, the gas force at peak pressure;"),
+    ("reactions", "P = c Z / en = 199.3 kN where they are pinned"),
     (
-        "throw",
-        "pinned left 0.000 208.621 199.306 0.000 0.000 0.000 pinned right 0.000 208.621 -199.306",
+        "reactions",
+        "pinned left 0.000 209 199 0.000 0.000 0.000 pinned right 0.000 209 -199",
     ),
-    ("throw", "guided left 0.000 208.621 107.068 -11.435 0.000 0.000"),
+    ("reactions", "guided left 0.000 209 107 -11.4 0.000 0.000"),
     ("fillets", "at most 2.7 % (asked for: 10 %): enough"),
-    ("fillets", "left journal -0.9131 0.8073 0.7740 1.18 0 117 66 pin, left web"),
-    ("fillets", "left journal 1.352 1.843 0.4783 2.83 77.0 87.5 66.2 pin, left web"),
+    ("fillets", "left journal -0.913 0.807 0.774 1.18 0 117 66 pin, left web"),
+    ("fillets", "left journal 1.35 1.84 0.478 2.83 77.0 87.5 66.2 pin, left web"),
     (
         "formulas",
         "give 0.59 to 2.31 of the axial compliance by finite elements and 0.99 to 1.14 of",
@@ -534,59 +513,49 @@ AS_STORED = [
     ("study", "axial compliance m/N log-quadratic 6 1.5 1.8 torsional compliance"),
     ("loads", "Speed 500 1/min Indicated power 570.2 kW Mean torque 10.89 kN m"),
     ("loads", "-2.085 to 26.49 kN m"),
-    ("loads", "Peak pressure 8.601 MPa absolute, 14.0 deg after top"),
+    ("loads", "Peak pressure, absolute 8.601 MPa Peak pressure, after top 14.0 deg"),
     ("loads", "Indicated mean pressure 1.367 MPa"),
-    ("loads", "[MPa] 1 43.19 168.0 14.50 1.454 5.657 2 56.05 201.4 495.0 1.887 6.782 3 "),
+    ("loads", "[MPa] 1 43.2 168 14.5 1.45 5.66 2 56.0 201 495 1.89 6.78 3 "),
     ("loads", "mean 57.25 kN, largest 374.6 kN, largest specific pressure 14.97 MPa."),
     ("balance", "1131 kg, 2460 mm long; balanced statically and dynamically."),
     ("campbell", "on a rigid shaft: 3, 6, 9, 12. Orders up to 12 are considered"),
     (
         "campbell",
-        "speed [1/min] order mode frequency [Hz] phase sum 383.8 12 1 76.76 1.000 400.5 11.5 1 76.76 0.204",
+        "speed [1/min] lowest highest undamped order mode phase sum amplitude damping [%] margin [%] kind",
     ),
+    ("campbell", "axial 384 383 384 384 12 1 1.00 116 µm 1.25 inside major"),
+    ("campbell", "axial 512 510 512 512 9 1 1.00 341 µm 1.25 inside major"),
+    ("campbell", "torsional 435 431 435 435 12 1 1.00 1.42 mrad 1.25 inside major"),
     (
         "response",
-        "speed [1/min] order mode section 0 [µm] undamped damping [%] kind 384.0 12 1 116.1 383.8 1.25",
+        "load [kN] at [1/min] plain sum [kN] section 0 - section 1 85.7 575 138 section 1",
     ),
+    ("response", "section 2 - section 3 214 575 315 section 3 - section 4 208 509 323"),
     (
         "response",
-        "485.4 9.5 1 33.17 484.8 1.25 minor 512.1 9 1 341.2 511.8 1.25 major Magnifier",
-    ),
-    (
-        "response",
-        "mode free end [mrad] undamped damping [%] kind 434.8 12 1 1.417 434.9 1.25 major",
-    ),
-    (
-        "response",
-        "load [kN] at [1/min] plain sum [kN] section 0 - section 1 85.66 575 137.7 section 1",
-    ),
-    ("response", "section 2 - section 3 214.5 575 315.2 section 3 - section 4 208.0 509 322.9"),
-    (
-        "response",
-        "stress [MPa] free end - cylinder 1 2.476 575 2.897 2.163 cylinder 1 - cylinder 2 25.94 575",
+        "stress [MPa] free end - cylinder 1 2.48 575 2.90 2.16 cylinder 1 - cylinder 2 25.9 575",
     ),
     ("response", "the shaft's [%] 0.5 25.3 39.3 39 1 25.7 18.8 74"),
     (
         "limits",
         "limit where at [1/min] reached permitted used [%] torsional stress of crankshaft cylinder",
     ),
-    ("limits", "mode order speed [1/min] lowest highest margin [%] 1 12 383.8 382.6 383.8 none"),
-    ("limits", "cylinder 4 - cylinder 5 497.8 24.48 MPa 21.21 MPa 115 torsional"),
-    ("limits", "free end - cylinder 1 575.0 2.163 MPa 53.13 MPa 4.07 Limit"),
-    ("limits", "1.00 to 1.02 times the value used. First natural frequency 76.51 to 76.76 Hz."),
-    ("limits", "1 9 511.8 510.1 511.8 none 1 8.5 541.9 540.1 541.9 4.9 How"),
+    ("limits", "cylinder 4 - cylinder 5 498 24.5 MPa 21.2 MPa 115 torsional"),
+    ("limits", "free end - cylinder 1 575 2.16 MPa 53.1 MPa 4.07 Limit"),
+    ("campbell", "1.00 to 1.02 times the value used. First natural frequency 76.5 to 76.8 Hz."),
+    ("campbell", "axial 542 540 542 none 8.5 1 none none none 4.9 outside"),
     ("modes", "0 is section 0, 6 is section 6"),
     (
         "modes",
-        "mode frequency [Hz] [1/min] nodes at 1 76.76 4606 none 2 161.87 9712 4.58 3 334.92 20095 1.79, 5.82",
+        "mode frequency [Hz] [1/min] nodes at 1 76.8 4606 none 2 162 9712 4.58 3 335 20095 1.79, 5.82",
     ),
-    ("modes", "rigid body 0.00 0 moves as one 1 86.97 5218 6.60 2 249.58 14975 2.33, 6.95"),
-    ("modes", "finite elements 0.7503 76.8, 161.9, 334.9 1.000 superelements"),
+    ("modes", "rigid body 0.00 0 moves as one 1 87.0 5218 6.60 2 250 14975 2.33, 6.95"),
+    ("modes", "finite elements 0.750 76.8, 162, 335 1.00 superelements"),
     ("whole", "at most 17 % of the frequency of the lowest bending mode"),
     ("whole", "up to its square, 2.9 %, as far as"),
     ("whole", "433 µm by the chain, 411 µm by the whole"),
     ("whole", "6.42 mrad by the chain, 5.80 mrad by the whole"),
-    ("whole", "rotation about the shaft axis 0.00 torsional 100 % mode 1 50.07 bending 86 %"),
+    ("whole", "rotation about the shaft axis 0.00 torsional 100 % mode 1 50.1 bending 86 %"),
     ("checks", "10 of 12 checks that are judged hold."),
     ("checks", "Error of the axial compliance 0.96 % at most 1 % yes Estimated"),
     ("checks", "Symmetry of the stiffness 4e-15 at most 1e-8 yes"),
@@ -598,10 +567,10 @@ AS_STORED = [
 
 CHANGED = [
     ("balance", "static unbalance 14.95 kg m, dynamic unbalance about its middle 3.250 kg m²."),
-    ("balance", "across (x) [kN] 1 44.15 0.000 9.430 with shaft 0.000 0.000 2 balanced 4 balanced"),
-    ("balance", "about x [kN m] 1 balanced 2 2.070 0.000 90.00 line 0.000 0.000 4 balanced"),
+    ("balance", "across (x) [kN] 1 44.1 0.000 9.43 with shaft 0.000 0.000 2 balanced 4 balanced"),
+    ("balance", "about x [kN m] 1 balanced 2 2.07 0.000 90.0 line 0.000 0.000 4 balanced"),
     ("torque", "720 samples over one cycle resolve orders up to 12. Mean torque 123.46 N m."),
-    ("torque", "0.5 -214.25 179.78 279.68 -129.84 1 10.00 0.00 10.00 90.00"),
+    ("torque", "0.5 -214 180 280 -130 1 10.0 0.00 10.0 90.0"),
     (
         "torque",
         "stiffness 942.9 kN m/rad, natural frequency 3261.5 rad/s = 31145 1/min; order 14 is",
@@ -609,19 +578,19 @@ CHANGED = [
     ("torque", "resonant at 2224.7 1/min. Outside."),
     (
         "loads",
-        "Peak pressure 8.601 MPa absolute, 14.0 deg after top Indicated mean pressure 1.367 MPa",
+        "Peak pressure, after top 14.0 deg Indicated mean pressure 1.367 MPa",
     ),
     ("throw", "Mass of the throw 15600 kg"),
-    ("throw", "Z = 100.0 kN towards the shaft axis (a round value"),
+    ("reactions", "Z = 100.0 kN towards the shaft axis (a round value"),
     ("throw", "0.96 % (asked for: 1 %, not met); the true"),
     ("fillets", "at most 27 % (asked for: 10 %, not met): enough"),
-    ("verdict", "2449 MPa at 497.8 1/min, 11545 % of the permitted 21.21 MPa"),
+    ("verdict", "2449 MPa at 497.8 1/min, 11545 % of the permitted 21.2 MPa"),
     (
         "verdict",
-        "torsional stress of crankshaftcylinder 4 - cylinder 5, 498 1/min 2449 MPa 21.21 MPa 11545 %",
+        "torsional stress of crankshaftcylinder 4 - cylinder 5, 498 1/min 2449 MPa 21.2 MPa 11545 %",
     ),
-    ("limits", "5 to 95 % of 200 samples lie from 341 µm to 512 µm."),
-    ("response", "384.0 12 1 unbounded 383.8 1.25 major"),
+    ("campbell", "5 to 95 % of 200 samples lie from 341 µm to 512 µm."),
+    ("campbell", "axial 384 383 384 384 12 1 1.00 unbounded 1.25 inside major"),
     ("checks", "7 of 11 checks that are judged hold."),
 ]
 
@@ -701,58 +670,38 @@ def test_bars_are_as_long_as_limits_are_used():
     assert own["style"] == "width: 42.2%"
 
 
-def test_only_severe_resonances_stand_on_the_first_screen():
-    # Severities beside the worst of the kind: those of a twentieth and more are shown, four at most.
-    results = json.loads(STORED.read_text(encoding="utf-8"))
-    found = results["vibration"]["forced"]["torsional"]["resonances"]
-    for one, severity in zip(found, (1.0, 0.051, 0.049, 0.02), strict=True):
-        one["severity"] = severity
-    first = Page(render_report(results, Path("nowhere"))[0]).section("verdict")
-    shown = [f"torsional {one['speed_rpm']:.1f} " in first for one in found]
-    assert shown == [True, True, False, False]
-
-
 def test_long_tables_are_cut_after_twelve_rows(results, page):
-    uncertain = results["vibration"]["assessment"]["uncertainty"]["axial"]
-    first = uncertain["critical"][0]
-    uncertain["critical"] = [first | {"speed_rpm": 300.0 + place} for place in range(12)]
-    limits = page(results).section("limits")
-    assert "311.0 " in limits
-    assert "the first" not in limits
-    uncertain["critical"].append(first | {"speed_rpm": 312.0})
-    limits = page(results).section("limits")
-    assert "margin to it, the first 12 of 13 mode" in limits
-    assert "311.0 " in limits
-    assert "312.0 " not in limits
     forced = results["vibration"]["forced"]["axial"]
+    results["vibration"]["axial"]["criticals"] = []
+    results["vibration"]["assessment"]["uncertainty"]["axial"]["critical"] = []
     one, force = forced["resonances"][0], forced["axial_forces"][0]
     forced["resonances"] = [
-        one | {"severity": 1.0 - 0.01 * place, "speed_rpm": 300.0 + place} for place in range(12)
+        one | {"severity": 1.0 - 0.01 * place, "speed_rpm": 300.0 + place, "order": 20.0 + place}
+        for place in range(13)
     ]
     forced["axial_forces"] = [force | {"order": 0.5 * place} for place in range(40, 53)]
     response = page(results).section("response")
-    assert "most severe" not in response
-    assert "311.0 " in response
     assert " 25.5 25.3 39.3" in response
     assert " 26 25.3 39.3" not in response
-    forced["resonances"].append(one | {"severity": 0.01, "speed_rpm": 312.0})
-    response = page(results).section("response")
-    assert "the 12 most severe of 13" in response
-    assert "311.0 " in response
-    assert "312.0 " not in response
+    shown = page(results).section("campbell")
+    assert "axial 311 " in shown
+    assert "axial 312 " not in shown
 
 
 def test_speeds_at_which_cylinders_act_together_are_marked(results, page):
     for kind in ("axial", "torsional"):
         results["vibration"][kind]["criticals"] = []
-    first = {"speed_rpm": 300.0, "order": 3.0, "frequency": 15.0, "mode": 1}
-    sums = (0.2, 0.49, 0.51, 1.0)
-    results["vibration"]["axial"]["criticals"] = [first | {"phase_sum": one} for one in sums]
+    results = without_gas(results)
+    first = {"speed_rpm": 300.0, "frequency": 15.0, "mode": 1}
+    sums = enumerate((0.2, 0.49, 0.51, 1.0))
+    results["vibration"]["axial"]["criticals"] = [
+        first | {"order": 3.0 + place, "phase_sum": one} for place, one in sums
+    ]
     # Elsewhere the chosen form, the chosen source and finite elements are marked so.
     marked = [text for _, text in page(results).all("tr", **{"class": "chosen"})]
-    assert [text for text in marked if text.startswith("300.0")] == [
-        "300.0 3 1 15.00 0.510",
-        "300.0 3 1 15.00 1.000",
+    assert [text for text in marked if text.startswith("axial 300")] == [
+        "axial 300 5 1 15.0 0.51",
+        "axial 300 6 1 15.0 1.00",
     ]
 
 

@@ -329,7 +329,7 @@ def test_an_engine_with_torque_table_and_two_mass_check(
     assert check["resonant_speed_rpm"] == close(2224.7, abs=0.06)
     assert check["order"] == 14.0
     words = " ".join(" ".join(Page(report_of(tmp_path / "a" / "b")).words).split())
-    for shown in ("279.68", "942.9 kN m/rad", "31145 1/min", "2224.7 1/min"):
+    for shown in ("942.9 kN m/rad", "31145 1/min", "2224.7 1/min"):
         assert shown in words
 
 

@@ -30,13 +30,18 @@ def run(
     ] = None,
     workers: WorkersOption = 2,
     strict: StrictOption = False,
+    verbose: Annotated[
+        bool, typer.Option(help="Print all tables between the verdict and its repetition.")
+    ] = False,
     *,
     out: Output,
 ) -> None:
     """Do everything: throw, formulas, study, vibration, and a report, into one folder.
 
-    With --quiet only the path of the report is printed.
+    The verdict is printed first and last, between them what it rests on and leads to; with --verbose all
+    tables stand there. With --quiet only the path of the report is printed.
     """
+    from crankfem.cli.tables.run_tables import print_verdict
     from crankfem.jobs.pipeline import run_engine
     from crankfem.jobs.run_inputs import RunInputs, read_inputs
 
@@ -58,18 +63,24 @@ def run(
     if out.json:
         print_json(made.results)
     elif out.quiet:
-        console.print_line(str(made.report))
+        console.print_path(str(made.report))
     else:
-        _print(made.results, out.units)
-        console.print_line(f"Report: {made.report}")
+        _print(made.results, out.units, verbose=verbose)
+        console.print_path(f"Report: {made.report}")
+        print_verdict(made.results, out.units)
     if strict:
         exit_unless_acceptable(made.results["vibration"])
 
 
-def _print(results: dict[str, Any], units: "OutputUnits") -> None:
+def _print(results: dict[str, Any], units: "OutputUnits", *, verbose: bool) -> None:
     from crankfem.cli.tables import fit_tables, formula_tables, throw_tables
+    from crankfem.cli.tables.run_tables import print_conclusions, print_worst
     from crankfem.cli.tables.vibration_tables import print_run
 
+    print_conclusions(results, units)
+    if not verbose:
+        print_worst(results, units)
+        return
     named = results.get("throws")
     for name, own in named.items() if named else [("", results)]:
         if named:
@@ -125,4 +136,4 @@ def report(
     if out.json:
         print_json({"report": str(made)})
     else:
-        console.print_line(str(made) if out.quiet else f"Report: {made}")
+        console.print_path(str(made) if out.quiet else f"Report: {made}")

@@ -88,6 +88,8 @@ def campbell(
             y=frequency,
             xanchor="left",
             yanchor="bottom",
+            # Orders do not run through it.
+            bgcolor="rgba(255, 255, 255, 0.85)",
         )
         for place, frequency in enumerate(frame.natural.tolist())
     ]

@@ -17,6 +17,7 @@ from crankfem.report.interactive.style import (
     literal,
     number,
 )
+from dynamics.plots.mode_shapes import chain_places, crosses_on_axis
 
 # Modes that are drawn before anybody asks for the others, and all that are there.
 SHAPES_SHOWN, SHAPES = 3, 8
@@ -39,6 +40,7 @@ def mode_shapes(result: SourceResult, title: str) -> Figure:
     modes, chain = result.modes, result.chain.chain
     names = [literal(name) for name in result.chain.nodes]
     moved = MOTION[result.chain.kind].quantity
+    places = chain_places(len(names), chain.connections)
     traces: list[Part] = []
     last = min(modes.rigid + SHAPES, len(modes.frequencies))
     for shown, mode in enumerate(range(modes.rigid, last)):
@@ -50,7 +52,7 @@ def mode_shapes(result: SourceResult, title: str) -> Figure:
             "visible": True if shown < SHAPES_SHOWN else "legendonly",
         }
         # Chains may branch: each connection is a line of its own.
-        x = [place for pair in chain.connections for place in (*pair, np.nan)]
+        x = [place for pair in chain.connections for place in (*places[list(pair)], np.nan)]
         told = [name for pair in chain.connections for name in (*(names[end] for end in pair), "")]
         y = [value for pair in chain.connections for value in (*shape[list(pair)], np.nan)]
         traces.append(
@@ -67,14 +69,17 @@ def mode_shapes(result: SourceResult, title: str) -> Figure:
             )
         )
         if still:
-            traces.append(_nodes(still, _on_axis(still, chain.connections), label, color, shared))
-    ticks = list(range(len(names)))
+            traces.append(
+                _nodes(
+                    still, crosses_on_axis(still, chain.connections, places), label, color, shared
+                )
+            )
     return traces, layout(
         axis(
             "",
-            tickvals=ticks,
+            tickvals=places.tolist(),
             ticktext=[short_name(name).replace("\n", "<br>") for name in names],
-            range=[-0.4, len(names) - 0.6],
+            range=[float(places.min()) - 0.4, float(places.max()) + 0.4],
         ),
         axis(f"relative {moved} [1]", range=[-1.1, 1.1]),
         title=title,
@@ -98,13 +103,3 @@ def _nodes(
         showlegend=False,
         **shared,
     )
-
-
-def _on_axis(positions: tuple[float, ...], pairs: tuple[tuple[int, int], ...]) -> list[float]:
-    """Return where positions on elements lie on the axis of node numbers."""
-    found = []
-    for position in positions:
-        element = min(int(position), len(pairs) - 1)
-        left, right = pairs[element]
-        found.append(left + (position - element) * (right - left))
-    return found

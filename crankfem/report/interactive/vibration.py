@@ -88,14 +88,14 @@ def _free_end(run: EngineVibration, kind: str) -> Curves:
 
 
 def _stress(run: EngineVibration) -> Curves:
-    """Show the crankshaft's element that is stressed most."""
+    """Show the crankshaft's element that uses its limit most, or is stressed most if none is judged."""
     forced, assessment = run.forced_torsional, run.assessment
     assert forced is not None
     assert assessment is not None
     assert forced.stress is not None
     return amplitudes_over_speed(
         forced.stress,
-        forced.largest_place(forced.stress),
+        _judged_element(run),
         "stress",
         assessment.limits.get("crankshaft_stress"),
         assessment.verdict.ranges_to_bar,
@@ -103,12 +103,24 @@ def _stress(run: EngineVibration) -> Curves:
     )
 
 
+def _judged_element(run: EngineVibration) -> int:
+    """Return the place of the element that the verdict is about."""
+    forced, assessment = run.forced_torsional, run.assessment
+    assert forced is not None
+    assert assessment is not None
+    assert forced.stress is not None
+    limit = assessment.limits.get("crankshaft_stress")
+    for check in assessment.verdict.checks:
+        if limit is not None and check.limit.name == limit.name:
+            return forced.stress.names.index(check.curve.name)
+    return forced.stress.largest_place
+
+
 def _stress_title(run: EngineVibration) -> str:
     assert run.forced_torsional is not None
     stress = run.forced_torsional.stress
     assert stress is not None
-    place = run.forced_torsional.largest_place(stress)
-    return _title(f"nominal torsional stress, {stress.names[place]}")(run)
+    return _title(f"nominal torsional stress, {stress.names[_judged_element(run)]}")(run)
 
 
 def amplitudes_over_speed(
@@ -188,8 +200,8 @@ VIBRATION: Plots[EngineVibration] = Plots(
         *_of_kind("torsional"),
         plot_of_curves(
             "torsional_stress",
-            "Nominal torsional stress over the speed",
-            "Nominal torsional stress, with its limit, in the element stressed most at running speeds.",
+            "Nominal torsional stress by order over the speed",
+            "Nominal torsional stress by order in the element that uses its limit most, with the limit.",
             _stress,
             _stress_title,
             needs="forced",

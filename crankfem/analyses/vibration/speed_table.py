@@ -1,0 +1,147 @@
+"""The one table of critical speeds of an engine: where they lie, how sure that is, and what they do."""
+
+from collections.abc import Iterable
+
+from crankbase.tables.output_units import SI, OutputUnits
+from crankbase.tables.table import Cell, Column, Table
+from crankbase.units.number_formats import UNBOUNDED
+from crankbase.units.units import RPM
+from crankfem.analyses.record import Record
+from crankfem.analyses.shaft.motion import MOTION
+from crankfem.analyses.vibration.tables import FREQUENCY, ROWS_SHOWN, SPEED, TOGETHER
+
+KINDS = ("axial", "torsional")
+
+
+def speed_table(vibration: Record, units: OutputUnits = SI, most: int = ROWS_SHOWN) -> Table:
+    """Return the critical speeds of both kinds of vibration, with all that is known of each.
+
+    Parameters
+    ----------
+    vibration : dict
+        Record of a run's vibration. Without forces there are no amplitudes, and critical speeds are those
+        without damping.
+    units : OutputUnits, optional
+        In which amplitudes are written.
+    most : int
+        How many are shown of each kind: the most severe, or without forces those at which the cylinders
+        act together most.
+
+    Returns
+    -------
+    Table
+        Marked are speeds at which the cylinders act together.
+    """
+    rows = [_row(one, units) for kind in KINDS for one in _shown(_speeds(vibration, kind), most)]
+    columns = [
+        Column("vibration", words=True),
+        SPEED,
+        *(
+            Column(name, "1/min", decimals=1, bare=True)
+            for name in ("lowest", "highest", "undamped")
+        ),
+        *(
+            [Column("ring locked", "1/min", decimals=1, bare=True)]
+            if any(row["ring locked"] is not None for row in rows)
+            else []
+        ),
+        Column("order", digits=None),
+        Column("mode"),
+        FREQUENCY,
+        Column("phase sum", decimals=2),
+        Column("amplitude"),
+        Column("damping", "%", decimals=2),
+        Column("margin", "%", decimals=1, missing="inside"),
+        Column("kind", words=True),
+    ]
+    # A column that would say "none" of every speed says nothing.
+    columns = [one for one in columns if any(row[one.name] is not None for row in rows)]
+    return Table(
+        "Critical speeds",
+        columns,
+        [[row[one.name] for one in columns] for row in rows],
+        marks=[
+            "chosen" if isinstance(row["phase sum"], float) and row["phase sum"] >= TOGETHER else ""
+            for row in rows
+        ],
+    )
+
+
+def _speeds(vibration: Record, kind: str) -> list[Record]:
+    """Return what is known of each critical speed of one kind, put together by its mode and order."""
+    forced, assessment = vibration["forced"], vibration["assessment"]
+    found: dict[tuple[int, float], Record] = {}
+
+    def add(records: Iterable[Record], part: str) -> None:
+        for one in records:
+            own = found.setdefault((one["mode"], one["order"]), {"kind of motion": kind})
+            own[part] = one
+
+    add(vibration[kind]["criticals"], "critical")
+    if forced is not None:
+        add(forced[kind]["resonances"], "resonance")
+    if assessment is not None:
+        add(assessment["uncertainty"][kind]["critical"], "margin")
+    return list(found.values())
+
+
+def _strength(record: Record) -> float:
+    """How much a critical speed matters beside others of its kind."""
+    if "resonance" in record:
+        return float(record["resonance"]["severity"])
+    return float(record.get("critical", {}).get("phase_sum", 0.0)) * 1e-9
+
+
+def _shown(records: list[Record], most: int) -> list[Record]:
+    worst = sorted(records, key=lambda one: -_strength(one))[:most]
+    return sorted(worst, key=lambda one: (_speed_rpm(one) or float("inf"), _known(one)["order"]))
+
+
+def _known(record: Record) -> Record:
+    """What tells most of a critical speed: its peak, or where it lies without damping, or its margin."""
+    return next(record[part] for part in ("resonance", "critical", "margin") if part in record)
+
+
+def _speed_rpm(record: Record) -> float | None:
+    for part in ("resonance", "margin", "critical"):
+        if part in record:
+            return None if record[part]["speed_rpm"] is None else float(record[part]["speed_rpm"])
+    return None
+
+
+def _row(record: Record, units: OutputUnits) -> dict[str, Cell]:
+    kind = record["kind of motion"]
+    critical, peak, margin = (record.get(part, {}) for part in ("critical", "resonance", "margin"))
+    speed = _speed_rpm(record)
+    known = _known(record)
+    above = not known.get("in_running_range", True) or bool(margin.get("margin"))
+    named = peak.get("kind", "")
+    return {
+        "vibration": kind,
+        "speed": "no peak" if speed is None else speed / RPM,
+        "lowest": _from_rpm(margin.get("low_rpm")),
+        "highest": _from_rpm(margin.get("high_rpm")),
+        "undamped": _from_rpm(peak.get("undamped_rpm")),
+        "ring locked": _from_rpm(peak.get("locked_rpm")),
+        "order": known["order"],
+        "mode": known["mode"],
+        "frequency": None if peak else critical.get("frequency"),
+        "phase sum": critical.get("phase_sum"),
+        "amplitude": _amplitude(peak, kind, units),
+        "damping": peak.get("damping_ratio"),
+        "margin": margin.get("margin") or None,
+        "kind": f"{named}{', ' if named else ''}outside" if above else named or None,
+    }
+
+
+def _amplitude(peak: Record, kind: str, units: OutputUnits) -> str | None:
+    if not peak:
+        return None
+    if peak["unbounded"]:
+        return UNBOUNDED
+    own = units.of(MOTION[kind].printed)
+    return f"{own.number(peak['amplitude'], 3)} {own.name}"
+
+
+def _from_rpm(speed: float | None) -> float | None:
+    return None if speed is None else speed / RPM

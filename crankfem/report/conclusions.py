@@ -1,0 +1,229 @@
+"""What a run concludes, in a few sentences: what is reached, why, what may be barred, and what to do."""
+
+from collections.abc import Mapping
+from typing import Any
+
+from crankbase.units.number_formats import fixed, format_usage
+from crankfem.report.text_filters import quantity, sentence
+
+Record = Mapping[str, Any]
+RESONANT = ("at resonance", "near resonance")
+# Of what orders at resonance make together, the share from which a mode is named.
+LEAST_SHARE = 0.1
+NOT_JUDGED = "Not judged: no gas pressure is given"
+DIGITS, MOST_DIGITS = 3, 6
+
+
+def headline(results: Record) -> str:
+    """Return the verdict of a run in a few words.
+
+    Parameters
+    ----------
+    results : mapping
+        Content of results.json.
+    """
+    vibration = results["vibration"]
+    assessment = vibration["assessment"]
+    if assessment is None:
+        return NOT_JUDGED
+    said = "Undecided" if undecided(assessment) else str(assessment["sentence"]).partition(":")[0]
+    failing = vibration.get("misfiring")
+    if failing is None or failing["passed"] is not False:
+        return said
+    normal = " with all cylinders firing" if assessment["status"] == "fine" else ""
+    return f"{said}{normal}; limits are exceeded while a cylinder misfires"
+
+
+def undecided(assessment: Record) -> bool:
+    """Whether the verdict changes with values that are assumed."""
+    return bool((assessment.get("decision") or {}).get("status") == "undecided")
+
+
+def verdict_line(results: Record) -> str:
+    """Return the verdict of a run in one line: the headline, and the limit that is used most.
+
+    Parameters
+    ----------
+    results : mapping
+        Content of results.json.
+    """
+    assessment = results["vibration"]["assessment"]
+    if assessment is None:
+        return f"Verdict: {NOT_JUDGED}."
+    worst = assessment["checks"][0]
+    used = "unbounded" if worst["used"] is None else f"{format_usage(worst['used'])} of its limit"
+    return f"Verdict: {headline(results)}: {worst['limit']} {used}."
+
+
+def conclusions(results: Record) -> list[str]:
+    """Return what follows from the results of a run, in at most six statements.
+
+    Parameters
+    ----------
+    results : mapping
+        Content of results.json. Every number of a statement is one of these, or follows from them as the
+        statement says.
+
+    Returns
+    -------
+    list of str
+        What is reached of the limit used most and where, which orders make it and what can help, which
+        speeds may be barred, what misfiring does, what decides by assumption and should be given, and how
+        the whole crankshaft differs.
+    """
+    assessment = results["vibration"]["assessment"]
+    if assessment is None:
+        return _without_forces(results)
+    cause = assessment["checks"][0].get("cause")
+    found = [
+        _reached(assessment),
+        " ".join(
+            filter(
+                None, ("" if cause is None else sentence(cause["sentence"]), _advice(assessment))
+            )
+        ),
+        " ".join(_ranges(assessment)),
+        _misfiring(results["vibration"]),
+        _assumed(results),
+        _other_models(results["vibration"]),
+    ]
+    return [one for one in found if one]
+
+
+def reached_and_permitted(check: Record) -> tuple[str, str]:
+    """Write what is reached and what is permitted with three digits, or as many as tell them apart.
+
+    Parameters
+    ----------
+    check : mapping
+        One of the checks of an assessment's record.
+
+    Examples
+    --------
+    >>> reached_and_permitted({"value": 22.28e6, "permitted": 22.27e6, "unit": "Pa"})
+    ('22.28 MPa', '22.27 MPa')
+    """
+    value, permitted, unit = check["value"], check["permitted"], check["unit"]
+    for digits in range(DIGITS, MOST_DIGITS + 1):
+        shown = quantity(value, unit, digits), quantity(permitted, unit, digits)
+        if shown[0] != shown[1] or value == permitted:
+            break
+    return shown
+
+
+def _reached(assessment: Record) -> str:
+    worst = assessment["checks"][0]
+    running = worst.get("running")
+    shown = _share(worst, worst["unit"])
+    if running is not None and not worst.get("in_running_range", True):
+        shown = f"{_share(running, worst['unit'])}; above the running range {shown}"
+    failed = sum(not one["passed"] for one in assessment["checks"])
+    others = failed - 1
+    more = f"; {others} more {'place exceeds' if others == 1 else 'places exceed'} a limit"
+    condition = "With the values assumed: " if undecided(assessment) else ""
+    limit = worst["limit"] if condition else worst["limit"].capitalize()
+    return f"{condition}{limit}, {worst['place']}: {shown}{more if others > 0 else ''}."
+
+
+def _share(found: Record, unit: str) -> str:
+    reached, permitted = reached_and_permitted({"unit": unit, **found})
+    at = f"{reached} at {fixed(found['speed_rpm'])} 1/min"
+    if found["used"] is None:
+        return f"{at}, permitted is {permitted}"
+    return f"{at}, {format_usage(found['used'])} of the permitted {permitted}"
+
+
+def _ranges(assessment: Record) -> list[str]:
+    return [
+        f"{one['shown']} cannot be barred: {'; '.join(one['refusals'])}."
+        if not one["allowed"]
+        else f"{one['shown']} {fine}."
+        for name, fine in (
+            ("barred", "may be barred"),
+            ("started_through", "is passed on every start"),
+        )
+        for one in assessment[name]
+    ]
+
+
+def _assumed(results: Record) -> str:
+    """Say what decides by assumption, which limits are assumed, what is not judged, and the load."""
+    vibration, inputs = results["vibration"], results["inputs"]
+    assessment = vibration["assessment"]
+    limits = assessment["limits"]
+    decision = (assessment.get("decision") or {}).get("sentence")
+    found = [sentence(decision)] if decision else []
+    found += [
+        f"The limit on {one['name']} is assumed ({one['source']}): give the maker's."
+        for one in limits
+        if one["assumed"]
+    ]
+    if not any(one["name"].startswith("axial") for one in limits):
+        found.append(
+            "Axial vibration is not judged: give limits.axial_amplitude or limits.axial_force."
+        )
+    load = vibration.get("load")
+    if load is not None and load["rated"] is not None and not load["rated"]["consistent"]:
+        found.append(sentence(load["rated"]["sentence"]))
+    count = sum(bool(one["assumed"]) for one in inputs)
+    if count:
+        found.append(f"{count} of {len(inputs)} inputs are assumed.")
+    return " ".join(found)
+
+
+def _misfiring(vibration: Record) -> str:
+    """Say what misfiring does; nothing of older runs, which have not calculated it."""
+    found = vibration.get("misfiring")
+    said = vibration.get("misfiring_note") if found is None else found["sentence"]
+    return sentence(said) if said else ""
+
+
+def _other_models(vibration: Record) -> str:
+    """Say how the whole crankshaft differs, and whether the verdict hangs on its bearings."""
+    bearings = vibration.get("bearings") or {}
+    found = [*vibration["assessment"].get("beside", ())]
+    return " ".join([*found, *(bearings.get("sentences", ()) if bearings.get("flips") else ())])
+
+
+def _advice(assessment: Record) -> str:
+    """Say whether more damping can help at the worst place, where a limit is exceeded.
+
+    What the orders away from resonance make at the instant of the peak, their sum reaches at least; so where
+    that alone exceeds the limit, no damping keeps it.
+    """
+    worst = assessment["checks"][0]
+    cause = worst.get("cause")
+    if worst["passed"] or cause is None or worst["value"] is None or not cause.get("orders"):
+        return ""
+    resonant = [one for one in cause["orders"] if one["state"] in RESONANT]
+    made = sum(one["contribution"] for one in resonant)
+    left = {**worst, "value": worst["value"] - made}
+    rest, permitted = reached_and_permitted(left)
+    fall = f"{worst['limit'].capitalize()} must fall by {format_usage(1.0 - 1.0 / worst['used'])}"
+    if left["value"] > worst["permitted"]:
+        return (
+            f"{fall}; more damping alone cannot do that: the orders away from resonance make {rest} there, "
+            f"the permitted is {permitted}. Lessen what excites them, or strengthen the shaft."
+        )
+    least = LEAST_SHARE * made
+    modes = sorted({(one["kind"], one["mode"]) for one in resonant if one["contribution"] > least})
+    named = " and ".join(f"{kind} mode {mode}" for kind, mode in modes)
+    return (
+        f"{fall}; the orders away from resonance make {rest} there, the permitted is {permitted}: more "
+        f"damping, or another frequency of {named}, may do that at this speed."
+    )
+
+
+def _without_forces(results: Record) -> list[str]:
+    engine, vibration = results["engine"], results["vibration"]
+    count = sum(len(vibration[kind]["criticals"]) for kind in ("axial", "torsional"))
+    inputs = results["inputs"]
+    assumed = sum(bool(one["assumed"]) for one in inputs)
+    one = count == 1
+    return [
+        "Amplitudes and stresses are not calculated, so nothing can be held against limits.",
+        f"{count} critical speed{'' if one else 's'} of orders up to {engine['highest_order']:g} "
+        f"{'lies' if one else 'lie'} in the running range.",
+        *([f"{assumed} of {len(inputs)} inputs are assumed."] if assumed else []),
+        "With a section [gas] the engine file gives what excites vibration.",
+    ]

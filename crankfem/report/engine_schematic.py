@@ -1,0 +1,140 @@
+"""A schematic of the engine: cylinders and cranks, flywheel, damper and line along the shaft, and a star."""
+
+import math
+from collections.abc import Mapping
+from typing import Any
+
+from markupsafe import Markup, escape
+
+Record = Mapping[str, Any]
+# Lengths of the drawing, without a unit.
+STEP, SHAFT, HEIGHT, STAR = 46.0, 118.0, 190.0, 170.0
+LEAST_DISC, LARGEST_DISC, THROW = 9.0, 44.0, 26.0
+PISTON = 24.0
+LINE, FILL, ACCENT = "#1d2733", "#e9f1f8", "#1f5f99"
+
+
+def engine_schematic(results: Record) -> Markup:
+    """Draw the engine as its torsional chain has it, from the free end, and the star of its cranks.
+
+    Parameters
+    ----------
+    results : mapping
+        Content of results.json: cranks by their angles, and the points of the torsional chain with their
+        inertias.
+
+    Returns
+    -------
+    Markup
+        An SVG element.
+    """
+    engine, chain = results["engine"], results["vibration"]["torsional"]
+    angles = engine["crank_angles"]
+    names, places, rings = _places(chain["nodes"])
+    width = STEP * (max(places) + 1.5)
+    largest = max(chain["inertia"]) or 1.0
+    drawn = [_line(STEP, SHAFT, width - STEP / 2.0, SHAFT, 4.0)]
+    crank = 0
+    for name, place, inertia in zip(names, places, chain["inertia"], strict=True):
+        x = STEP * (place + 1.0)
+        if name in rings:
+            drawn.append(_disc(x, _radius(inertia, largest) + 5.0, dashed=True))
+            drawn.append(_label(x, 24.0, name))
+        elif name.startswith(("cylinder ", "throw ", "crank ")) and crank < len(angles):
+            drawn.append(_crank(x, angles[crank], name.rpartition(" ")[2]))
+            crank += 1
+        elif inertia > 0.0:
+            drawn.append(_disc(x, _radius(inertia, largest)))
+            drawn.append(_label(x, HEIGHT - 12.0 if place % 2 else HEIGHT - 2.0, name))
+    total = width + STAR
+    order = "-".join(str(one) for one in engine["firing_order"])
+    said = f"The engine along its shaft: {', '.join(names)}; firing order {order}"
+    return Markup(
+        '<svg viewBox="0 0 {} {}" role="img" aria-label="{}" '
+        'font-family="sans-serif" font-size="10">{}{}</svg>'
+    ).format(
+        f"{total:.0f}",
+        f"{HEIGHT:.0f}",
+        said,
+        Markup("").join(drawn),
+        _star(width + STAR / 2.0, angles),
+    )
+
+
+def _places(nodes: list[str]) -> tuple[list[str], list[int], set[str]]:
+    """Return the points' names, their places along the shaft, and those that ride on the free end."""
+    rings = {name for name in nodes if "ring" in name.split() or "damper" in name}
+    places, place = [], -1
+    for name in nodes:
+        place += name not in rings
+        places.append(0 if name in rings else place)
+    return nodes, places, rings
+
+
+def _radius(inertia: float, largest: float) -> float:
+    """Of a disc of equal width, whose inertia grows with the fourth power of its radius."""
+    return max(LEAST_DISC, LARGEST_DISC * math.sqrt(math.sqrt(inertia / largest)))
+
+
+def _line(x: float, y: float, to_x: float, to_y: float, width: float, color: str = LINE) -> Markup:
+    return Markup('<path d="M{} {}L{} {}" stroke="{}" stroke-width="{}" fill="none"/>').format(
+        *(f"{one:.1f}" for one in (x, y, to_x, to_y)), color, f"{width:g}"
+    )
+
+
+def _disc(x: float, radius: float, *, dashed: bool = False) -> Markup:
+    return Markup('<rect x="{}" y="{}" width="{}" height="{}" fill="{}" stroke="{}"{}/>').format(
+        f"{x - (9.0 if dashed else 6.0):.1f}",
+        f"{SHAFT - radius:.1f}",
+        18 if dashed else 12,
+        f"{2.0 * radius:.1f}",
+        "none" if dashed else FILL,
+        LINE,
+        Markup(' stroke-dasharray="4 2"') if dashed else "",
+    )
+
+
+def _label(x: float, y: float, text: str) -> Markup:
+    return Markup('<text x="{}" y="{}" text-anchor="middle" fill="{}">{}</text>').format(
+        f"{x:.1f}", f"{y:.1f}", LINE, escape(text)
+    )
+
+
+def _crank(x: float, angle: float, number: str) -> Markup:
+    """Draw a throw where its crank stands, with rod and piston above."""
+    pin, top = SHAFT - THROW * math.cos(angle), SHAFT - 2.2 * THROW - THROW * math.cos(angle) * 0.5
+    web = STEP * 0.2
+    return Markup("").join(
+        (
+            _line(x - 1.6 * web, SHAFT, x + 1.6 * web, SHAFT, 5.0, "#ffffff"),
+            _line(x - 1.6 * web, SHAFT, x - web, SHAFT, 4.0),
+            _line(x + web, SHAFT, x + 1.6 * web, SHAFT, 4.0),
+            _line(x - web, SHAFT, x - web, pin, 4.0),
+            _line(x + web, SHAFT, x + web, pin, 4.0),
+            _line(x - web, pin, x + web, pin, 4.0),
+            _line(x, pin, x, top, 2.0, ACCENT),
+            Markup('<rect x="{}" y="{}" width="{}" height="16" fill="{}" stroke="{}"/>').format(
+                f"{x - PISTON / 2.0:.1f}", f"{top - 16.0:.1f}", PISTON, FILL, LINE
+            ),
+            _label(x, top - 4.0, number),
+        )
+    )
+
+
+def _star(x: float, angles: list[float]) -> Markup:
+    """Draw the cranks as seen from the free end; cranks that stand alike share an arm."""
+    y, arm = SHAFT - 22.0, 46.0
+    arms: dict[int, list[int]] = {}
+    for number, angle in enumerate(angles, start=1):
+        arms.setdefault(round(math.degrees(angle)) % 360, []).append(number)
+    drawn = [
+        Markup('<circle cx="{}" cy="{}" r="5" fill="{}" stroke="{}"/>').format(
+            f"{x:.1f}", f"{y:.1f}", FILL, LINE
+        )
+    ]
+    for degrees, numbers in arms.items():
+        across, up = math.sin(math.radians(degrees)), math.cos(math.radians(degrees))
+        drawn.append(_line(x, y, x + arm * across, y - arm * up, 2.0, ACCENT))
+        named = ", ".join(map(str, numbers))
+        drawn.append(_label(x + (arm + 20.0) * across, y - (arm + 10.0) * up + 4.0, named))
+    return Markup("").join(drawn)

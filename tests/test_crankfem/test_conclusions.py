@@ -1,0 +1,258 @@
+"""What a run concludes, on the console and in the report, from the stored results of a run."""
+
+import copy
+import json
+import re
+from pathlib import Path
+
+import pytest
+from rich.console import Console
+
+from crankfem.analyses.vibration.speed_table import speed_table
+from crankfem.cli import console
+from crankfem.cli.commands.run import _print
+from crankfem.cli.tables.run_tables import print_verdict
+from crankfem.report.conclusions import conclusions, headline, verdict_line
+from crankfem.report.engine_schematic import engine_schematic
+from crankfem.report.summary import summary, worst_of_each
+from dynamics.plots.mode_shapes import chain_places, crosses_on_axis
+
+STORED = Path(__file__).with_name("report_results.json")
+NUMBER = re.compile(r"(?<![\w.-])\d+(?:\.\d+)?(?:e-?\d+)?")
+MOST_LINES = 30
+# Scales in which sentences write SI values: themselves, MPa, mrad, um, per cent.
+SCALES = (1.0, 1e-6, 1e3, 1e6, 100.0)
+
+
+@pytest.fixture
+def results():
+    return json.loads(STORED.read_text(encoding="utf-8"))
+
+
+def part(order, contribution, state, mode=1):
+    return {
+        "order": order,
+        "contribution": contribution,
+        "state": state,
+        "kind": "torsional",
+        "mode": mode,
+    }
+
+
+def with_parts(results, *parts):
+    """A worst check of so many parts: their sum is reached, 20 MPa are permitted."""
+    worst = results["vibration"]["assessment"]["checks"][0]
+    value = sum(one["contribution"] for one in parts)
+    worst |= {
+        "value": value,
+        "permitted": 20e6,
+        "used": value / 20e6,
+        "passed": value <= 20e6,
+        "cause": {"sentence": "they make it", "orders": list(parts)},
+    }
+    return results
+
+
+def printed(results, width, monkeypatch, capsys, verbose=False):
+    monkeypatch.setenv("COLUMNS", str(width))
+    monkeypatch.setattr(console, "output", Console(markup=False, width=width))
+    _print(results, console.SI, verbose=verbose)
+    console.print_path("Report: somewhere/report.html")
+    print_verdict(results)
+    return capsys.readouterr().out.splitlines()
+
+
+def numbers_within(record):
+    """All numbers of a record, and those within its texts."""
+    if isinstance(record, dict):
+        for one in record.values():
+            yield from numbers_within(one)
+    elif isinstance(record, list):
+        yield float(len(record))
+        for one in record:
+            yield from numbers_within(one)
+    elif isinstance(record, str):
+        yield from (float(one) for one in NUMBER.findall(record))
+    elif isinstance(record, int | float) and not isinstance(record, bool):
+        yield abs(float(record))
+
+
+def test_every_number_concluded_is_one_of_the_record(results):
+    assessment, inputs = results["vibration"]["assessment"], results["inputs"]
+    worst = assessment["checks"][0]
+    known = {*numbers_within(assessment), *numbers_within(results["engine"])}
+    known |= {float(sum(one["assumed"] for one in inputs)), float(len(inputs))}
+    known.add(float(sum(not one["passed"] for one in assessment["checks"]) - 1))
+    known.add(1.0 - worst["permitted"] / worst["value"])
+    resonant = ("at resonance", "near resonance")
+    parts = [one for one in worst["cause"]["orders"] if one["state"] in resonant]
+    known.add(worst["value"] - sum(one["contribution"] for one in parts))
+    shown = [one for line in conclusions(results) for one in NUMBER.findall(line)]
+    assert len(shown) > 15
+    for text in shown:
+        # Three digits may differ by half of the last one.
+        assert any(
+            abs(float(text) - scale * one) <= 0.0051 * abs(float(text))
+            for one in known
+            for scale in SCALES
+        ), text
+
+
+def test_three_to_six_statements(results):
+    assert 3 <= len(conclusions(results)) <= 6
+    results["vibration"] |= {
+        "misfiring": {"passed": False, "sentence": "cylinder 2 misfiring makes 30 MPa"},
+        "load": {"sentence": "full load", "rated": {"consistent": False, "sentence": "no power"}},
+    }
+    results["vibration"]["assessment"] |= {
+        "decision": {"status": "undecided", "sentence": "it hangs"},
+        "beside": ["The whole crankshaft differs."],
+    }
+    found = conclusions(results)
+    assert len(found) == 6
+    assert all(
+        any(said in line for line in found)
+        for said in ("Cylinder 2 misfiring makes 30 MPa.", "It hangs.", "No power.")
+    )
+    results["vibration"] |= {"forced": None, "assessment": None}
+    assert 3 <= len(conclusions(results)) <= 6
+
+
+def test_damping_is_advised_only_where_it_can_help(results):
+    # Without order 6 there are 15 of the 20 MPa permitted; 25 must fall by a fifth.
+    help_ = with_parts(
+        copy.deepcopy(results), part(3.0, 15e6, "forced"), part(6.0, 10e6, "at resonance")
+    )
+    text = " ".join(conclusions(help_))
+    assert "must fall by 20 %; the orders away from resonance make 15 MPa" in text
+    assert "more damping, or another frequency of torsional mode 1, may do that" in text
+    # Here 22 MPa are left whatever the damping.
+    none = with_parts(
+        copy.deepcopy(results), part(1.5, 22e6, "forced"), part(6.0, 3e6, "near resonance", 2)
+    )
+    text = " ".join(conclusions(none))
+    assert "more damping alone cannot do that: the orders away from resonance make 22 MPa" in text
+    fine = with_parts(copy.deepcopy(results), part(6.0, 10e6, "at resonance"))
+    assert "must fall" not in " ".join(conclusions(fine))
+
+
+def test_modes_with_little_part_in_a_resonance_are_not_named(results):
+    parts = (part(4.0, 30e6, "at resonance", 2), part(6.0, 1e6, "near resonance", 3))
+    text = " ".join(conclusions(with_parts(results, part(1.0, 5e6, "forced"), *parts)))
+    assert "another frequency of torsional mode 2, may" in text
+
+
+def test_a_verdict_that_hangs_on_assumptions_is_undecided(results):
+    assessment = results["vibration"]["assessment"]
+    assessment["decision"] = {
+        "status": "undecided",
+        "sentence": "acceptable with a tensile strength of 590 MPa",
+    }
+    assert headline(results) == "Undecided"
+    assert summary(results)["status"] == "barred"
+    assert verdict_line(results).startswith(
+        "Verdict: Undecided: torsional stress of crankshaft 115 %"
+    )
+    found = conclusions(results)
+    assert found[0].startswith("With the values assumed: torsional stress of crankshaft")
+    assert any("Acceptable with a tensile strength of 590 MPa." in line for line in found)
+
+
+def test_misfiring_that_fails_is_in_the_headline(results):
+    results["vibration"]["misfiring"] = {"passed": False, "sentence": "too much"}
+    assert headline(results) == "Not acceptable; limits are exceeded while a cylinder misfires"
+    results["vibration"]["assessment"] |= {"status": "fine", "sentence": "Fine: all"}
+    assert headline(results).startswith("Fine with all cylinders firing; limits are exceeded")
+
+
+@pytest.mark.parametrize("width", [80, 200])
+def test_the_console_says_the_verdict_first_and_last_in_few_lines(
+    results, width, monkeypatch, capsys
+):
+    lines = printed(results, width, monkeypatch, capsys)
+    assert len(lines) <= MOST_LINES
+    assert lines[0] == lines[-1] == verdict_line(results)
+    assert lines[0].startswith("Verdict: Not acceptable: torsional stress of crankshaft")
+
+
+@pytest.mark.parametrize("width", [60, 200])
+def test_lines_wrap_at_the_width_of_the_terminal_and_names_stay_whole(
+    results, width, monkeypatch, capsys
+):
+    lines = printed(results, width, monkeypatch, capsys)
+    assert max(map(len, lines)) <= width
+    assert max(map(len, lines)) > 0.8 * width
+    name = "a/path-with-hyphens-6chn25-34/" + 12 * "long-" + "report.html"
+    console.print_line(f"- Of the engine 6chn25-34, whose name is not broken, {name}")
+    text = capsys.readouterr().out
+    assert "6chn25-34," in text.split()
+    assert name in text.split()
+
+
+def test_where_a_program_reads_lines_are_not_wrapped(results, monkeypatch, capsys):
+    monkeypatch.delenv("COLUMNS", raising=False)
+    console.print_line(60 * "word ")
+    assert len(capsys.readouterr().out.splitlines()) == 1
+
+
+@pytest.mark.parametrize("verbose", [False, True])
+def test_no_table_of_critical_speeds_is_printed_twice(results, verbose, monkeypatch, capsys):
+    assessment = results["vibration"]["assessment"]
+    assessment |= {"running_rpm": [200.0, 515.0], "beside": []}
+    assessment["limits"] = [one | {"judged_to_rpm": 575.0} for one in assessment["limits"]]
+    assessment["barred"] = [one | {"ends": "not kept"} for one in assessment["barred"]]
+    lines = printed(results, 200, monkeypatch, capsys, verbose)
+    assert sum(line.strip() == "Critical speeds" for line in lines) == (0 if verbose else 1)
+    assert any(line.startswith("Throw by finite elements") for line in lines) == verbose
+
+
+def test_a_critical_speed_stands_once_with_all_that_is_known_of_it(results):
+    vibration = results["vibration"]
+    table = speed_table(vibration)
+    names = [column.name for column in table.columns]
+    kinds, orders, modes = (
+        [row[names.index(name)] for row in table.rows] for name in ("vibration", "order", "mode")
+    )
+    assert len(set(zip(kinds, orders, modes, strict=True))) == len(table.rows)
+    one = next(
+        row for row in table.rows if row[0] == "torsional" and row[names.index("order")] == 12
+    )
+    peak = next(p for p in vibration["forced"]["torsional"]["resonances"] if p["order"] == 12.0)
+    limits = vibration["assessment"]["uncertainty"]["torsional"]["critical"]
+    own = next(p for p in limits if p["order"] == 12.0)
+    shown = table.texts()[table.rows.index(one)]
+    assert shown[names.index("speed")] == f"{peak['speed_rpm']:.1f}"
+    assert shown[names.index("lowest")] == f"{own['low_rpm']:.1f}"
+    assert shown[names.index("amplitude")] == "1.42 mrad"
+
+
+def test_the_schematic_names_what_the_chain_has(results):
+    text = str(engine_schematic(results))
+    assert text.startswith("<svg ")
+    assert text.count(">flywheel<") == text.count(">free end<") == 1
+    # Six pistons, the disc of the free end and that of the flywheel.
+    assert text.count("<rect ") == 8
+    assert [f">{number}<" in text for number in range(1, 7)] == 6 * [True]
+    assert ">1, 6<" in text
+
+
+def test_a_damper_ring_stands_before_the_free_end_and_later_nodes_close_up():
+    # Free end, cylinder, flywheel, ring at the free end, generator behind the flywheel, a disc on a branch.
+    pairs = [(0, 1), (1, 2), (0, 3), (2, 4), (1, 5)]
+    places = chain_places(6, pairs)
+    assert places.tolist() == [0.0, 1.0, 2.0, -1.0, 3.0, 1.5]
+    # A node in the middle of the ring's element, and one on that from cylinder to flywheel.
+    assert crosses_on_axis((2.5, 1.25), pairs, places) == [-0.5, 1.25]
+    assert chain_places(3, [(0, 1), (1, 2)]).tolist() == [0.0, 1.0, 2.0]
+
+
+def test_uses_at_and_above_running_speeds_stand_apart(results):
+    checks = results["vibration"]["assessment"]["checks"]
+    for check, used in zip(checks, (0.8, 0.9), strict=False):
+        own = {name: check[name] for name in ("value", "permitted", "speed_rpm")}
+        check["running"] = own | {"used": used}
+        check["above"] = own | {"used": used + 0.3, "speed_rpm": 570.0}
+        check["in_running_range"] = False
+    (shown,) = worst_of_each(checks[:2])
+    assert (shown["used"], shown["above"]["used"]) == (0.9, 1.2)
+    assert "80 % of the permitted 21.2 MPa; above the running range" in conclusions(results)[0]
