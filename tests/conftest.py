@@ -16,6 +16,9 @@ from hypothesis import settings
 for library in ("MKL", "OMP", "OPENBLAS"):
     os.environ.setdefault(f"{library}_NUM_THREADS", "1")
 
+# Lines wrap at this width, as in a terminal; what is captured here is as in a pipe. Runners set it.
+os.environ.pop("COLUMNS", None)
+
 # Tests never measure time: an example that takes long on a busy machine is no fault.
 settings.register_profile("untimed", deadline=None)
 settings.load_profile("untimed")

@@ -87,6 +87,7 @@ def assumed_values(file: EngineFile | MechanismFile) -> tuple[InputRecord, ...]:
 
     Examples
     --------
+    >>> from crankfem.files.engine.engine_file import load_engine
     >>> [one.field for one in assumed_values(load_engine("6chn25-34"))][-2:]
     ['limits.yield_strength', 'limits.crankshaft_rule']
     """

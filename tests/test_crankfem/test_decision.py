@@ -14,7 +14,7 @@ SPEEDS = np.linspace(0.1, 1.2, 2201) * RATED
 
 def decided(*peaks, **limits):
     """Peaks at shares of the rated speed [MPa], narrow."""
-    engine = load_engine("6chn25-34")
+    engine = load_engine("6chn25-34").changed(engine={"drives": "propeller"})
     if limits:
         engine = engine.changed(limits=limits)
     stress = sum(

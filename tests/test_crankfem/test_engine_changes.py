@@ -77,7 +77,7 @@ def test_changed_values_lose_their_sources(engine):
             {"throw": {"crank_radius": 0.160}},
             "throw.crank_radius: given 160 mm; allowed is half of",
         ),
-        ({"thrust_bearing": {"bearing": 9}}, "thrust_bearing.bearing: given 9; allowed is 0"),
+        ({"thrust_bearing": {"bearing": 9}}, "thrust_bearing.bearing: given 9, main bearing 10"),
         ({"vibration": {"highest_order": 2.2}}, "vibration.highest_order: given 2.2"),
     ],
 )

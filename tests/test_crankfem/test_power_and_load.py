@@ -15,7 +15,6 @@ from crankfem.cli.tables.vibration_tables import print_load
 from crankfem.files.engine.mechanism_load import pressures_at
 from crankfem.files.sections.excitation_sections import GasMap
 from crankfem.files.sections.load_section import LoadSection
-from crankfem.report.summary import power_and_load
 
 RPM = np.pi / 30.0
 POINTS = [
@@ -200,21 +199,20 @@ def test_console_tells_power_and_load(call, tmp_path):
     assert fine["mean_indicated_pressure"] == close(1.9e6 / 4.0 + 0.1e6, 1e-2)
 
 
-def test_the_first_screen_of_a_report_tells_both(engine):
+def test_power_that_does_not_fit_and_the_load_are_told(engine):
     changed = engine.changed(engine={"rated_power": 330e3}, load={"law": "propeller"})
     told = load_record(engine_load(changed, cf.engines.mechanism_of(changed)))
-    first, second = power_and_load({"load": told})
-    assert first == (
-        "The file is inconsistent: rated power 330 kW (mean effective pressure 0.7909 MPa) is 0.579 of the "
+    assert not told["rated"]["consistent"]
+    assert told["rated"]["sentence"] == (
+        "the file is inconsistent: rated power 330 kW (mean effective pressure 0.7909 MPa) is 0.579 of the "
         "indicated power 570.2 kW at 500 1/min, mean indicated pressure 1.367 MPa; usual mechanical "
-        "efficiencies are 0.75 to 0.97, so correct engine.rated_power or the section [gas]."
+        "efficiencies are 0.75 to 0.97, so correct engine.rated_power or the section [gas]"
     )
-    assert second.startswith(
-        "Each speed is taken at the load of a propeller: mean indicated pressure"
+    assert told["sentence"].startswith(
+        "each speed is taken at the load of a propeller: mean indicated pressure"
     )
     # Rated and indicated power that do not fit tell nothing of friction.
-    assert "friction" not in second
-    assert power_and_load({}) == power_and_load({"load": None}) == []
+    assert "friction" not in told["sentence"]
 
 
 def test_the_console_tells_the_load_of_each_speed(engine, capsys):

@@ -1093,7 +1093,9 @@ LEFT_OUT = {
     "matrices in unknowns of its own; results have nodes and points with names": """
         AssembledShaft CrankshaftSystem DampedChain LinearSystem TurningChain
         ViscousSystem""",
-    "a few numbers": "AbsorberOptimum BestPressure MovingMasses RodModel TwoMassCheck",
+    "a few numbers": """
+        AbsorberOptimum BestPressure FlywheelTilt FrequencyDifference MovingMasses RodModel
+        TwoMassCheck""",
     "does not know the angles it belongs to; HingeMoment tabulates its reduced crank": """
         CylinderMotion PointMotion TurnMotion ReducedCrank""",
     "depends on speed and load; CylinderForces at speeds draws it": "CylinderHarmonics",

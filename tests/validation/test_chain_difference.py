@@ -177,7 +177,11 @@ def test_flywheel_without_inertia_about_a_diameter(case, figure):
     around, _ = shaft_surroundings(case.engine, case.analysis)
     thin = replace(around, flywheel=replace(around.flywheel, diametral_inertia=0.0))
     element = case.analysis.dynamic_superelement(HIGHEST)
-    throws = shaft_throws(element, case.engine.throw, case.engine.throw_angles)
+    throws = shaft_throws(
+        element,
+        case.engine.throw,
+        crank_angles_deg=np.rad2deg(case.engine.throw_angles),
+    )
     shaft = assemble_crankshaft(throws, thin, turning_sense=case.engine.engine.turning_sense)
     modes = case.chain.chain.modes()
     (match,) = match_modes(

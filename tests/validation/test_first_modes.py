@@ -46,6 +46,7 @@ def test_a_soft_coupling_is_not_told_as_the_first_mode(run, figure):
 def test_summary_names_the_mode_of_the_crankshaft(run):
     results = {
         "vibration": run_record(run),
+        "inputs": [],
         "throw": {
             "error_estimate": 0.0,
             "supports": {"pinned": {"axial_compliance": 1e-9}},

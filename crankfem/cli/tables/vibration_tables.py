@@ -26,7 +26,7 @@ NOT_FORCED = (
 def print_run(record: Record, units: OutputUnits = SI) -> None:
     """Print all of an engine's vibration, the verdict last; critical speeds only where nothing is forced."""
     forced = record["forced"]
-    if record["load"] is not None:
+    if record.get("load") is not None:
         print_load(record["load"], units)
     for kind in ("axial", "torsional"):
         own = record[kind]
@@ -39,10 +39,10 @@ def print_run(record: Record, units: OutputUnits = SI) -> None:
             _print_forced(forced[kind], units)
     if record["whole"] is not None:
         _print_whole(record["whole"], units)
-    for line in (record["bearings"] or {"sentences": ()})["sentences"]:
+    for line in (record.get("bearings") or {"sentences": ()})["sentences"]:
         print_line(units.text(line))
-    if record["assumed"]:
-        count = len(record["assumed"])
+    count = len(record.get("assumed", ()))
+    if count:
         counted = "1 value is" if count == 1 else f"{count} values are"
         print_line(f"{counted} assumed, not given; crankfem check tells which, and why.")
     if record["assessment"] is None:
@@ -53,9 +53,9 @@ def print_run(record: Record, units: OutputUnits = SI) -> None:
 
 
 def _print_misfiring(record: Record, units: OutputUnits) -> None:
-    found = record["misfiring"]
+    found = record.get("misfiring")
     if found is None:
-        print_notes([record["misfiring_note"]], units)
+        print_notes(filter(None, [record.get("misfiring_note")]), units)
         return
     print_table(misfiring_table(found, units), units)
     print_notes(found["remarks"], units)
@@ -100,9 +100,9 @@ def _print_whole(record: Record, units: OutputUnits) -> None:
         else:
             reasons = " ".join(chain["reasons"])
             print_line(units.text(f"Lumped model inadequate ({kind} chain): {reasons}"))
-    for one in record["differences"]:
+    for one in record.get("differences", ()):
         print_line(f"{one['sentence'][0].upper()}{one['sentence'][1:]}.")
-    if record["flywheel_tilt"] is not None:
+    if record.get("flywheel_tilt") is not None:
         print_line(units.text(record["flywheel_tilt"]["sentence"]))
     split = record["axial_split"]
     if split is not None:
