@@ -65,6 +65,8 @@ GROUPS: dict[str, tuple[str, dict[str, str]]] = {
             "test_damped_criticals": "matrices, solved speed by speed",
             "test_engines_of_our_own": "matrices, solved speed by speed",
             "test_elastic_bearings": "matrices put together by hand",
+            "test_misfiring": "chains solved cylinder by cylinder",
+            "test_assumptions": "a class rule turned round by hand",
             "test_bearing_range": "the same engine in bearings of one stiffness each",
             "test_chain_difference": "matrices put together by hand",
             "test_first_modes": "two inertias on a spring",

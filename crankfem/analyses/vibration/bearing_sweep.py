@@ -25,7 +25,8 @@ from crankfem.analyses.vibration.forced import ForcedVibration, forced_vibration
 from crankfem.analyses.vibration.modes import Vibration, axial_vibration, torsional_vibration
 from crankfem.files.engine.engine_file import EngineFile
 from dynamics.assessment.barred_ranges import BarredRangeRule
-from dynamics.assessment.verdict import Verdict, judge
+from dynamics.assessment.decided import Trial
+from dynamics.assessment.verdict import Status, Verdict, judge
 from dynamics.chains.chain import Chain
 from dynamics.chains.engine_chains import EngineChain
 from dynamics.crankshaft.assembly import AssembledShaft
@@ -84,7 +85,7 @@ class BearingSweep:
     used : dict of str to (k,) array
         By limit: the largest share of it that is used. Calculated at a coarse grid of speeds, within
         3 % of a peak, but for the nominal stiffness. Empty where nothing is judged.
-    statuses : tuple of k str
+    statuses : tuple of k str, or empty
         Verdict at each stiffness.
     """
 
@@ -93,12 +94,23 @@ class BearingSweep:
     chains: dict[str, FloatArray]
     shaft: dict[str, FloatArray]
     used: dict[str, FloatArray]
-    statuses: tuple[str, ...]
+    statuses: tuple[Status, ...]
 
     @property
     def flips(self) -> bool:
         """Whether the verdict is not the same over the whole range."""
         return len(set(self.statuses)) > 1
+
+    @property
+    def trials(self) -> tuple[Trial, ...]:
+        """The verdict at each stiffness, where it is assumed; none where the file gives it."""
+        if not self.bearings.assumed:
+            return ()
+        name = ("bearings.stiffness", "lateral stiffness of the main bearings")
+        return tuple(
+            Trial(*name, value, "N/m", status, taken=value == self.bearings.nominal)
+            for value, status in zip(self.stiffness.tolist(), self.statuses, strict=False)
+        )
 
     @property
     def sentences(self) -> tuple[str, ...]:

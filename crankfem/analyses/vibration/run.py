@@ -39,6 +39,7 @@ from crankfem.analyses.vibration.misfiring import Misfiring, misfiring_or_reason
 from crankfem.analyses.vibration.modes import Vibration, axial_vibration, torsional_vibration
 from crankfem.files.engine.engine_file import EngineFile, load_engine
 from crankfem.files.engine.mechanism_file import MechanismFile, layout_of, mechanism_of
+from dynamics.assessment.decided import decide
 from dynamics.assessment.verdict import LimitCheck
 from dynamics.chains.chain import Chain
 from dynamics.critical import engine_orders
@@ -343,8 +344,11 @@ def engine_vibration(
         sweep = bearing_sweep(read, held, analyses, whole, harmonics, verdict)
     if assessment is not None:
         beside = () if comparison is None else whole_shaft_remark(comparison)
-        if sweep is not None and sweep.flips:
-            beside += sweep.sentences[1:]
+        if sweep is not None:
+            beside += sweep.sentences[1:] if sweep.flips else ()
+            trials = (*assessment.decision.trials, *sweep.trials)
+            decided = decide(assessment.verdict.status, trials)
+            assessment = replace(assessment, decision=decided)
         assessment = replace(assessment, beside=beside)
     return EngineVibration(
         engine_file=read,

@@ -150,7 +150,7 @@ def print_assessment(record: Record, units: OutputUnits = SI) -> None:
         for one in record[name]:
             said = "; ".join(one["refusals"]) or fine
             print_line(units.text(f"Range {one['shown']}: {said}. Its ends: {one['ends']}."))
-    decision = record["decision"]
+    decision = record.get("decision", {"status": "", "sentence": ""})
     if decision["status"] == "undecided":
         print_line(units.text(f"Verdict: undecided, {decision['sentence']}."))
         print_line(units.text(f"With the values assumed: {record['sentence']}"))
