@@ -258,45 +258,42 @@ def limit_table(record: Record, limit: str | None = None, units: OutputUnits = S
 
 
 def misfiring_table(record: Record, units: OutputUnits = SI) -> Table:
-    """Return normal firing and misfiring side by side, from a `misfiring_record`."""
+    """Return normal firing and the worst misfiring, row under row, from a `misfiring_record`."""
 
-    def quantity(found: Record, name: str, unit: str) -> str | None:
-        return None if found[name] is None else units.quantity(found[name], unit, 4)
-
-    def reached(found: Record, unit: str) -> str:
-        return quantity(found, "value", unit) or UNBOUNDED
-
-    def rows(one: Record) -> list[Any]:
-        normal, failing, unit = one["normal"], one["misfiring"], one["unit"]
+    def row(one: Record, firing: str, found: Record) -> list[Any]:
+        reached, permitted = (
+            None if found[name] is None else units.quantity(found[name], one["unit"], 3)
+            for name in ("value", "permitted")
+        )
+        at = found["speed_rpm"] / RPM
         return [
-            f"{one['quantity']}, {failing['place']}",
-            reached(normal, unit),
-            normal["speed_rpm"] / RPM,
-            quantity(normal, "permitted", unit),
-            normal["used"],
-            reached(failing, unit),
-            ", ".join(str(number) for number in one["cylinders"]),
-            failing["speed_rpm"] / RPM,
-            quantity(failing, "permitted", unit),
-            failing["used"],
+            f"{one['quantity']}, {one['misfiring']['place']}",
+            *(firing, at, reached or UNBOUNDED, permitted, found["used"]),
+        ]
+
+    def rows(one: Record) -> list[list[Any]]:
+        cylinders = ", ".join(str(number) for number in one["cylinders"])
+        return [
+            row(one, "all cylinders", one["normal"]),
+            row(one, f"not {cylinders}", one["misfiring"]),
         ]
 
     return Table(
-        "Largest at running speeds, all cylinders firing and one misfiring",
+        "Largest at running speeds, all cylinders firing and the worst case of misfiring",
         [
             Column("quantity", words=True),
-            Column("all firing"),
+            Column("firing", words=True),
             Column("at", "1/min", decimals=0),
-            Column("permitted", missing="-"),
-            Column("used", "%", 3, missing="-"),
-            Column("misfiring"),
-            Column("cylinder"),
-            Column("at", "1/min", decimals=0),
+            Column("reached"),
             Column("permitted", missing="-"),
             Column("used", "%", 3, missing="-"),
         ],
-        [rows(one) for one in record["checks"]],
-        marks=["over" if one["passed"] is False else "" for one in record["checks"]],
+        [each for one in record["checks"] for each in rows(one)],
+        marks=[
+            mark
+            for one in record["checks"]
+            for mark in ("", "over" if one["passed"] is False else "")
+        ],
     )
 
 
