@@ -77,11 +77,7 @@ def conclusions(results: Record) -> list[str]:
     cause = assessment["checks"][0].get("cause")
     found = [
         _reached(assessment),
-        " ".join(
-            filter(
-                None, ("" if cause is None else sentence(cause["sentence"]), _advice(assessment))
-            )
-        ),
+        " ".join(filter(None, ("" if cause is None else _cause(assessment), _advice(assessment)))),
         " ".join(_ranges(assessment)),
         _misfiring(results["vibration"]),
         _assumed(results),
@@ -123,6 +119,11 @@ def _reached(assessment: Record) -> str:
     condition = "With the values assumed: " if undecided(assessment) else ""
     limit = worst["limit"] if condition else worst["limit"].capitalize()
     return f"{condition}{limit}, {worst['place']}: {shown}{more if others > 0 else ''}."
+
+
+def _cause(assessment: Record) -> str:
+    worst = assessment["checks"][0]
+    return sentence(f"at {fixed(worst['speed_rpm'])} 1/min {worst['cause']['sentence']}")
 
 
 def _share(found: Record, unit: str) -> str:

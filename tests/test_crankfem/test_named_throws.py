@@ -307,7 +307,11 @@ def test_one_throw_by_name_gives_the_vibration_of_a_plain_file(both, lightly):
     plain, named, analysis = both
     ours = engine_vibration(named, analysis={"a": analysis}, coupled=True)
     theirs = engine_vibration(plain, analysis=analysis, coupled=True)
-    alike(*(json.loads(json.dumps(run_record(run))) for run in (theirs, ours)))
+    records = [json.loads(json.dumps(run_record(run))) for run in (theirs, ours)]
+    for record in records:
+        for one in record["assumed"]:  # the same values, in fields of the throw's own name
+            one["field"] = one["field"].replace("throws.a.", "throw.")
+    alike(*records)
     assert ours.analysis is theirs.analysis is analysis
 
 
