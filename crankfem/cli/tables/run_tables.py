@@ -46,8 +46,9 @@ def print_worst(results: Mapping[str, Any], units: OutputUnits = SI) -> None:
     shown = ("vibration", "speed", "order", "amplitude", "kind")
     if vibration["forced"] is None:
         shown = ("vibration", "speed", "order", "mode", "phase sum")
+    known = [column.name for column in speeds.columns]  # without peaks there are no amplitudes
     if speeds.rows:
-        print_table(speeds.select(*shown), units, plain=True)
+        print_table(speeds.select(*(name for name in shown if name in known)), units, plain=True)
 
 
 def print_verdict(results: Mapping[str, Any], units: OutputUnits = SI) -> None:
