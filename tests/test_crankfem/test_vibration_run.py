@@ -152,7 +152,7 @@ def test_forced_vibration_of_an_engine(run):
     assert {one.mode for one in torsional.resonances} == {1}
     assert max(torsional.resonances, key=lambda one: one.severity).order == 12.0
     # In phase on a rigid shaft, which the first mode resembles but is not.
-    assert [one.order for one in torsional.resonances if one.kind == "major"] == [12.0, 9.0]
+    assert [one.order for one in torsional.resonances if one.kind == "major"] == [12.0]
 
 
 @pytest.mark.slow
