@@ -159,7 +159,10 @@ def test_names_are_no_markup_in_the_browser(open_page, tmp_path):
             name,
         ),
         "angles": figure_of(
-            formulas_over_angle(np.arange(0.0, 181.0, 60.0), {name: np.full(4, 1e-9)}), "angles"
+            formulas_over_angle(
+                np.arange(0.0, 181.0, 60.0), {name: np.full(4, 1e-9), "plain": np.full(4, 5e-10)}
+            ),
+            "angles",
         ),
     }
     drawn = "".join(
