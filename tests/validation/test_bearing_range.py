@@ -14,7 +14,7 @@ import pytest
 import crankfem as cf
 from comparing import close
 
-pytestmark = pytest.mark.slow
+pytestmark = pytest.mark.further
 
 
 @pytest.fixture(scope="module")

@@ -34,7 +34,7 @@ from dynamics.crankshaft.chain_difference import (
 from dynamics.crankshaft.mode_matches import match_modes
 from dynamics.crankshaft.shaft_modes import crankshaft_modes
 
-pytestmark = pytest.mark.slow
+pytestmark = pytest.mark.further
 OWN = "tests/data/engines/"
 ENGINES = (
     "6chn25-34",

@@ -22,7 +22,7 @@ from crankfem.analyses.shaft.sources import compliances_in_shaft
 from crankfem.analyses.shaft.throw_analyses import analyze_throws
 
 UX, UY, UZ, RZ = 0, 1, 2, 5
-pytestmark = pytest.mark.slow
+pytestmark = pytest.mark.further
 
 
 @pytest.fixture(scope="module")

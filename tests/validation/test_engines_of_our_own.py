@@ -41,7 +41,7 @@ def twists(run, order, speeds):
     return chain.stiffness[:count] * (motion[:, pairs[:, 1]] - motion[:, pairs[:, 0]])
 
 
-@pytest.mark.slow
+@pytest.mark.further
 def test_critical_speeds_are_peaks(run, figure):
     low, high = run.judged_range
     speeds = low * np.exp(np.arange(0.0, np.log(high / low), 2e-4))
@@ -65,7 +65,7 @@ def test_critical_speeds_are_peaks(run, figure):
     assert compared >= 5
 
 
-@pytest.mark.slow
+@pytest.mark.further
 def test_parts_of_orders_make_the_largest_stress(run, figure):
     stress = run.stress
     place = stress.largest_place

@@ -99,7 +99,7 @@ def amplitudes(orders, phasors, angles):
     return 0.5 * np.ptp(waves, axis=0)
 
 
-@pytest.mark.slow
+@pytest.mark.further
 def test_the_worst_cylinder_and_its_stress(run, figure):
     (check,) = (one for one in run.misfiring.checks if one.quantity.startswith("torsional stress"))
     engine, orders = run.engine_file, run.forced_torsional.response.orders
@@ -125,7 +125,7 @@ def test_the_worst_cylinder_and_its_stress(run, figure):
     figure("permitted then", check.misfiring.permitted, allowed[index], 1e-9, "Pa")
 
 
-@pytest.mark.slow
+@pytest.mark.further
 def test_normal_firing_is_not_changed_by_the_search(run, figure):
     (check,) = (one for one in run.misfiring.checks if one.quantity.startswith("torsional stress"))
     running = [
