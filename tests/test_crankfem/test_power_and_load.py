@@ -8,7 +8,11 @@ import pytest
 import crankfem as cf
 from comparing import close
 from crankbase.errors import InputError
-from crankfem.analyses.vibration.engine_excitation import calculated_speeds, engine_harmonics
+from crankfem.analyses.vibration.engine_excitation import (
+    calculated_speeds,
+    engine_harmonics,
+    failing_harmonics,
+)
 from crankfem.analyses.vibration.engine_load import engine_load
 from crankfem.analyses.vibration.records import load_record
 from crankfem.cli.tables.vibration_tables import print_load
