@@ -19,14 +19,14 @@ from crankfem.analyses.vibration.engine_excitation import calculated_range
 from crankfem.analyses.vibration.engine_limits import (
     assessment_end_speeds,
     engine_limits,
+    engine_verdict,
     limit_findings,
 )
 from crankfem.analyses.vibration.forced import ForcedVibration, forced_vibrations
 from crankfem.analyses.vibration.modes import Vibration, axial_vibration, torsional_vibration
 from crankfem.files.engine.engine_file import EngineFile
-from dynamics.assessment.barred_ranges import BarredRangeRule
 from dynamics.assessment.decided import Trial
-from dynamics.assessment.verdict import Status, Verdict, judge
+from dynamics.assessment.verdict import Status, Verdict
 from dynamics.chains.chain import Chain
 from dynamics.chains.engine_chains import EngineChain
 from dynamics.crankshaft.assembly import AssembledShaft
@@ -278,12 +278,6 @@ def in_bearings(shaft: AssembledShaft, added: float) -> AssembledShaft:
     return replace(shaft, stiffness=shaft.stiffness + added * rows.T @ rows)
 
 
-def barred_rule(engine_file: EngineFile) -> BarredRangeRule:
-    """Return the rule by which an engine's speeds may be barred: that of the file, or the usual one."""
-    rated, given = engine_file.engine.rated_speed, engine_file.limits
-    return BarredRangeRule(rated) if given is None else given.barred_rule(rated)
-
-
 def other_chains(each: Sequence[HeldChains], kind: str) -> tuple[Chain, ...]:
     """Return the chains of one kind, for bounds that hold for all of them."""
     return tuple(own.chain(kind).chain for own in each)
@@ -308,7 +302,6 @@ def _verdict(
     engine_file: EngineFile, held: HeldChains, analysis: Analyses, harmonics: CylinderHarmonics
 ) -> Verdict:
     """Judge the forced vibration in bearings of one stiffness, at a coarse grid of speeds."""
-    engine = engine_file.engine
     answers: tuple[ForcedVibration, ForcedVibration] = forced_vibrations(
         engine_file,
         harmonics,
@@ -318,11 +311,7 @@ def _verdict(
         analysis,
         speeds=_coarse_speeds(engine_file, harmonics.orders, held),
     )
-    return judge(
-        limit_findings(engine_file, *answers),
-        (engine.lowest_speed, engine.highest_speed),
-        barred_rule(engine_file),
-    )
+    return engine_verdict(engine_file, limit_findings(engine_file, *answers))
 
 
 def _coarse_speeds(engine_file: EngineFile, orders: FloatArray, held: HeldChains) -> FloatArray:

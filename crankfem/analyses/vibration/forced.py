@@ -313,12 +313,7 @@ def forced_vibrations(
         return chains.answers(forces_over_speeds(engine_file, harmonics, speeds))
 
     if speeds is not None:
-        forces = forces_over_speeds(engine_file, harmonics, speeds)
-        lengthened, twisted = (
-            _vibration(engine_file, forces, damped, answer)
-            for damped, answer in zip(chains.damped, chains.answers(forces), strict=True)
-        )
-        return lengthened, twisted
+        return _vibrations(chains, forces_over_speeds(engine_file, harmonics, speeds))
     # The worst speeds are looked for among those of the chains alone, so that what else is to be
     # calculated has no part in them.
     own = calculated_speeds(engine_file, harmonics.orders, chains.damped)
@@ -331,15 +326,23 @@ def forced_vibrations(
     forces = forces_over_speeds(engine_file, harmonics, merged_speeds(speeds, worst))
     compliances = chains.pulled.compliances
     compared = compared_axial_forces(engine_file, forces, compliances, shaft, analysis)
-    lengthened, twisted = (
-        _vibration(engine_file, forces, damped, answer)
-        for damped, answer in zip(chains.damped, chains.answers(forces), strict=True)
-    )
+    lengthened, twisted = _vibrations(chains, forces)
     lengthened = replace(lengthened, axial_forces=compared)
     return (
         replace(lengthened, resonances=resonances_of(engine_file, lengthened)),
         replace(twisted, resonances=resonances_of(engine_file, twisted)),
     )
+
+
+def _vibrations(
+    chains: EngineChains, forces: CylinderForces
+) -> tuple[ForcedVibration, ForcedVibration]:
+    """Return the axial and the torsional vibration under forces of the cylinders."""
+    lengthened, twisted = (
+        _vibration(chains.engine_file, forces, damped, answer)
+        for damped, answer in zip(chains.damped, chains.answers(forces), strict=True)
+    )
+    return lengthened, twisted
 
 
 def _vibration(
