@@ -9,7 +9,6 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy import sparse
 
 from crankbase.errors import InputError
@@ -17,9 +16,17 @@ from crankbase.stopwatch import Stopwatch
 from fem.assembly import assemble_stiffness
 from fem.class_compliances import axial_motion, class_axial_compliances
 from fem.condensation import CondensedClass, EndSections, condense
+from fem.correction import (
+    EFFECTIVITY,
+    MESH_NOISE,
+    UNCERTAINTY,
+    class_errors,
+    corrected_class,
+    relative_errors,
+)
 from fem.loads import NodalLoads, unit_pin_loads
 from fem.material import Material
-from fem.recovery import EnergyErrors, energy_errors
+from fem.recovery import EnergyErrors
 from fem.refinement import refined_sizes
 from fem.solver import SharedSolver
 from fem.symmetry import SymmetryClass, axial_class
@@ -68,7 +75,7 @@ class Problem:
 
 @dataclass(frozen=True)
 class RefinementLevel:
-    """One mesh with its axial class solved.
+    """One mesh with its axial class solved and corrected.
 
     Attributes
     ----------
@@ -100,13 +107,17 @@ class RefinementLevel:
     @property
     def error_estimate(self) -> float:
         """Estimated relative error of the axial compliance."""
-        return SAFETY * self.errors.relative
+        discrete = self.axial_part.discrete
+        if discrete is None:
+            return SAFETY * self.errors.relative
+        plain = class_axial_compliances(discrete, "pinned")[0]
+        return float(relative_errors(np.array(self.axial), np.array(plain)))
 
     def condense(self, symmetry: SymmetryClass, problem: Problem) -> CondensedClass:
         """Condense another class on the same mesh."""
         if symmetry == self.axial_part.symmetry:
             return self.axial_part
-        return condense(
+        part = condense(
             self.mesh,
             self.stiffness,
             self.pins,
@@ -115,6 +126,8 @@ class RefinementLevel:
             problem.end_sections,
             problem.watch,
         )
+        with problem.watch.lap("error estimate"):
+            return corrected_class(part, class_errors(part, self.mesh, problem.material))
 
 
 def solve_level(mesh: ThrowMesh, problem: Problem) -> RefinementLevel:
@@ -139,8 +152,10 @@ def solve_level(mesh: ThrowMesh, problem: Problem) -> RefinementLevel:
         watch,
     )
     with watch.lap("error estimate"):
-        field: NDArray[np.float64] = part.fields @ axial_motion(part, "pinned")
-        errors = energy_errors(mesh.points, mesh.elements, field, problem.material)
+        stresses = class_errors(part, mesh, problem.material)
+        axial = np.append(axial_motion(part, "pinned"), np.zeros(len(part.pin_components)))
+        errors = stresses.energy_errors(axial)
+        part = corrected_class(part, stresses)
     return RefinementLevel(mesh, stiffness, pins, part, errors, solver)
 
 
@@ -176,12 +191,13 @@ def solve_to_accuracy(
     while expected_unknowns(throw, factor) > MOST_UNKNOWNS:
         factor *= 1.2
     level = solve_level(_mesh(throw, factor, None, problem, mesher), problem)
-    target = (AIM_FILLETED if throw.filleted else AIM_SHARP) * accuracy
+    aim = AIM_FILLETED if throw.filleted else AIM_SHARP
+    target = aim * (accuracy - MESH_NOISE) / (UNCERTAINTY * EFFECTIVITY)
     for _ in range(MOST_REFINEMENTS):
         if level.error_estimate <= accuracy:
             break
         with problem.watch.lap("error estimate"):
-            sizes = refined_sizes(level.mesh, level.errors, target / SAFETY)
+            sizes = refined_sizes(level.mesh, level.errors, target)
             factor = 1.0
             while sizes.expected_unknowns(factor) > MOST_UNKNOWNS:
                 factor *= 1.05

@@ -25,8 +25,8 @@ class SolvedThrow:
     mesh : ThrowMesh
         Mesh of the part of the throw that was solved.
     error_estimate : float
-        Estimated relative discretization error of the axial compliance (pinned), from the energy of
-        the error; the compliance is about that much too small.
+        Estimated relative error of the axial compliance (pinned) that is left after correction
+        (`fem.correction`).
     accuracy : float
         The accuracy that was asked for.
     seconds : mapping

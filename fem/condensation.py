@@ -60,6 +60,9 @@ class CondensedClass:
     pin_reactions : (pins, k, 6) array
         The same as `pin_loads` from the other side: forces that hold the end sections under the unit
         loads on the pins, reversed. The two are equal by reciprocity, from separate solutions.
+    discrete : CondensedClass or None
+        The class as the mesh gives it, if `stiffness`, `pin_loads` and `pin_flexibility` are corrected
+        (`fem.correction`).
     """
 
     symmetry: SymmetryClass
@@ -73,6 +76,7 @@ class CondensedClass:
     end_sections: str
     end_forces: Array
     pin_reactions: Array
+    discrete: "CondensedClass | None" = None
 
 
 def condense(
