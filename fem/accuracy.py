@@ -8,7 +8,6 @@ twice the energy of the error. That energy is estimated element by element from 
 from collections.abc import Callable
 from dataclasses import dataclass
 
-import numpy as np
 from scipy import sparse
 
 from crankbase.errors import InputError
@@ -22,7 +21,7 @@ from fem.correction import (
     UNCERTAINTY,
     class_errors,
     corrected_class,
-    relative_errors,
+    error_bars,
 )
 from fem.loads import NodalLoads, unit_pin_loads
 from fem.material import Material
@@ -111,7 +110,7 @@ class RefinementLevel:
         if discrete is None:
             return SAFETY * self.errors.relative
         plain = class_axial_compliances(discrete, "pinned")[0]
-        return float(relative_errors(np.array(self.axial), np.array(plain)))
+        return float(error_bars(self.axial, plain)) / self.axial
 
     def condense(self, symmetry: SymmetryClass, problem: Problem) -> CondensedClass:
         """Condense another class on the same mesh."""

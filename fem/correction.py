@@ -2,8 +2,8 @@
 
 Finite elements choose among fewer displacements than the throw has, so it comes out too stiff. Of two
 unit motions u, v of the end sections the true stiffness is the mutual energy a(u, v) of their true fields.
-With the discrete fields u_h and errors e = u - u_h, which vanish on the end sections, a(u_h, v) is the work of
-the discrete forces there and the same for all fields with that motion, so that
+With the discrete fields u_h and errors e = u - u_h, which vanish on the end sections, a(u_h, v) is the work
+of the discrete forces there and the same for all fields with that motion, so that
 
     K = K_h - a(e_u, e_v)
 
@@ -20,7 +20,7 @@ miss a part of them, alike for throws of a kind: `EFFECTIVITY`.
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from fem.condensation import CondensedClass
 from fem.material import Material
@@ -76,9 +76,10 @@ def corrected_class(part: CondensedClass, errors: StressErrors) -> CondensedClas
     )
 
 
-def relative_errors(corrected: Array, discrete: Array) -> Array:
-    """Error bars (n,) of corrected answers, as shares of them, from those of the mesh beside them."""
-    return UNCERTAINTY * np.abs(discrete / corrected - 1.0) + MESH_NOISE
+def error_bars(corrected: ArrayLike, discrete: ArrayLike) -> Array:
+    """Estimated errors of corrected answers from those of the mesh beside them, in their units."""
+    answers, plain = np.asarray(corrected, dtype=float), np.asarray(discrete, dtype=float)
+    return UNCERTAINTY * np.abs(answers - plain) + MESH_NOISE * np.abs(answers)
 
 
 def _largest_share(stiffness: Array, energies: Array) -> float:

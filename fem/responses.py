@@ -18,7 +18,7 @@ from fem.accuracy import Mesher, Problem, RefinementLevel, solve_to_accuracy
 from fem.angle_law import effective_angle_law
 from fem.class_compliances import unit_response
 from fem.condensation import CondensedClass
-from fem.correction import relative_errors
+from fem.correction import error_bars
 from fem.fillet_stress import fillet_stresses
 from fem.loads import RADIAL, radial_directions
 from fem.material import STEEL, Material
@@ -201,7 +201,8 @@ class _ClassResponses:
 def _class_responses(part: CondensedClass, load: Array, tilt: Array) -> _ClassResponses:
     """Solve a class under its end load, under the radial force on the pin and the tilting moments."""
     values = _class_values(part, load, tilt)
-    errors = relative_errors(values, _class_values(part.discrete or part, load, tilt))
+    plain = _class_values(part.discrete or part, load, tilt)
+    errors = error_bars(values, plain) / np.where(values == 0.0, 1.0, np.abs(values))
     found = list(zip(values.tolist(), errors.tolist(), strict=True))
     return _ClassResponses(found[:2], found[2:4], found[4])
 

@@ -1,6 +1,6 @@
 """A throw's elastic and mass properties from one superelement: what `analyze_throw` returns."""
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
@@ -13,6 +13,7 @@ from crankbase.summaries import summarized
 from fem.angle_law import AngleLaw, angle_law, compliance, compliance_over_angle
 from fem.axial_analysis import SolvedThrow
 from fem.condensation import CondensedClass
+from fem.correction import error_bars
 from fem.craig_bampton import DynamicSuperelement, dynamic_superelement
 from fem.loads import Distribution
 from fem.modes import ThrowModes, free_modes
@@ -27,7 +28,7 @@ from fem.pin_response import (
     spread_load,
 )
 from fem.plots.over_angle import ANGLES_DEG, LABELS, Compliance, check_compliance, draw_compliance
-from fem.superelement import Superelement
+from fem.superelement import Superelement, combine_classes
 from fem.supports import (
     STRETCH,
     TABLE_SUPPORTS,
@@ -78,6 +79,39 @@ class ThrowAnalysis(SolvedThrow):
     def stiffness(self) -> NDArray[np.float64]:
         """Stiffness (12, 12): ux uy uz rx ry rz of the left, then the right end section [SI]."""
         return self.superelement.stiffness
+
+    @property
+    def discrete(self) -> "ThrowAnalysis":
+        """The same throw as its mesh gives it, not corrected: for comparisons on one mesh."""
+        classes = tuple(one.discrete or one for one in self.classes)
+        superelement = combine_classes(classes, self.superelement.radials)
+        return replace(self, classes=classes, superelement=superelement)
+
+    @property
+    def corrected(self) -> bool:
+        """Whether the answers are corrected for what discretization takes from them.
+
+        They are not where the error is so large that a correction would tell nothing.
+        """
+        return all(one.discrete is not None for one in self.classes)
+
+    @property
+    def stiffness_error(self) -> NDArray[np.float64]:
+        """Estimated errors (12, 12) of the entries of the stiffness [SI]; see `error_bars`."""
+        return error_bars(self.stiffness, self.discrete.stiffness)
+
+    def error_bars(self, support: Support = "pinned") -> SupportedThrow:
+        """Estimated errors of the compliances under one support, in their units.
+
+        What is left after correction; the true error is smaller in 95 of 100 throws (docs/accuracy.md).
+        """
+        here, mesh = self.supported(support), self.discrete.supported(support)
+        return SupportedThrow(
+            axial=float(error_bars(here.axial, mesh.axial)),
+            torsional=float(error_bars(here.torsional, mesh.torsional)),
+            stretches=error_bars(here.stretches, mesh.stretches),
+            influences=error_bars(here.influences, mesh.influences),
+        )
 
     @property
     def solver(self) -> str:

@@ -66,6 +66,7 @@ def reciprocity_record(analysis: ThrowAnalysis) -> Record:
         largest difference, of the supports, between c Z / e_n and the axial reaction by the end forces
         under a radial force Z on the first pin, beside Z.
     """
+    analysis = analysis.discrete
     elements = analysis.superelement
     by_forces = superelement_of_end_forces(analysis.classes, elements.radials)
     radial = elements.radials[0]
