@@ -8,6 +8,7 @@ twice the energy of the error. That energy is estimated element by element from 
 from collections.abc import Callable
 from dataclasses import dataclass
 
+import numpy as np
 from scipy import sparse
 
 from crankbase.errors import InputError

@@ -79,7 +79,7 @@ def corrected_class(part: CondensedClass, errors: StressErrors) -> CondensedClas
 def error_bars(corrected: ArrayLike, discrete: ArrayLike) -> Array:
     """Estimated errors of corrected answers from those of the mesh beside them, in their units."""
     answers, plain = np.asarray(corrected, dtype=float), np.asarray(discrete, dtype=float)
-    return UNCERTAINTY * np.abs(answers - plain) + MESH_NOISE * np.abs(answers)
+    return np.asarray(UNCERTAINTY * np.abs(answers - plain) + MESH_NOISE * np.abs(answers))
 
 
 def _largest_share(stiffness: Array, energies: Array) -> float:
