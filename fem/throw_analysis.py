@@ -20,12 +20,12 @@ from fem.modes import ThrowModes, free_modes
 from fem.pin_response import (
     PinResponse,
     checked_pin,
+    checked_vector,
     end_load,
-    equivalent_load,
     local_motion,
     pin_compliance,
     pin_response,
-    spread_load,
+    unevenness,
 )
 from fem.plots.over_angle import ANGLES_DEG, LABELS, Compliance, check_compliance, draw_compliance
 from fem.superelement import Superelement, combine_classes
@@ -269,9 +269,13 @@ class ThrowAnalysis(SolvedThrow):
         InputError
             As for `reactions`.
         """
-        load = spread_load(self.mesh, pin, force, moment, distribution)
-        local = local_motion(self.classes, load, len(self.mesh.pins))[6 * pin : 6 * pin + 6]
-        ends = equivalent_load(self.classes, load)
+        given = checked_vector("force", force, "N"), checked_vector("moment", moment, "N m")
+        ends = end_load(self.superelement, self.classes, self.mesh, pin, *given, distribution)
+        place = slice(6 * pin, 6 * pin + 6)
+        local = self.superelement.pin_flexibility[place, place] @ np.concatenate(given)
+        if distribution != "uniform":
+            uneven = unevenness(self.mesh, pin, *given, distribution)
+            local += local_motion(self.classes, uneven, len(self.mesh.pins))[place]
         return pin_response(self.superelement, support, ends, local, pin)
 
     def pin_compliance(self, support: Support = "pinned", pin: int = 0) -> NDArray[np.float64]:

@@ -21,11 +21,11 @@ from fem.accuracy import (
     AIM_FILLETED,
     FIRST_FILLETED,
     FIRST_SHARP,
-    SAFETY,
     Problem,
     solve_level,
     solve_to_accuracy,
 )
+from fem.correction import EFFECTIVITY, MESH_NOISE, UNCERTAINTY
 from fem.material import STEEL
 from fem.recovery import EnergyErrors
 from fem.refinement import (
@@ -282,7 +282,7 @@ def test_one_mesh_is_enough_where_it_is_accurate_enough(throw, mesh, level):
     mesher = Recorder(mesh)
     found = solve_to_accuracy(throw, 0.1, PROBLEM, mesher)
     assert mesher.asked == [(FIRST_FILLETED, "auto", None)]
-    assert found.error_estimate == level.error_estimate == SAFETY * level.errors.relative
+    assert found.error_estimate == level.error_estimate
     assert found.axial == level.axial
     sharp = Recorder(mesh)
     solve_to_accuracy(throw.model_copy(update={"fillet_radius": 0.0}), 0.1, PROBLEM, sharp)
@@ -292,13 +292,14 @@ def test_one_mesh_is_enough_where_it_is_accurate_enough(throw, mesh, level):
 def test_a_mesh_that_gets_no_better_ends_the_search(throw, mesh, level):
     """The first one stays, and says how far off it is."""
     mesher = Recorder(mesh)
-    found = solve_to_accuracy(throw, 0.02, PROBLEM, mesher)
+    found = solve_to_accuracy(throw, 0.004, PROBLEM, mesher)
     assert len(mesher.asked) == 2
     factor, part, sizes = mesher.asked[1]
     assert (factor, part) == (1.0, "auto")
-    expected = refined_sizes(mesh, level.errors, AIM_FILLETED * 0.02 / SAFETY)
+    wished = AIM_FILLETED * (0.004 - MESH_NOISE) / (UNCERTAINTY * EFFECTIVITY)
+    expected = refined_sizes(mesh, level.errors, wished)
     assert np.array_equal(sizes.sizes, expected.sizes)
-    assert found.error_estimate == level.error_estimate > 0.02
+    assert found.error_estimate == level.error_estimate > 0.004
 
 
 def test_meshes_stay_within_the_budget(throw, mesh, monkeypatch):
