@@ -18,8 +18,6 @@ from fem.class_compliances import axial_motion, class_axial_compliances
 from fem.condensation import CondensedClass, EndSections, condense
 from fem.correction import (
     EFFECTIVITY,
-    MESH_NOISE,
-    UNCERTAINTY,
     class_errors,
     corrected_class,
     error_bars,
@@ -41,6 +39,9 @@ FIRST_SHARP = 2.2
 # Recovered stresses miss some of the error, most beside surfaces; the estimate is theirs times this
 # (tests/campaigns/compliance_errors.py).
 SAFETY = 1.35
+# An answer is corrected by at most so many times the wished accuracy, or the mesh is refined: the less it
+# rests on the estimate of its error, the better it is known.
+MOST_CORRECTED = 2.0
 # The first refined mesh is aimed at this share of the accuracy, for it rarely turns out as wished: less
 # where corners are sharp, whose errors fall more slowly than those that the sizes are chosen for. Those
 # after it are aimed by how much it fell short.
@@ -107,11 +108,23 @@ class RefinementLevel:
     @property
     def error_estimate(self) -> float:
         """Estimated relative error of the axial compliance."""
-        discrete = self.axial_part.discrete
-        if discrete is None:
+        if self.axial_part.discrete is None:
             return SAFETY * self.errors.relative
-        plain = class_axial_compliances(discrete, "pinned")[0]
-        return float(error_bars(self.axial, plain)) / self.axial
+        correction = self.axial_correction
+        return float(error_bars(1.0, 1.0 - correction, correction))
+
+    @property
+    def axial_correction(self) -> float:
+        """Share of the axial compliance that is correction, or would have to be."""
+        if self.axial_part.discrete is None:
+            return EFFECTIVITY * self.errors.relative
+        return 1.0 - class_axial_compliances(self.axial_part.discrete, "pinned")[0] / self.axial
+
+    def meets(self, accuracy: float) -> bool:
+        """Whether the error is small enough, and what rests on an estimate is little."""
+        return (
+            self.error_estimate <= accuracy and self.axial_correction <= MOST_CORRECTED * accuracy
+        )
 
     def condense(self, symmetry: SymmetryClass, problem: Problem) -> CondensedClass:
         """Condense another class on the same mesh."""
@@ -192,9 +205,9 @@ def solve_to_accuracy(
         factor *= 1.2
     level = solve_level(_mesh(throw, factor, None, problem, mesher), problem)
     aim = AIM_FILLETED if throw.filleted else AIM_SHARP
-    target = aim * (accuracy - MESH_NOISE) / (UNCERTAINTY * EFFECTIVITY)
+    target = aim * MOST_CORRECTED * accuracy / EFFECTIVITY
     for _ in range(MOST_REFINEMENTS):
-        if level.error_estimate <= accuracy:
+        if level.meets(accuracy):
             break
         with problem.watch.lap("error estimate"):
             sizes = refined_sizes(level.mesh, level.errors, target)
@@ -209,7 +222,7 @@ def solve_to_accuracy(
         if factor > 1.0:
             break
         # What this mesh fell short of its aim by, the next one is expected to fall short of as well.
-        target *= AIM_AGAIN * accuracy / level.error_estimate
+        target *= AIM_AGAIN * MOST_CORRECTED * accuracy / level.axial_correction
     return level
 
 

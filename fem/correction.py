@@ -30,11 +30,11 @@ from geometry.mesh import ThrowMesh
 Array = NDArray[np.float64]
 
 # True energy of the error divided by the estimated one (tests/campaigns/corrected_answers.py).
-EFFECTIVITY = 1.2
-# What is left of the error after correction is within this share of the correction in 95 of 100 throws.
-UNCERTAINTY = 0.3
-# Answers of two meshes of like size differ by so much in any case.
-MESH_NOISE = 2e-4
+EFFECTIVITY = 1.25
+# What is left of an answer's error after correction is within this share of its correction, this share of
+# that of the axial compliance (a small correction may be the difference of larger ones), and what answers
+# of two meshes of like size differ by in any case, together: in 95 of 100 answers of random throws.
+UNCERTAINTY, MESH_UNCERTAINTY, MESH_NOISE = 0.2, 0.05, 2e-4
 # A correction of so much of any motion's energy is none: the mesh tells nothing.
 LARGEST_SHARE = 0.5
 
@@ -76,10 +76,18 @@ def corrected_class(part: CondensedClass, errors: StressErrors) -> CondensedClas
     )
 
 
-def error_bars(corrected: ArrayLike, discrete: ArrayLike) -> Array:
-    """Estimated errors of corrected answers from those of the mesh beside them, in their units."""
+def error_bars(corrected: ArrayLike, discrete: ArrayLike, axial_correction: float) -> Array:
+    """Estimated errors of corrected answers from those of the mesh beside them, in their units.
+
+    Parameters
+    ----------
+    corrected, discrete : (...) array_like
+    axial_correction : float
+        Of the axial compliance, pinned, as a share of it: how coarse the mesh is.
+    """
     answers, plain = np.asarray(corrected, dtype=float), np.asarray(discrete, dtype=float)
-    return np.asarray(UNCERTAINTY * np.abs(answers - plain) + MESH_NOISE * np.abs(answers))
+    floor = MESH_UNCERTAINTY * axial_correction + MESH_NOISE
+    return np.asarray(UNCERTAINTY * np.abs(answers - plain) + floor * np.abs(answers))
 
 
 def _largest_share(stiffness: Array, energies: Array) -> float:

@@ -156,9 +156,9 @@ def evaluate_throw(
     """
     problem = Problem(material, "auto", "rigid", Stopwatch())
     level = solve_to_accuracy(throw, accuracy, problem, mesher)
-    axial = _class_responses(level.axial_part, STRETCH, TILT_IN_PLANE)
+    axial = _class_responses(level.axial_part, level, STRETCH, TILT_IN_PLANE)
     torsional_part = level.condense(torsional_class(level.mesh.part), problem)
-    torsional = _class_responses(torsional_part, TWIST, TILT_ACROSS)
+    torsional = _class_responses(torsional_part, level, TWIST, TILT_ACROSS)
     answers: dict[str, Answer] = {}
     for number, support in enumerate(SUPPORTS):
         compliance, influence = axial.compliances[number], axial.influences[number]
@@ -198,11 +198,15 @@ class _ClassResponses:
     tilt: Answer
 
 
-def _class_responses(part: CondensedClass, load: Array, tilt: Array) -> _ClassResponses:
+def _class_responses(
+    part: CondensedClass, level: RefinementLevel, load: Array, tilt: Array
+) -> _ClassResponses:
     """Solve a class under its end load, under the radial force on the pin and the tilting moments."""
     values = _class_values(part, load, tilt)
     plain = _class_values(part.discrete or part, load, tilt)
-    errors = error_bars(values, plain) / np.where(values == 0.0, 1.0, np.abs(values))
+    errors = error_bars(values, plain, level.axial_correction) / np.where(
+        values == 0.0, 1.0, np.abs(values)
+    )
     found = list(zip(values.tolist(), errors.tolist(), strict=True))
     return _ClassResponses(found[:2], found[2:4], found[4])
 

@@ -98,7 +98,12 @@ class ThrowAnalysis(SolvedThrow):
     @property
     def stiffness_error(self) -> NDArray[np.float64]:
         """Estimated errors (12, 12) of the entries of the stiffness [SI]; see `error_bars`."""
-        return error_bars(self.stiffness, self.discrete.stiffness)
+        return error_bars(self.stiffness, self.discrete.stiffness, self.axial_correction)
+
+    @property
+    def axial_correction(self) -> float:
+        """Share of the axial compliance, pinned, that is correction: how coarse the mesh is."""
+        return 1.0 - self.discrete.axial_compliance() / self.axial_compliance()
 
     def error_bars(self, support: Support = "pinned") -> SupportedThrow:
         """Estimated errors of the compliances under one support, in their units.
@@ -106,11 +111,12 @@ class ThrowAnalysis(SolvedThrow):
         What is left after correction; the true error is smaller in 95 of 100 throws (docs/accuracy.md).
         """
         here, mesh = self.supported(support), self.discrete.supported(support)
+        coarse = self.axial_correction
         return SupportedThrow(
-            axial=float(error_bars(here.axial, mesh.axial)),
-            torsional=float(error_bars(here.torsional, mesh.torsional)),
-            stretches=error_bars(here.stretches, mesh.stretches),
-            influences=error_bars(here.influences, mesh.influences),
+            axial=float(error_bars(here.axial, mesh.axial, coarse)),
+            torsional=float(error_bars(here.torsional, mesh.torsional, coarse)),
+            stretches=error_bars(here.stretches, mesh.stretches, coarse),
+            influences=error_bars(here.influences, mesh.influences, coarse),
         )
 
     @property

@@ -21,11 +21,12 @@ from fem.accuracy import (
     AIM_FILLETED,
     FIRST_FILLETED,
     FIRST_SHARP,
+    MOST_CORRECTED,
     Problem,
     solve_level,
     solve_to_accuracy,
 )
-from fem.correction import EFFECTIVITY, MESH_NOISE, UNCERTAINTY
+from fem.correction import EFFECTIVITY
 from fem.material import STEEL
 from fem.recovery import EnergyErrors
 from fem.refinement import (
@@ -296,7 +297,7 @@ def test_a_mesh_that_gets_no_better_ends_the_search(throw, mesh, level):
     assert len(mesher.asked) == 2
     factor, part, sizes = mesher.asked[1]
     assert (factor, part) == (1.0, "auto")
-    wished = AIM_FILLETED * (0.004 - MESH_NOISE) / (UNCERTAINTY * EFFECTIVITY)
+    wished = AIM_FILLETED * MOST_CORRECTED * 0.004 / EFFECTIVITY
     expected = refined_sizes(mesh, level.errors, wished)
     assert np.array_equal(sizes.sizes, expected.sizes)
     assert found.error_estimate == level.error_estimate > 0.004
