@@ -408,6 +408,18 @@ CASES = {
         2,
         None,
     ),
+    "Harmonics, curves": (
+        lambda: harmonics([0.0, 1.0, 0.0, -1.0, 2.0, 0.0], 4),
+        {"unit": "N m", "show": "curves", "highest_order": 1.0},
+        2,
+        0,
+        lambda o: {
+            f"order 0.5: {o.amplitude[0]:.4g} N m, {np.degrees(o.phase[0]):.1f} deg": (
+                np.linspace(0.0, 720.0, 721),
+                o.amplitude[0] * np.sin(0.5 * np.radians(np.arange(721.0)) + o.phase[0]),
+            )
+        },
+    ),
     "PinForceHarmonics": (pin_harmonics, {"highest_order": 2.0}, 0, 12, None),
     "TorqueTable": (
         lambda: TorqueTable(np.arange(0.0, 720.0, 90.0), rising(8), "", 4),

@@ -1,0 +1,73 @@
+"""When the cylinders of a torque table fire: --firing-order or --firing-angles."""
+
+import math
+import re
+
+from crankbase.errors import InputError
+from crankbase.units.quantity import parse_quantity
+from dynamics.cycle import cycle_degrees
+
+MOST_CYLINDERS = 48
+UNIT = re.compile(r"[a-zA-Z]+\s*$")
+
+
+def firing_angles_deg(order: str | None, angles: str | None, *, strokes: int) -> list[float]:
+    """Return the shaft angle at which each cylinder fires [deg]; none where no option tells.
+
+    Parameters
+    ----------
+    order : str or None
+        Numbers of the cylinders as they fire, at even steps over the cycle.
+    angles : str or None
+        With a unit each, or one at the end for all.
+    strokes : int
+        Per cycle, 2 or 4.
+
+    Raises
+    ------
+    InputError
+        If both are given, or one cannot be read.
+
+    Examples
+    --------
+    >>> firing_angles_deg("1-3-4-2", None, strokes=4)
+    [0.0, 540.0, 180.0, 360.0]
+    >>> firing_angles_deg(None, "0, 90 deg", strokes=2)
+    [0.0, 90.0]
+    """
+    if order is not None and angles is not None:
+        raise InputError(
+            f"--firing-order: given {order!r} with --firing-angles; allowed is one of them, because each "
+            "says when the cylinders fire."
+        )
+    if angles is not None:
+        return _angles(angles)
+    return [] if order is None else _even_angles(order, cycle_degrees(strokes))
+
+
+def _even_angles(order: str, cycle: float) -> list[float]:
+    parts = [part for part in re.split(r"[-,\s]+", order.strip()) if part]
+    numbers = [int(part) if part.isdecimal() else 0 for part in parts]
+    count = len(numbers)
+    if not 1 <= count <= MOST_CYLINDERS or sorted(numbers) != list(range(1, count + 1)):
+        raise InputError(
+            f"--firing-order: given {order!r}; allowed is each of 1 to at most {MOST_CYLINDERS} once, like "
+            '"1-3-4-2", because each cylinder fires once in a cycle.'
+        )
+    return [cycle * numbers.index(number) / count for number in range(1, count + 1)]
+
+
+def _angles(text: str) -> list[float]:
+    parts = [part.strip() for part in text.split(",")]
+    if len(parts) > MOST_CYLINDERS:
+        raise InputError(
+            f"--firing-angles: given {len(parts)} angles; allowed are at most {MOST_CYLINDERS}."
+        )
+    unit = UNIT.search(text)
+    words = [
+        part if UNIT.search(part) or unit is None else f"{part} {unit.group()}" for part in parts
+    ]
+    # Rounding takes away what the way over radians adds.
+    return [
+        round(math.degrees(parse_quantity(word, "rad", "--firing-angles")), 9) for word in words
+    ]
