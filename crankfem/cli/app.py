@@ -57,7 +57,11 @@ COMMANDS = (
     CatalogedCommand(
         throw,
         THROW,
-        ("throw 6chn25-34 --accuracy 0.005", "throw part.step --pin pin", "throw mine.toml --json"),
+        (
+            'throw 6chn25-34 --gamma "120 deg" --pin-force "100 kN"',
+            "throw part.step --pin pin",
+            "throw mine.toml --json",
+        ),
     ),
     CatalogedCommand(stress, THROW, ("stress 6chn25-34 --pictures stresses",)),
     CatalogedCommand(draw, THROW, ("draw 6chn25-34", "draw 6chn25-34 --shaft crankshaft.png")),

@@ -4,11 +4,10 @@ import math
 import re
 
 from crankbase.errors import InputError
-from crankbase.units.quantity import parse_quantity
+from crankfem.cli.quantity_list import parse_quantities
 from dynamics.cycle import cycle_degrees
 
 MOST_CYLINDERS = 48
-UNIT = re.compile(r"[a-zA-Z]+\s*$")
 
 
 def firing_angles_deg(order: str | None, angles: str | None, *, strokes: int) -> list[float]:
@@ -58,16 +57,13 @@ def _even_angles(order: str, cycle: float) -> list[float]:
 
 
 def _angles(text: str) -> list[float]:
-    parts = [part.strip() for part in text.split(",")]
-    if len(parts) > MOST_CYLINDERS:
-        raise InputError(
-            f"--firing-angles: given {len(parts)} angles; allowed are at most {MOST_CYLINDERS}."
-        )
-    unit = UNIT.search(text)
-    words = [
-        part if UNIT.search(part) or unit is None else f"{part} {unit.group()}" for part in parts
-    ]
     # Rounding takes away what the way over radians adds.
-    return [
-        round(math.degrees(parse_quantity(word, "rad", "--firing-angles")), 9) for word in words
+    angles = [
+        round(math.degrees(angle), 9) for angle in parse_quantities(text, "rad", "--firing-angles")
     ]
+    if len(angles) > MOST_CYLINDERS:
+        raise InputError(
+            f"--firing-angles: given {len(angles)} angles; allowed are at most {MOST_CYLINDERS}, one for "
+            "each cylinder."
+        )
+    return angles

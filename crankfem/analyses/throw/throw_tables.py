@@ -10,11 +10,12 @@ ANSWERS = (
     "torsional_compliance",
     "influence_coefficient",
     "axial_force_per_radial",
+    "axial_force",
 )
 
 
-def support_table(record: Record) -> Table:
-    """Return the compliances of a throw by support of its end sections."""
+def support_table(record: Record, units: OutputUnits = SI) -> Table:
+    """Return the compliances of a throw by support of its end sections, and the force P at its pin's load."""
     return Table(
         f"Throw by finite elements (error of e_n about {100.0 * record['error_estimate']:.2g} %)",
         [
@@ -23,16 +24,31 @@ def support_table(record: Record) -> Table:
             Column("torsional", "1e-9 rad/(N m)"),
             Column("c", "1e-9 m/N"),
             Column("P/Z"),
+            Column("P", "kN", missing="-"),
         ],
-        [[name, *(answer[key] for key in ANSWERS)] for name, answer in record["supports"].items()],
+        [
+            [name, *(answer.get(key) for key in ANSWERS)]
+            for name, answer in record["supports"].items()
+        ],
+        note=f"P: force along the shaft that keeps the length under {pin_force_words(record, units)}.",
     )
+
+
+def pin_force_words(record: Record, units: OutputUnits = SI) -> str:
+    """Say which force acts on the pin of a `throw_record`."""
+    unit = units.of("kN")
+    # Records of older versions know radial forces only.
+    x, y, z = record.get("pin_force", (0.0, -record["radial_force"], 0.0))
+    if x == z == 0.0 and y <= 0.0:
+        return f"a radial force of {unit.with_name(-y)} on the pin"
+    shown = ", ".join(unit.number(value) for value in (x, y, z))
+    return f"a force of {shown} {unit.name} (x, y, z) on the pin"
 
 
 def reaction_table(record: Record, units: OutputUnits = SI) -> Table:
     """Return what the ends of a throw take of a radial force on its pin."""
     return Table(
-        f"Reactions to a radial force of {units.of('kN').with_name(record['radial_force'])} on the "
-        "pin, length kept",
+        f"Reactions to {pin_force_words(record, units)}, length kept",
         [
             Column("support", words=True),
             Column("end", words=True),

@@ -12,7 +12,7 @@ from crankfem.cli.console import print_line, print_notes, print_table
 
 def print_throw(record: Record, units: OutputUnits = SI) -> None:
     """Print compliances, reactions and masses of a throw, from its record."""
-    print_table(support_table(record), units)
+    print_table(support_table(record, units), units)
     print_table(reaction_table(record, units), units)
     print_line(
         units.text(
