@@ -603,9 +603,9 @@ def test_throw_between_neighbors_under_a_pin_force(call):
 def test_a_pin_force_of_three_components(call):
     arguments = ("--accuracy", "0.1", "--pin-force", "4, -10, 1 kN")
     answer = call("throw", "yamz-5340", *arguments)
-    assert "Reactions to a force of 4, -10, 1 kN (x, y, z) on the pin, length kept" in answer.out
-    said = "P: force along the shaft that keeps the length under a force of 4, -10, 1 kN"
-    assert said in " ".join(answer.out.split())
+    out = " ".join(answer.out.split())
+    assert "Reactions to a force of 4, -10, 1 kN (x, y, z) on the pin, length kept" in out
+    assert "P: force along the shaft that keeps the length under a force of 4, -10, 1 kN" in out
     record = call("throw", "yamz-5340", *arguments, "--json").json()
     assert record["pin_force"] == [4e3, -1e4, 1e3]
     for own in record["supports"].values():
