@@ -1,11 +1,11 @@
 """When the cylinders of a torque table fire: --firing-order or --firing-angles."""
 
 import math
-import re
 
 from crankbase.errors import InputError
 from crankfem.cli.quantity_list import parse_quantities
 from dynamics.cycle import cycle_degrees
+from dynamics.engine.firing import firing_order_from_text
 
 MOST_CYLINDERS = 48
 
@@ -45,10 +45,12 @@ def firing_angles_deg(order: str | None, angles: str | None, *, strokes: int) ->
 
 
 def _even_angles(order: str, cycle: float) -> list[float]:
-    parts = [part for part in re.split(r"[-,\s]+", order.strip()) if part]
-    numbers = [int(part) if part.isdecimal() else 0 for part in parts]
+    try:
+        numbers = firing_order_from_text(order)
+    except InputError as error:
+        raise InputError(f"--firing-order:{str(error).removeprefix('firing_order:')}") from None
     count = len(numbers)
-    if not 1 <= count <= MOST_CYLINDERS or sorted(numbers) != list(range(1, count + 1)):
+    if count > MOST_CYLINDERS or sorted(numbers) != list(range(1, count + 1)):
         raise InputError(
             f"--firing-order: given {order!r}; allowed is each of 1 to at most {MOST_CYLINDERS} once, like "
             '"1-3-4-2", because each cylinder fires once in a cycle.'
