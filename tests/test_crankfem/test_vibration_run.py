@@ -266,6 +266,7 @@ def test_records_pictures_and_columns(run, tmp_path):
     assert {path.stem for path in made} == {
         *(f"{kind}_{what}" for kind in ("axial", "torsional") for what in ("modes", "campbell")),
         "axial_amplitude",
+        "axial_force",
         "torsional_amplitude",
         "torsional_stress",
     }

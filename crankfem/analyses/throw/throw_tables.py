@@ -1,5 +1,7 @@
 """The tables of a throw, from its plain record."""
 
+from dataclasses import replace
+
 from crankbase.tables.output_units import SI, OutputUnits
 from crankbase.tables.table import Column, Table
 from crankfem.analyses.record import Record
@@ -10,12 +12,11 @@ ANSWERS = (
     "torsional_compliance",
     "influence_coefficient",
     "axial_force_per_radial",
-    "axial_force",
 )
 
 
-def support_table(record: Record, units: OutputUnits = SI) -> Table:
-    """Return the compliances of a throw by support of its end sections, and the force P at its pin's load."""
+def support_table(record: Record) -> Table:
+    """Return the compliances of a throw by support of its end sections."""
     return Table(
         f"Throw by finite elements (error of e_n about {100.0 * record['error_estimate']:.2g} %)",
         [
@@ -24,11 +25,20 @@ def support_table(record: Record, units: OutputUnits = SI) -> Table:
             Column("torsional", "1e-9 rad/(N m)"),
             Column("c", "1e-9 m/N"),
             Column("P/Z"),
-            Column("P", "kN", missing="-"),
         ],
-        [
-            [name, *(answer.get(key) for key in ANSWERS)]
-            for name, answer in record["supports"].items()
+        [[name, *(answer[key] for key in ANSWERS)] for name, answer in record["supports"].items()],
+    )
+
+
+def loaded_table(record: Record, units: OutputUnits = SI) -> Table:
+    """Return the compliances of a throw with the axial force P of the force on its pin beside them."""
+    table = support_table(record)
+    return replace(
+        table,
+        columns=[*table.columns, Column("P", "kN")],
+        rows=[
+            [*row, own["axial_force"]]
+            for row, own in zip(table.rows, record["supports"].values(), strict=True)
         ],
         note=f"P: force along the shaft that keeps the length under {pin_force_words(record, units)}.",
     )
