@@ -21,6 +21,7 @@ from crankfem.cli.commands.optimum import optimum
 from crankfem.cli.commands.run import report, run
 from crankfem.cli.commands.shapes import draw, export
 from crankfem.cli.commands.throw import stress, throw
+from crankfem.cli.commands.two_mass import two_mass
 from crankfem.cli.commands.vibration import vibration
 from crankfem.jobs.exit_codes import EXIT_INPUT, EXIT_INTERRUPTED, MEANINGS
 
@@ -114,6 +115,9 @@ COMMANDS = (
             "vibration mine.toml --strict --csv amplitudes",
             "vibration mwm-six",
         ),
+    ),
+    CatalogedCommand(
+        two_mass, VIBRATION, ("two-mass yamz-5340", "two-mass yamz-5340 --order 14.5")
     ),
 )
 

@@ -1,4 +1,4 @@
-"""Harmonics of a torque and the reduction to two masses, as plain JSON content, and their table."""
+"""Harmonics of a torque and stars of its cylinders, as plain JSON content, and their table."""
 
 import math
 from collections.abc import Sequence
@@ -10,7 +10,6 @@ from crankbase.tables.output_units import SI, OutputUnits
 from crankbase.tables.table import Column, Table
 from crankbase.tables.table_units import table_unit
 from crankfem.analyses.record import Record, attributes
-from dynamics.chains.two_mass import TwoMassCheck
 from dynamics.harmonics import Harmonics
 from dynamics.torque.star import Star, leading_stars, same_stars, star_diagram
 from dynamics.torque_table import TorqueTable
@@ -112,12 +111,3 @@ def harmonics_table(record: Record, title: str = "Harmonics", units: OutputUnits
             )
         ),
     )
-
-
-def two_mass_record(check: TwoMassCheck) -> Record:
-    """The two-mass check."""
-    return {
-        **attributes(check, "stiffness", "angular_frequency", "vibrations_per_minute", "order"),
-        **attributes(check, "resonant_speed_rpm", "statement"),
-        "frequency": check.angular_frequency / (2.0 * math.pi),
-    }
