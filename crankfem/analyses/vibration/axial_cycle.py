@@ -13,6 +13,7 @@ from dynamics.crankshaft.coupled_response import CoupledResponse
 from dynamics.cycle import cycle_degrees, even_angles
 from dynamics.excitation.axial_cycle import AxialForceOverCycle, axial_force_over_cycle
 from dynamics.excitation.cylinder_harmonics import CylinderHarmonics
+from dynamics.excitation.torsion_to_axial import tangential_towards_flywheel
 from dynamics.running_limits import within
 
 
@@ -35,14 +36,14 @@ def axial_cycle(chains: EngineChains, harmonics: CylinderHarmonics) -> AxialForc
     degrees = cycle_degrees(file.engine.strokes)
     angles = even_angles(np.radians(degrees), int(degrees))
     tangential, radial = forces.at_angle(0, angles)
-    pins = harmonics.throws if file.pins is None else file.pins
     on_pins = np.zeros((len(angles), shaft.influence.shape[1], 2))
-    for cylinder, pin in enumerate(pins):
+    for cylinder, pin in enumerate(file.pins):
         on_pins[:, pin, 0] += radial[:, cylinder]
         on_pins[:, pin, 1] += tangential[:, cylinder]
-    # Tangential influences take the torque at the free end; here T is positive as the shaft turns.
-    towards_flywheel = shaft.tangential - file.throw.crank_radius * shaft.through[:, np.newaxis]
-    by_torque = file.engine.turning_sense * towards_flywheel
+    # The finite elements count angles as the file does, T is positive as the shaft turns.
+    by_torque = file.engine.turning_sense * tangential_towards_flywheel(
+        shaft.tangential, shaft.through, file.throw.crank_radius
+    )
     influence = np.stack((shaft.influence, by_torque), axis=-1)
     pulled, _ = chains.answers(forces)
     moved = None
