@@ -2,12 +2,15 @@
 
 import math
 from pathlib import Path
+from tempfile import TemporaryDirectory
 
 import numpy as np
 
 import crankfem as cf
+from crankfem.analyses.mechanism.plots.torque_plots import picture_torque_table
 from crankfem.analyses.throw.pictures.drawing import write_drawing
 from crankfem.files.engine.mechanism_file import load_mechanism
+from crankfem.report.interactive.vibration import VIBRATION
 from dynamics.mechanism.rod_model_names import RodModelName
 
 HERE = Path(__file__).parent
@@ -42,13 +45,25 @@ def draw_loads(path: Path) -> None:
     cf.pictures.plot_polar_loads(path, loads, labels=models, title=title)
 
 
+def draw_papers_figures() -> None:
+    """Write what docs/torque.md and docs/excitation.md show beside the figures of papers."""
+    table = cf.load_torque_table("yamz5340_torque_one_throw.csv")
+    with TemporaryDirectory() as folder:
+        _, curves, _ = picture_torque_table(Path(folder), table, table.harmonics().up_to(2.0))
+        (HERE / "harmonics_yamz-5340.svg").write_bytes(curves.read_bytes())
+        VIBRATION.draw(Path(folder), cf.engine_vibration("6chn25-34"))
+        force = Path(folder) / "axial_force.svg"
+        (HERE / "axial_force_6chn25-34.svg").write_bytes(force.read_bytes())
+
+
 def main() -> None:
-    """Write the drawing of a throw, the picture of a whole crankshaft, loads and hodographs."""
+    """Write the drawing of a throw, a whole crankshaft, loads, hodographs, and figures of papers."""
     throw, _ = cf.load_throw(ENGINE)
     write_drawing(throw, HERE / "drawing.svg", "8ChN 26/26")
     cf.pictures.picture_shaft(cf.load_crankshaft(ENGINE), HERE / "crankshaft.png")
     draw_loads(HERE / "loads_13_14.svg")
     draw_hodographs()
+    draw_papers_figures()
 
 
 if __name__ == "__main__":
