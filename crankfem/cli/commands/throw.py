@@ -39,7 +39,7 @@ def throw(
         str | None,
         typer.Option(
             metavar='"100 kN"',
-            help='On the pin: Z towards the shaft, or x, y, z in the throw frame ("40, -100, 0 kN").',
+            help='On the first pin: Z towards the shaft, or x, y, z in its frame ("40, -100, 0 kN").',
             show_default="100 kN",
         ),
     ] = None,

@@ -133,10 +133,11 @@ def print_table_harmonics(record: Record, usual: float, units: OutputUnits = SI)
         return
     mean = table_unit([fired["torque"]["mean"]], "N m", units).with_unit(fired["torque"]["mean"])
     angles = ", ".join(f"{angle:g}" for angle in fired["firing_angles_deg"])
-    print_line(
-        f"{len(fired['firing_angles_deg'])} cylinders with this torque each, fired at {angles} deg: mean "
-        f"torque {mean}."
+    count = len(fired["firing_angles_deg"])
+    those = (
+        "1 cylinder with this torque" if count == 1 else f"{count} cylinders with this torque each"
     )
+    print_line(f"{those}, fired at {angles} deg: mean torque {mean}.")
     print_table(harmonics_table(fired["torque"], "Harmonics of their torque", units), units)
     print_stars(fired, units, hinged=False)
     print_notes(fired["remarks"], units)
