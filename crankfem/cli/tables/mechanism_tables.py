@@ -13,6 +13,11 @@ from crankfem.analyses.mechanism.load_tables import (
     cylinder_table,
     rod_model_table,
 )
+from crankfem.analyses.mechanism.rod_model_records import (
+    model_difference_sentence,
+    model_difference_table,
+    rod_mass_table,
+)
 from crankfem.analyses.record import ASSUMED, Record
 from crankfem.cli.console import print_line, print_table
 from crankfem.cli.tables.check_tables import intervals_text
@@ -51,6 +56,15 @@ def _print_power(record: Record, units: OutputUnits) -> None:
     if rated is not None and rated["rated_power"] is not None:
         sentence = rated["sentence"]
         print_line(units.text(f"{sentence[0].upper()}{sentence[1:]}."))
+
+
+def print_rod_models(record: Record, units: OutputUnits = SI) -> None:
+    """Print the masses that stand in for the rods, and the load by two models, if there are two."""
+    print_table(rod_mass_table(record["rod_masses"]), units)
+    difference = record["model_difference"]
+    if difference is not None:
+        print_table(model_difference_table(difference), units)
+        print_line(model_difference_sentence(difference, units))
 
 
 def print_balance(record: Record, units: OutputUnits = SI) -> None:
