@@ -7,6 +7,7 @@ import numpy as np
 from crankbase.checks.arrays import FloatArray
 from crankbase.tables.output_units import SI, OutputUnits
 from crankbase.tables.table import Column, Table, format_names
+from crankfem.analyses.mechanism.load_tables import ROUND_OFF
 from crankfem.analyses.mechanism.rod_comparison import ModelDifference
 from crankfem.analyses.record import Record, attributes
 from dynamics.engine.layout import EngineLayout
@@ -29,29 +30,35 @@ def rod_mass_records(layout: EngineLayout) -> list[Record]:
     rods = [cylinder.rod for cylinder in layout.cylinders]
     found = []
     for rod in dict.fromkeys(rods):
-        models = [rod.model(name) for name in ROD_MODELS]
-        places = (0j, complex(rod.length), rod.center)
-        rows = [dict(zip(model.places, model.masses, strict=True)) for model in models]
+        places = {
+            "at_foot": 0j,
+            "at_piston_pin": complex(rod.length),
+            "at_center": rod.center,
+        }
+        rows = []
+        for model in map(rod.model, ROD_MODELS):
+            masses = dict(zip(model.places, model.masses, strict=True))
+            rows.append(
+                {
+                    "model": model.name,
+                    **{
+                        name: _without_round_off(masses.get(place), rod.mass)
+                        for name, place in places.items()
+                    },
+                    "inertia": _without_round_off(model.added_inertia, rod.inertia),
+                }
+            )
         found.append(
             {
                 "cylinders": [number for number, own in enumerate(rods, start=1) if own == rod],
-                "models": [
-                    {
-                        "model": model.name,
-                        **dict(
-                            zip(
-                                ("at_foot", "at_piston_pin", "at_center"),
-                                map(row.get, places),
-                                strict=True,
-                            )
-                        ),
-                        "inertia": model.added_inertia,
-                    }
-                    for model, row in zip(models, rows, strict=True)
-                ],
+                "models": rows,
             }
         )
     return found
+
+
+def _without_round_off(value: float | None, scale: float) -> float | None:
+    return 0.0 if value is not None and abs(value) < ROUND_OFF * scale else value
 
 
 def rod_mass_table(records: list[Record]) -> Table:
@@ -69,7 +76,11 @@ def rod_mass_table(records: list[Record]) -> Table:
         ],
         [
             [
-                *([format_names(map(str, record["cylinders"]))] if several else []),
+                *(
+                    [format_names([str(number) for number in record["cylinders"]])]
+                    if several
+                    else []
+                ),
                 row["model"],
                 *(row[f"at_{place}"] for place in ("foot", "piston_pin", "center")),
                 row["inertia"],
@@ -113,9 +124,11 @@ def _largest(name: str, shares: FloatArray, degrees: FloatArray) -> Record:
     }
 
 
-def model_difference_table(record: Record) -> Table:
-    """Return the loads of a `model_difference_record` by shaft angle, as forces and on the piston."""
+def model_difference_table(record: Record) -> Table | None:
+    """Return the loads of a `model_difference_record` by shaft angle, unless both are the same."""
     first, second = record["models"]
+    if not _differ(record):
+        return None
     degrees = np.array(record["shaft_angles_deg"])
     wanted = np.arange(math.ceil(degrees[0] / ROW_STEP) * ROW_STEP, degrees[-1] + 1e-6, ROW_STEP)
     rows = [int(np.argmin(np.abs(degrees - angle))) for angle in wanted]
@@ -126,7 +139,7 @@ def model_difference_table(record: Record) -> Table:
             Column("shaft angle", "deg"),
             *(Column(name, "kN") for name in record["models"]),
             *(Column(name, "MPa") for name in record["models"]),
-            Column("of it", "%", decimals=2),
+            Column("differs by", "%", decimals=2),
             Column("of mean", "%", decimals=2),
         ],
         [
@@ -139,13 +152,20 @@ def model_difference_table(record: Record) -> Table:
             ]
             for row in rows
         ],
-        note="MPa: force over the area of the piston. Difference of it: the size at the same angle.",
+        note=f"Pressures: force over the area of the piston. Difference: of {first} at the same angle, and "
+        "of its mean.",
     )
+
+
+def _differ(record: Record) -> bool:
+    return abs(record["largest_of_mean"]) > ROUND_OFF
 
 
 def model_difference_sentence(record: Record, units: OutputUnits = SI) -> str:
     """Say how far two models are apart."""
     first, second = record["models"]
+    if not _differ(record):
+        return f"Load of {record['crankpin']}: the same, to round-off, as {second} and as {first}."
 
     def share(name: str) -> str:
         return f"{100.0 * record[name]:+.2f} %"
@@ -156,6 +176,6 @@ def model_difference_sentence(record: Record, units: OutputUnits = SI) -> str:
     same, mean = "largest_of_same_angle", "largest_of_mean"
     return (
         f"Load of {record['crankpin']}, as {second} beside {first}: at most {share(same)} of its size at "
-        f"the same angle, {at(same)}, and {share(mean)} of its mean, at {at(mean)}; its mean differs by "
+        f"the same angle ({at(same)}) and {share(mean)} of its mean ({at(mean)}); its mean differs by "
         f"{share('mean')}, its maximum by {share('maximum')}."
     )

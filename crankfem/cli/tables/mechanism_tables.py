@@ -63,7 +63,9 @@ def print_rod_models(record: Record, units: OutputUnits = SI) -> None:
     print_table(rod_mass_table(record["rod_masses"]), units)
     difference = record["model_difference"]
     if difference is not None:
-        print_table(model_difference_table(difference), units)
+        table = model_difference_table(difference)
+        if table is not None:
+            print_table(table, units)
         print_line(model_difference_sentence(difference, units))
 
 
