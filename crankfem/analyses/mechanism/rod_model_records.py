@@ -158,7 +158,7 @@ def model_difference_table(record: Record) -> Table | None:
 
 
 def _differ(record: Record) -> bool:
-    return abs(record["largest_of_mean"]) > ROUND_OFF
+    return bool(abs(record["largest_of_mean"]) > ROUND_OFF)
 
 
 def model_difference_sentence(record: Record, units: OutputUnits = SI) -> str:

@@ -45,9 +45,10 @@ def mechanism(
     out: Output,
 ) -> None:
     """Forces in the crank mechanism, load diagrams of the bearings, and the balance of the engine."""
+    from crankfem.analyses.mechanism.acceleration_records import acceleration_record
     from crankfem.analyses.mechanism.balance_records import balance_record, hinged_rods_record
     from crankfem.analyses.mechanism.mechanism_records import force_columns, mechanism_record
-    from crankfem.analyses.mechanism.mechanism_run import run_mechanism
+    from crankfem.analyses.mechanism.mechanism_run import hinged_group, run_mechanism
     from crankfem.analyses.mechanism.plots.load_plots import plot_model_difference
     from crankfem.analyses.mechanism.rod_comparison import model_difference
     from crankfem.analyses.mechanism.rod_model_records import (
@@ -79,6 +80,8 @@ def mechanism(
         "model_difference": None if compared is None else model_difference_record(compared),
     }
     balanced, hinged = balance_record(run.balance), hinged_rods_record(run.hinged_rods)
+    group = hinged_group(run.layout)
+    pistons = acceleration_record(run.layout, run.speed, group) if group else None
     if csv is not None:
         write_columns(csv, *force_columns(run, compared))
     made = [] if folder is None else MECHANISM.draw(folder, run)
@@ -92,6 +95,7 @@ def mechanism(
             | {
                 "balance": balanced,
                 "hinged_rods": hinged,
+                "accelerations": pistons,
                 "pictures": [str(path) for path in made],
             }
         )
@@ -100,8 +104,8 @@ def mechanism(
     if model:
         print_rod_models(record, out.units)
     print_balance(balanced, out.units)
-    if hinged:
-        print_hinged_rods(hinged, out.units)
+    if pistons is not None:
+        print_hinged_rods(hinged, pistons, out.units)
     if csv is not None:
         console.output.print(f"Forces: {csv}", soft_wrap=True)
     if made:

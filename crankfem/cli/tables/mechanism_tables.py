@@ -2,6 +2,10 @@
 
 from crankbase.tables.output_units import SI, OutputUnits
 from crankbase.units.units import RPM
+from crankfem.analyses.mechanism.acceleration_records import (
+    acceleration_sentences,
+    acceleration_table,
+)
 from crankfem.analyses.mechanism.balance_records import (
     BALANCED_TEXT,
     balance_table,
@@ -79,9 +83,14 @@ def print_balance(record: Record, units: OutputUnits = SI) -> None:
     )
 
 
-def print_hinged_rods(records: list[Record], units: OutputUnits = SI) -> None:
-    """Print the table of `hinged_rods_record`."""
+def print_hinged_rods(
+    records: list[Record], accelerations: Record, units: OutputUnits = SI
+) -> None:
+    """Print the tables of `hinged_rods_record` and `acceleration_record`."""
     print_table(hinged_rod_table(records), units)
+    print_table(acceleration_table(accelerations, units), units)
+    for sentence in acceleration_sentences(accelerations, units):
+        print_line(sentence)
 
 
 def _print_remarks(remarks: list[str], units: OutputUnits) -> None:
