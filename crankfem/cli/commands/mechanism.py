@@ -46,7 +46,8 @@ def mechanism(
 ) -> None:
     """Forces in the crank mechanism, load diagrams of the bearings, and the balance of the engine."""
     from crankfem.analyses.mechanism.acceleration_records import acceleration_record
-    from crankfem.analyses.mechanism.balance_records import balance_record, hinged_rods_record
+    from crankfem.analyses.mechanism.balance_records import hinged_rods_record
+    from crankfem.analyses.mechanism.balanced_masses import mechanism_balance_record
     from crankfem.analyses.mechanism.mechanism_records import force_columns, mechanism_record
     from crankfem.analyses.mechanism.mechanism_run import hinged_group, run_mechanism
     from crankfem.analyses.mechanism.plots.load_plots import plot_model_difference
@@ -79,7 +80,7 @@ def mechanism(
         "rod_masses": rod_mass_records(run.layout),
         "model_difference": None if compared is None else model_difference_record(compared),
     }
-    balanced, hinged = balance_record(run.balance), hinged_rods_record(run.hinged_rods)
+    balanced, hinged = mechanism_balance_record(run), hinged_rods_record(run.hinged_rods)
     group = hinged_group(run.layout)
     pistons = acceleration_record(run.layout, run.speed, group) if group else None
     if csv is not None:

@@ -11,6 +11,11 @@ from crankfem.analyses.mechanism.balance_records import (
     balance_table,
     hinged_rod_table,
 )
+from crankfem.analyses.mechanism.balanced_masses import (
+    balance_contents,
+    moving_mass_table,
+    throw_mass_table,
+)
 from crankfem.analyses.mechanism.load_tables import (
     bearing_table,
     crankpin_table,
@@ -74,7 +79,10 @@ def print_rod_models(record: Record, units: OutputUnits = SI) -> None:
 
 
 def print_balance(record: Record, units: OutputUnits = SI) -> None:
-    """Print the tables of forces and moments of `balance_record`."""
+    """Print the tables of `mechanism_balance_record`: what is in the balance, and what it leaves."""
+    for make in (moving_mass_table, throw_mass_table):
+        print_table(make(record), units)
+    print_line(balance_contents(record, units))
     for kind in ("force", "moment"):
         print_table(balance_table(record, kind, units), units)
     print_line(
