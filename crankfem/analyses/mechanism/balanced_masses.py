@@ -116,8 +116,8 @@ def throw_mass_table(record: Record) -> Table:
             ]
             for row in record["throws"]
         ],
-        note="The solid is all of the throw, its counterweights included. Left: rods and solid, at this angle "
-        "from the crank.",
+        note="The solid is all of the throw, counterweights included. Left: rods and solid, at this angle from "
+        "the crank.",
         merged=True,
     )
 
@@ -129,6 +129,8 @@ def balance_contents(record: Record, units: OutputUnits = SI) -> str:
     def both(kind: str, unit: OutputUnit) -> str:
         floor = BALANCED * first[f"{kind}_scale"]
         sizes = (first[kind]["major"], record["without_throws"][kind])
+        if max(sizes) <= floor:
+            return f"{kind} {BALANCED_TEXT} with and without them"
         now, bare = (unit.with_name(size) if size > floor else BALANCED_TEXT for size in sizes)
         return f"{kind} {now}, without the solids {bare}"
 
