@@ -116,7 +116,7 @@ def throw_mass_table(record: Record) -> Table:
             ]
             for row in record["throws"]
         ],
-        note="The solid is all of the throw, counterweights included. Left: rods and solid, at this angle from "
+        note="The solid is all of the throw, counterweights included. Left: rods and solid, at an angle from "
         "the crank.",
         merged=True,
     )

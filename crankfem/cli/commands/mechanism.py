@@ -61,6 +61,7 @@ def mechanism(
     from crankfem.cli.column_file import write_columns
     from crankfem.cli.tables.mechanism_tables import (
         print_balance,
+        print_balanced_masses,
         print_hinged_rods,
         print_mechanism,
         print_rod_models,
@@ -104,6 +105,7 @@ def mechanism(
     print_mechanism(record, out.units)
     if model:
         print_rod_models(record, out.units)
+    print_balanced_masses(balanced, out.units)
     print_balance(balanced, out.units)
     if pistons is not None:
         print_hinged_rods(hinged, pistons, out.units)

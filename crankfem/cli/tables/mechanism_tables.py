@@ -78,11 +78,15 @@ def print_rod_models(record: Record, units: OutputUnits = SI) -> None:
         print_line(model_difference_sentence(difference, units))
 
 
-def print_balance(record: Record, units: OutputUnits = SI) -> None:
-    """Print the tables of `mechanism_balance_record`: what is in the balance, and what it leaves."""
+def print_balanced_masses(record: Record, units: OutputUnits = SI) -> None:
+    """Print which masses are in the balance of a `mechanism_balance_record`."""
     for make in (moving_mass_table, throw_mass_table):
         print_table(make(record), units)
     print_line(balance_contents(record, units))
+
+
+def print_balance(record: Record, units: OutputUnits = SI) -> None:
+    """Print the tables of forces and moments of `balance_record`."""
     for kind in ("force", "moment"):
         print_table(balance_table(record, kind, units), units)
     print_line(
