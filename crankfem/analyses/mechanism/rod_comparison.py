@@ -6,6 +6,7 @@ import numpy as np
 
 from crankbase.checks.arrays import FloatArray
 from crankbase.summaries import summarized
+from crankfem.analyses.mechanism.load_tables import ROUND_OFF
 from crankfem.analyses.mechanism.mechanism_run import MechanismRun
 from dynamics.engine.forces import MechanismForces, mechanism_forces
 from dynamics.engine.loads import LoadDiagram, crankpin_loads
@@ -78,8 +79,12 @@ class ModelDifference:
 
     @property
     def change(self) -> FloatArray:
-        """Size of the force by the second model less that by the first, shape (m,) [N]."""
-        return self.second.magnitude - self.first.magnitude
+        """Size of the force by the second model less that by the first, shape (m,) [N].
+
+        Zero where it is round-off of the largest force.
+        """
+        change = self.second.magnitude - self.first.magnitude
+        return np.where(np.abs(change) < ROUND_OFF * self.first.maximum, 0.0, change)
 
     @property
     def of_same_angle(self) -> FloatArray:

@@ -158,7 +158,7 @@ def model_difference_table(record: Record) -> Table | None:
 
 
 def _differ(record: Record) -> bool:
-    return bool(abs(record["largest_of_mean"]) > ROUND_OFF)
+    return bool(record["largest_of_mean"])
 
 
 def model_difference_sentence(record: Record, units: OutputUnits = SI) -> str:
