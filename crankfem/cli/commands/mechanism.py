@@ -27,6 +27,7 @@ def mechanism(
     model: Annotated[
         list[str] | None,
         typer.Option(
+            metavar="MODEL",
             help=f"Of the rods' masses, one of: {', '.join(ROD_MODELS)}; twice to hold the crankpin load "
             "by the second against that by the first.",
             show_default="rigid",
