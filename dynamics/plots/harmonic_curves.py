@@ -62,7 +62,8 @@ def draw_single_harmonics(
     matplotlib.axes.Axes
     """
     axes = new_axes(axes)
-    degrees, curves = _curves(found)
+    degrees = _cycle(found)
+    curves = found.each_at(np.radians(degrees))
     strongest = np.sort(np.argsort(-found.amplitude, kind="stable")[: len(COLORS)])
     if samples is not None:
         step = degrees[-1] / len(samples)
@@ -88,8 +89,9 @@ def draw_single_harmonics(
 
 def draw_one_harmonic(axes: Axes, found: Series, place: int, unit: str) -> None:
     """Draw the harmonic at a place with its amplitude as dashed lines, order and phase in the title."""
-    degrees, curves = _curves(found)
-    axes.plot(degrees, curves[place], color=BLUE)
+    degrees = _cycle(found)
+    angles = found.orders[place] * np.radians(degrees) + found.phase[place]
+    axes.plot(degrees, found.amplitude[place] * np.sin(angles), color=BLUE)
     for level in (-1.0, 1.0):
         axes.axhline(level * found.amplitude[place], color=GRAY, linestyle="--", linewidth=0.8)
     _name_axes(axes, degrees, f"harmonic [{unit}]")
@@ -98,10 +100,9 @@ def draw_one_harmonic(axes: Axes, found: Series, place: int, unit: str) -> None:
     )
 
 
-def _curves(found: Series) -> tuple[FloatArray, FloatArray]:
-    """Return degrees of one cycle (m,) and the harmonics at them (K, m)."""
-    degrees = np.linspace(0.0, 180.0 * found.strokes, POINTS)
-    return degrees, found.each_at(np.radians(degrees))
+def _cycle(found: Series) -> FloatArray:
+    """Return crank angles over one cycle [deg]."""
+    return np.linspace(0.0, 180.0 * found.strokes, POINTS)
 
 
 def _name_axes(axes: Axes, degrees: FloatArray, label: str) -> None:
