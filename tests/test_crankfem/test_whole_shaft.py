@@ -201,6 +201,7 @@ def test_chains_with_more_behind_the_flywheel_are_not_compared(six, monkeypatch)
     monkeypatch.setattr("crankfem.analyses.vibration.run.whole_shaft", lambda *_: whole)
     run = engine_vibration(longer, analysis=analysis, coupled=True)
     assert (run.comparison.axial, run.comparison.torsional) == (None, None)
+    assert run_record(run)["axial_force"]["running_whole"] is None
     record = whole_record(run.whole, run.comparison)
     assert record["chains"] == {}
     assert record["axial_split"]["both"] > 1e-6

@@ -8,13 +8,15 @@ from crankfem.analyses.record import Record
 from crankfem.analyses.vibration.chain_answers import EngineChains
 from crankfem.analyses.vibration.engine_excitation import forces_over_speeds
 from crankfem.analyses.vibration.forced import ForcedVibration
-from crankfem.files.sections.engine_sections import ThrustBearing
+from crankfem.files.engine.engine_file import EngineFile
 from dynamics.crankshaft.coupled_response import CoupledResponse
 from dynamics.cycle import cycle_degrees, even_angles
 from dynamics.excitation.axial_cycle import AxialForceOverCycle, axial_force_over_cycle
 from dynamics.excitation.cylinder_harmonics import CylinderHarmonics
 from dynamics.excitation.torsion_to_axial import tangential_towards_flywheel
 from dynamics.running_limits import within
+
+MEAN_LEFT_OUT = ", without the propeller's mean thrust"
 
 
 def axial_cycle(chains: EngineChains, harmonics: CylinderHarmonics) -> AxialForceOverCycle:
@@ -63,7 +65,7 @@ def axial_cycle(chains: EngineChains, harmonics: CylinderHarmonics) -> AxialForc
 def axial_cycle_record(
     found: AxialForceOverCycle,
     forced: ForcedVibration,
-    thrust: ThrustBearing,
+    engine_file: EngineFile,
     coupled: CoupledResponse | None = None,
 ) -> Record:
     """Return the extremes over the cycle, and the thrust bearing's largest force at running speeds [SI].
@@ -73,10 +75,11 @@ def axial_cycle_record(
     found : AxialForceOverCycle
     forced : ForcedVibration
         Axial.
-    thrust : ThrustBearing
+    engine_file : EngineFile
     coupled : CoupledResponse, optional
-        Of the whole crankshaft.
+        Of the whole crankshaft, if that is the same as the chain has.
     """
+    thrust = engine_file.thrust_bearing
     on_bearing, running = found.thrust_bearing, forced.running_range
     node = forced.engine_chain.sections[thrust.bearing]
     by_chain = thrust.stiffness * forced.response.synthesis.amplitude[:, node]
@@ -92,7 +95,8 @@ def axial_cycle_record(
         "running": _largest(forced.response.speeds, by_chain, running),
         "running_whole": whole,
     }
-    return record | {"sentences": _sentences(record)}
+    alone = engine_file.propeller_forces is None
+    return record | {"sentences": _sentences(record, "" if alone else MEAN_LEFT_OUT)}
 
 
 def axial_cycle_columns(found: AxialForceOverCycle) -> tuple[dict[str, FloatArray], str]:
@@ -126,12 +130,12 @@ def _largest(
     return {"amplitude": float(amplitude[worst]), "speed_rpm": float(speeds[worst] * RPM)}
 
 
-def _sentences(record: Record) -> list[str]:
+def _sentences(record: Record, left_out: str) -> list[str]:
     found = []
     if record["thrust_bearing"] is not None:
         found.append(
             f"Axial force on the thrust bearing over the cycle at {record['speed_rpm']:.4g} 1/min, by the "
-            f"axial chain: {_range(record['thrust_bearing'])}, positive towards the flywheel."
+            f"axial chain: {_range(record['thrust_bearing'])}, positive towards the flywheel{left_out}."
         )
     models = (("running", "by the chain"), ("running_whole", "by the whole crankshaft"))
     largest = [
@@ -143,7 +147,7 @@ def _sentences(record: Record) -> list[str]:
         found.append(f"Its largest amplitude at running speeds: {'; '.join(largest)}.")
     return [
         *found,
-        f"Held axially at both ends, the shaft would press on them with {_range(record['held'])} over "
+        f"Held axially at both ends, the crankshaft would press on them with {_range(record['held'])} over "
         f"the cycle at {record['speed_rpm']:.4g} 1/min, without any vibration.",
     ]
 

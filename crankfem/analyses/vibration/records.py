@@ -57,9 +57,10 @@ def run_record(run: EngineVibration) -> Record:
 def _axial_force(run: EngineVibration) -> Record | None:
     if run.axial_force is None or run.forced_axial is None:
         return None
-    coupled = None if run.comparison is None else run.comparison.coupled
-    thrust = run.engine_file.thrust_bearing
-    return axial_cycle_record(run.axial_force, run.forced_axial, thrust, coupled)
+    compared = run.comparison
+    # Without a chain to compare with, the whole crankshaft lacks what follows the flywheel.
+    coupled = None if compared is None or compared.axial is None else compared.coupled
+    return axial_cycle_record(run.axial_force, run.forced_axial, run.engine_file, coupled)
 
 
 def load_record(load: EngineLoad) -> Record:
