@@ -21,6 +21,7 @@ from crankfem.cli.commands.optimum import optimum
 from crankfem.cli.commands.run import report, run
 from crankfem.cli.commands.shapes import draw, export
 from crankfem.cli.commands.throw import stress, throw
+from crankfem.cli.commands.two_mass import two_mass
 from crankfem.cli.commands.vibration import vibration
 from crankfem.jobs.exit_codes import EXIT_INPUT, EXIT_INTERRUPTED, MEANINGS
 
@@ -57,7 +58,11 @@ COMMANDS = (
     CatalogedCommand(
         throw,
         THROW,
-        ("throw 6chn25-34 --accuracy 0.005", "throw part.step --pin pin", "throw mine.toml --json"),
+        (
+            'throw 6chn25-34 --gamma "120 deg" --pin-force "100 kN"',
+            "throw part.step --pin pin",
+            "throw mine.toml --json",
+        ),
     ),
     CatalogedCommand(stress, THROW, ("stress 6chn25-34 --pictures stresses",)),
     CatalogedCommand(draw, THROW, ("draw 6chn25-34", "draw 6chn25-34 --shaft crankshaft.png")),
@@ -110,6 +115,9 @@ COMMANDS = (
             "vibration mine.toml --strict --csv amplitudes",
             "vibration mwm-six",
         ),
+    ),
+    CatalogedCommand(
+        two_mass, VIBRATION, ("two-mass yamz-5340", "two-mass yamz-5340 --order 14.5")
     ),
 )
 
