@@ -24,8 +24,17 @@ def add_runs(plan: StudyPlan, store: str | Path, values: NDArray[np.float64]) ->
     values : (n, k) ndarray
         Of the factors [SI]; of a choice the label's index. Throws can be built of them.
     """
+    listed = [_as_listed(plan, design) for design in _added(plan, values)]
     with ResultStore(store) as results:
-        results.add_designs(plan.key, map(_as_listed, [plan] * len(values), _added(plan, values)))
+        results.add_designs(plan.key, listed)
+
+
+def known_designs(store: str | Path, plan: StudyPlan) -> PlannedStudy:
+    """Return a plan's designs with those that were added in a store, if there is one."""
+    if not Path(store).is_file():
+        return plan.planned
+    with ResultStore(store, readonly=True) as results:
+        return with_added(results, plan)
 
 
 def _added(plan: StudyPlan, values: NDArray[np.float64]) -> list[PlannedDesign]:

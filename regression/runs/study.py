@@ -19,6 +19,7 @@ from regression.plans.plan import (
 from regression.records import HELD_OUT, MEASURED, RUN, ExtraRow, Outcome, content_key
 from regression.runs.exchange import read_rows
 from regression.runs.registered_designs import (
+    known_designs,
     register_designs,
     registered_designs,
     with_added,
@@ -253,7 +254,9 @@ class ImportSummary:
     damaged: str = ""
 
 
-def import_results(plan: StudyPlan, store: str | Path, file: str | Path) -> ImportSummary:
+def import_results(
+    plan: StudyPlan, store: str | Path, file: str | Path, *, alone: bool = False
+) -> ImportSummary:
     """Take earlier results or measured values into a study.
 
     Parameters
@@ -265,6 +268,8 @@ def import_results(plan: StudyPlan, store: str | Path, file: str | Path) -> Impo
         A CSV table, or the store of another study. Designs of that store that are exactly the
         study's own count as computed; its other designs, and the rows of a table, are kept as rows
         of their own that never replace a result of the study.
+    alone : bool
+        Whether the study is not going to compute its designs; see `read_rows`.
 
     Returns
     -------
@@ -280,33 +285,33 @@ def import_results(plan: StudyPlan, store: str | Path, file: str | Path) -> Impo
         raise InputError(f"import: given {str(path)!r}, which is a folder; allowed is a file.")
     if not path.is_file():
         raise InputError(f"import: given {str(path)!r}; there is no such file.")
-    planned = plan.planned
-    if Path(store).is_file():
-        with ResultStore(store, readonly=True) as results:
-            planned = with_added(results, plan)
+    planned = known_designs(store, plan)
     found, damaged = StoreResults((), (), 0), ""
     if is_database(path):
         with ResultStore(path, readonly=True) as other:
             found = read_store(other, plan, {design.key for design in planned.designs})
             damaged = damaged_rows_warning(other.damaged, path) if other.damaged else ""
     else:
-        found = replace(found, rows=read_rows(path, plan))
+        found = replace(found, rows=read_rows(path, plan, alone=alone))
     with ResultStore(store) as results:
         register_designs(results, plan, planned)
         known = results.outcomes(one.key for one in found.finished)
         new = [one for one in found.finished if one.key not in known or known[one.key].lost]
         for outcome in new:
             results.record(outcome, MODEL_VERSION)
-        coinciding = _coinciding(results, planned, found.rows)
+        coinciding = _coinciding(results, planned, found.rows, alone)
         added = results.add_extra_rows(plan.key, found.rows)
         return ImportSummary(len(new), added, found.left_out, coinciding, damaged)
 
 
-def _coinciding(results: ResultStore, planned: PlannedStudy, rows: Iterable[ExtraRow]) -> int:
-    """Count the computed rows at which the study has, or will have, a result of its own."""
+def _coinciding(
+    results: ResultStore, planned: PlannedStudy, rows: Iterable[ExtraRow], alone: bool
+) -> int:
+    """Count the computed rows at which the study has, or unless alone will have, a result of its own."""
     outcomes = results.outcomes(design.key for design in planned.designs)
-    failed = {key for key, found in outcomes.items() if found.status == "failed"}
-    own = np.array([d.values for d in planned.designs if d.key not in failed])
+    status = {key: found.status for key, found in outcomes.items()}
+    others = {"failed", "lost", None} if alone else {"failed"}
+    own = np.array([d.values for d in planned.designs if status.get(d.key) not in others])
     own = own.reshape(-1, len(planned.plan.factors))
     return sum(
         bool(np.isclose(own, row.values, rtol=SAME, atol=0.0).all(axis=1).any())

@@ -66,6 +66,7 @@ def study_record(
         "runs": int(np.sum(~table.held_out)),
         "held_out": int(np.sum(table.held_out)),
         "computed_now": table.computed,
+        "added": table.added,
         "failures": [
             {"role": role, "values": list(values), "reason": reason}
             for role, values, reason in table.failures

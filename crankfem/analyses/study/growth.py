@@ -123,7 +123,8 @@ def _places(table: StudyTable, count: int) -> Array:
         values = values_at(factors, points)
         made = [variant.throw is not None for variant in variants.at(values)]
         new = [tuple(row) not in present for row in values.tolist()]
-        return np.array(made) & np.array(new)
+        usable: NDArray[np.bool_] = np.array(made) & np.array(new)
+        return usable
 
     found = None
     for wanted in (max(PLACES, count), count):
