@@ -177,6 +177,9 @@ def _sensitivity_record(found: Sensitivities) -> Record:
             "first": dict(zip(sobol.names, sobol.first, strict=True)),
             "total": dict(zip(sobol.names, sobol.total, strict=True)),
             "points": sobol.points,
+            "shapley": None
+            if sobol.shapley is None
+            else dict(zip(sobol.names, sobol.shapley, strict=True)),
         },
     }
 
