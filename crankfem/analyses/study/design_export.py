@@ -48,7 +48,7 @@ def export_designs(
     planned: PlannedStudy,
     folder: Path,
     kind: str,
-    progress: Callable[[int, int], None] = lambda *_: None,
+    progress: Callable[[int, int], None],
 ) -> ExportedDesigns:
     """Write a table of a study's designs, and a mesh or a solid of each.
 
@@ -61,7 +61,7 @@ def export_designs(
     kind : str
         One of `KINDS`: the ending of a mesh's file, or "step". Whole throws, lengths in m; the meshes are
         second-order tetrahedra of the usual sizes.
-    progress : callable, optional
+    progress : callable
         Called with (finished, total).
 
     Returns
@@ -75,8 +75,7 @@ def export_designs(
     MissingLibraryError
         If the kind needs a package that is not installed.
     """
-    if kind not in KINDS:
-        raise InputError(f"--mesh: given {kind!r}; allowed are {', '.join(KINDS)}.")
+    check_kind(kind)
     files = tuple(
         folder / f"{place:03d}-{content_key(design.inputs['throw'])[:8]}.{kind}"
         for place, design in enumerate(planned.designs, start=1)
@@ -100,6 +99,17 @@ def export_designs(
         done += 1
         progress(done, len(files))
     return ExportedDesigns(table, files, len(missing) - len(failures), failures)
+
+
+def check_kind(kind: str) -> None:
+    """Refuse a kind of file that is none of `KINDS`.
+
+    Raises
+    ------
+    InputError
+    """
+    if kind not in KINDS:
+        raise InputError(f"mesh: given {kind!r}; allowed are {', '.join(KINDS)}.")
 
 
 def _columns(planned: PlannedStudy, files: tuple[Path, ...]) -> list[Column]:

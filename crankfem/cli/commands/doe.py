@@ -206,10 +206,11 @@ def _show_plan(plan: "StudyPlan", json: bool) -> None:
 
 def _export_designs(plan: "StudyPlan", store: Path, folder: Path, kind: str, out: Output) -> None:
     """Write a study's designs for other solvers, those that were added in its store too."""
-    from crankfem.analyses.study.design_export import TABLE, export_designs
+    from crankfem.analyses.study.design_export import TABLE, check_kind, export_designs
     from crankfem.jobs.outputs import make_output_folder
     from regression.runs.registered_designs import known_designs
 
+    check_kind(kind)
     planned = known_designs(store, plan)
     made = make_output_folder("--export", folder, [TABLE], "table")
     assert made is not None
