@@ -5,7 +5,6 @@ about the third power of their thickness. None of the forms has it, so all of th
 """
 
 import math
-from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -16,17 +15,15 @@ from crankfem.analyses.study.fitting import fit_study
 from crankfem.analyses.study.growth import run_grown, worst_designs
 from crankfem.analyses.study.response_fits import surface
 from geometry.throw import CrankThrow
-from plans import plan_of_levels
+from plans import plan_of_levels, table_of_function
 from puppets import puppet
 from regression.plans.design_choice import DesignChoice
 from regression.plans.designs import values_at
 from regression.plans.factors import Factor
-from regression.plans.plan import StudyPlan, planned_design
-from regression.records import RUN, Outcome
+from regression.plans.plan import StudyPlan
 from regression.runs import supervised
 from regression.runs.store import ResultStore
 from regression.runs.study import read_study
-from regression.runs.study_table import study_table
 
 THROW = CrankThrow(
     crank_radius=0.170,
@@ -43,7 +40,6 @@ BOX = {
     "web_thickness": (0.040, 0.100),
     "pin_length": (0.120, 0.158),
 }
-COLUMN = "axial_compliance_pinned"
 DESIGNS = {
     "full factorial": {"levels": 3},
     "fractional factorial": {"resolution": 3},
@@ -73,24 +69,6 @@ def plan_of(kind, seed=1, **others):
     return StudyPlan(THROW, factors, DesignChoice(kind, **given), seed=seed, **others)
 
 
-def table_of(plan, further=None):
-    designs = list(plan.planned.designs)
-    if further is not None:
-        made = plan.variants().at(further)
-        designs += [
-            replace(planned_design(plan, RUN, tuple(row), one.throw), added=True)
-            for row, one in zip(further.tolist(), made, strict=True)
-        ]
-    values = compliance(np.array([design.values[:3] for design in designs]))
-    outcomes = {
-        design.key: Outcome(
-            design.key, design.inputs, {COLUMN: value}, None, 0.0, errors={COLUMN: 0.005}
-        )
-        for design, value in zip(designs, values.tolist(), strict=True)
-    }
-    return study_table(plan, designs, outcomes)
-
-
 def largest_error(table):
     """Of the chosen equation, at 2000 points that no study has."""
     x = values_at(table.plan.factors, np.random.default_rng(99).random((2000, 3)))
@@ -105,11 +83,15 @@ def test_runs_where_the_equation_is_worst_help_more_than_as_many_random_ones(mon
     before, grown, by_chance = [], [], []
     for seed in range(1, 4):
         plan = plan_of(kind, seed)
-        table = table_of(plan)
+        table = table_of_function(plan, compliance)
         before.append(largest_error(table))
-        grown.append(largest_error(table_of(plan, worst_designs(table, fit_study(table), 10))))
+        grown.append(
+            largest_error(
+                table_of_function(plan, compliance, worst_designs(table, fit_study(table), 10))
+            )
+        )
         random = values_at(plan.factors, np.random.default_rng(seed).random((10, 3)))
-        by_chance.append(largest_error(table_of(plan, random)))
+        by_chance.append(largest_error(table_of_function(plan, compliance, random)))
     assert np.median(grown) < 0.9 * np.median(by_chance)
     assert np.median(grown) < 0.9 * np.median(before)
 
@@ -129,7 +111,7 @@ def test_added_runs_keep_constraints_and_relations_and_are_new(monkeypatch):
         relations={"main_journal_length": "400 mm - pin_length - 2 * web_thickness"},
         constraints=("web_width > 240 mm + web_thickness",),
     )
-    table = table_of(plan)
+    table = table_of_function(plan, compliance)
     found = worst_designs(table, fit_study(table), 12)
     assert all(variant.throw is not None for variant in plan.variants().at(found))
     assert np.all(found[:, 0] > 0.240 + found[:, 1] - 1e-9)
@@ -204,7 +186,7 @@ def test_numbers_that_no_study_grows_by(tmp_path, more):
 
 def test_too_few_throws_to_grow_by(monkeypatch):
     plan = plan_of("latin hypercube")
-    table = table_of(plan)
+    table = table_of_function(plan, compliance)
     monkeypatch.setattr(growth, "draw_feasible_points", lambda *_, **__: None)
     with pytest.raises(InputError, match=r"^more: given 10 further designs; allowed are as many"):
         worst_designs(table, fit_study(table), 10)

@@ -17,8 +17,12 @@ from crankfem.analyses.study.response_fits import (
     needed_dimensions,
 )
 from regression.fits.worst_places import JudgedEquation, worst_places
-from regression.plans.designs import space_filling_points, values_at
-from regression.plans.designs_space import draw_feasible_points
+from regression.plans.designs import values_at
+from regression.plans.designs_space import (
+    draw_feasible_points,
+    sobol_points,
+    with_points_at_ends,
+)
 from regression.plans.plan import StudyPlan
 from regression.runs.registered_designs import add_runs
 from regression.runs.study import Progress, run_plan
@@ -29,9 +33,6 @@ Array = NDArray[np.float64]
 MOST_ADDED = 1000
 # Places among which further runs are chosen; the stream of random numbers that they are drawn from.
 PLACES, GROWTH_STREAM = 1000, 2
-# Every second place is moved to the ends of those ranges of which it lies in the outer quarters: there
-# polynomials err most.
-OUTER = 0.25
 
 
 def run_grown(
@@ -105,16 +106,11 @@ def worst_designs(table: StudyTable, fits: Mapping[str, ResponseFits], count: in
 def _places(table: StudyTable, count: int) -> Array:
     """Draw designs of the study that it does not have yet."""
     plan, factors = table.plan, table.plan.factors
-    numbers = np.array([not factor.labels for factor in factors])
+    choices = [len(factor.labels) for factor in factors]
 
     def draw(number: int) -> Array:
-        points = space_filling_points(
-            factors, "sobol", number, (plan.seed, GROWTH_STREAM, table.added)
-        )
-        outer = points[1::2]
-        ends = np.where(outer < OUTER, 0.0, np.where(outer > 1.0 - OUTER, 1.0, outer))
-        points[1::2] = np.where(numbers, ends, outer)
-        return points
+        stream = (plan.seed, GROWTH_STREAM, table.added)
+        return with_points_at_ends(sobol_points(number, choices, stream), choices)
 
     variants = plan.variants()
     present = {row.values for row in table.rows}
