@@ -122,9 +122,6 @@ def draw_sobol(
 
 def draw_shapley(axes: "Axes", names: Sequence[str], shares: Sequence[float]) -> None:
     """Draw the Shapley effects of factors, shares of the variance that add up to 1."""
-    axes.barh(np.arange(len(names)), shares, height=0.5, color=GREEN)
-    axes.set_xlim(0.0, 1.0)
-    axes.set_xlabel("Shapley effect: share of the variance")
-    axes.set_yticks(np.arange(len(names)), list(names), fontsize=8)
-    axes.invert_yaxis()
-    axes.grid(axis="y", visible=False)
+    label = "Shapley effect: share of the variance"
+    draw_rows(axes, names, shares, label, texts=[f"{share:.2f}" for share in shares])
+    axes.set_xlim(0.0, 1.15 * max(shares))
