@@ -67,6 +67,8 @@ def test_a_scale_is_the_difference_everywhere(base):
     # the band reaches up by that, of the second down by next to nothing.
     assert one.by_bands == close(0.02 / 0.005, rel=1e-3)
     assert one.apart == 1.0
+    frame = found.to_pandas()
+    assert frame["largest"].tolist() == [one.largest]
     back = compare_models(model(1.02), base).responses[0]
     assert back.largest == close(1 / 1.02 - 1, rel=1e-6)
     assert back.by_bands == close(one.by_bands, rel=1e-6)

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from crankbase.errors import InputError
 from crankbase.summaries import summarized
+from crankbase.tables.frames import table_of
 from regression.models.compliance_model import ComplianceModel
 from regression.models.lookup import Lookup
 from regression.models.optimum_limits import Points
@@ -58,6 +59,13 @@ class ResponseComparison:
     by_bands: float | None
     apart: float | None
 
+    def row(self) -> dict[str, tuple[Any, str]]:
+        """Return columns of a table with their units."""
+        shares = ("mean", "rms", "largest", "by_bands", "apart")
+        return {"response": (self.response, "")} | {
+            name: (getattr(self, name), "1") for name in shares
+        }
+
 
 @summarized("throws", "ranges", "responses: responses", "left_out", keeps_text=True)
 @dataclass(frozen=True)
@@ -84,6 +92,20 @@ class ModelComparison:
     responses: tuple[ResponseComparison, ...]
     left_out: dict[str, str]
     remarks: tuple[str, ...]
+
+    def to_pandas(self) -> Any:
+        """Return a table of the responses: their differences as shares, and by the bands.
+
+        Returns
+        -------
+        pandas.DataFrame
+
+        Raises
+        ------
+        MissingLibraryError
+            If pandas is not installed.
+        """
+        return table_of(self.responses)
 
 
 def compare_models(first: ComplianceModel, second: ComplianceModel) -> ModelComparison:
