@@ -195,6 +195,7 @@ def test_doe_takes_earlier_and_measured_results_over(call, study, tmp_path):
         (["--more", "4", "--plan"], "--plan: given with --export, --import, --mesh or --more"),
         (["--mesh", "inp"], "--mesh: given without --export, or with --import"),
         (["--mesh", "stl", "--export", "out"], "mesh: given 'stl'; allowed are msh, vtu"),
+        (["--mesh", "inp", "--export", "a.csv"], "--export: given a.csv with --mesh; allowed is a"),
         (["--no-compute"], "store: given 'runs.sqlite'; there is no such file"),
     ],
 )

@@ -88,7 +88,7 @@ def doe(
     from crankfem.files.engine.throw_file import load_study
     from crankfem.files.reading.data_files import input_path
     from crankfem.jobs.outputs import check_distinct_files, check_writable
-    from regression.runs.export_table import check_export, export_table
+    from regression.runs.export_table import FORMATS, check_export, export_table
     from regression.runs.study import read_study
 
     limits = {
@@ -111,6 +111,10 @@ def doe(
             raise InputError(
                 "--mesh: given without --export, or with --import or --more; allowed is it with --export "
                 "and a folder, for it computes and imports nothing."
+            )
+        if export.suffix in FORMATS:
+            raise InputError(
+                f"--export: given {export} with --mesh; allowed is a folder, for each design has a file."
             )
         protect(input_path(study), store)
         _export_designs(read, store, export, mesh, out)

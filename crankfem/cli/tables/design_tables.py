@@ -27,12 +27,12 @@ NUMBER = re.compile(r"\d[\d.]*(?:e[+-]?\d+)?")
 
 def plan_record(planned: PlannedStudy) -> dict[str, Any]:
     """Return the designs of a study as JSON content: SI units, choices by their labels."""
-    factors = planned.plan.factors
+    factors, quality = planned.plan.factors, _quality(planned)
     return {
         "study": planned.plan.key,
         "statement": planned.statement,
         "remarks": list(planned.remarks),
-        "quality": asdict(_quality(planned)),
+        "quality": asdict(quality) | {"correlated": list(quality.correlated)},
         "factors": [
             {"name": factor.name, "unit": factor.unit, "labels": list(factor.labels)}
             for factor in factors
