@@ -8,6 +8,7 @@ import typer
 
 from crankfem.cli import console
 from crankfem.cli.commands.check import check
+from crankfem.cli.commands.compare import compare
 from crankfem.cli.commands.doe import doe
 from crankfem.cli.commands.fields import fields
 from crankfem.cli.commands.fit import fit
@@ -79,7 +80,12 @@ COMMANDS = (
     CatalogedCommand(
         doe,
         COMPLIANCE,
-        ("doe 6chn25-34 --plan", "doe 6chn25-34 --store runs.sqlite --workers 2"),
+        (
+            "doe 6chn25-34 --plan",
+            "doe 6chn25-34 --store runs.sqlite --workers 2",
+            "doe 6chn25-34 --store runs.sqlite --more 10",
+            "doe 6chn25-34 --export designs --mesh step",
+        ),
     ),
     CatalogedCommand(fit, COMPLIANCE, ("fit runs.sqlite --model model.json",)),
     CatalogedCommand(
@@ -90,6 +96,7 @@ COMMANDS = (
             'lookup model.json --throw 6chn25-34 --gamma "120 deg"',
         ),
     ),
+    CatalogedCommand(compare, COMPLIANCE, ("compare model.json runs.sqlite",)),
     CatalogedCommand(
         optimum,
         COMPLIANCE,

@@ -710,7 +710,7 @@ def test_an_interrupt_ends_with_a_word_and_130(call, monkeypatch):
     def interrupted(*_, **__):
         raise KeyboardInterrupt
 
-    monkeypatch.setattr("regression.runs.study.run_plan", interrupted)
+    monkeypatch.setattr("crankfem.analyses.study.growth.run_plan", interrupted)
     answer = call("doe", "6chn25-34")
     assert answer.code == 130
     assert answer.out == ""
