@@ -152,8 +152,8 @@ def _sentences(record: Record, left_out: str) -> list[str]:
     return [
         *found,
         "To compare with static formulas only: were both ends of the crankshaft held and without vibration, "
-        f"it would press them apart with {_range(record['held'])} over the cycle at "
-        f"{record['speed_rpm']:.4g} 1/min. One thrust bearing alone takes nothing of this force.",
+        f"these would take {_range(record['held'])} over the cycle at {record['speed_rpm']:.4g} 1/min, positive "
+        "where it presses them apart. One thrust bearing alone takes nothing of this force.",
     ]
 
 
