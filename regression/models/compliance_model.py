@@ -17,7 +17,14 @@ from geometry.throw import CrankThrow
 from regression.models.angle import between_values, fold_angle
 from regression.models.extrapolation import OutsideRangeWarning
 from regression.models.family_throw import query_for_throw
-from regression.models.lookup import Lookup, make_lookup, make_lookup_between_neighbors
+from regression.models.lookup import (
+    Lookup,
+    Lookups,
+    make_lookup,
+    make_lookup_between_neighbors,
+    make_lookups,
+    make_lookups_between_neighbors,
+)
 from regression.models.model_content import ModelContent
 from regression.models.response_query import ResponseValues
 from regression.response_kinds import ANGLE_LAWS, AXIAL, INFLUENCE, TORSIONAL
@@ -50,8 +57,9 @@ class ComplianceModel(ModelContent):
         SI units of factors that are no fields of a throw.
     relations : dict of str to str
         Dimensions that followed from others in the study, and how.
-    constraints : tuple of str
-        What had to hold in the study.
+    constraints : tuple of str or None
+        What had to hold in the study: a throw that breaks one counts as outside the range of the fit.
+        None if that is not known, as of files of older releases; lookups then say so.
     constant_groups : dict of str to float
         Dimensionless groups that did not vary although their dimensions did.
     throw : dict, optional
@@ -146,16 +154,14 @@ class ComplianceModel(ModelContent):
         self, name: str, gamma_deg: ArrayLike | None, strict: bool, dimensions: Mapping[str, Any]
     ) -> Value:
         """Answer, with warnings for the caller of the public method, two frames up."""
-        if gamma_deg is None:
-            value = self._compiled.fast_lookup(name, dimensions)
-            if value is not None:
-                return value
-            answers = [self.answer(name, dimensions)]
-            values: Value = answers[0].values
-        else:
-            angle = fold_angle(gamma_deg)
-            answers = [self.answer(part, dimensions) for part in self.angle_law(name)]
-            values = between_values(angle, [answer.values for answer in answers])
+        parts = (name,) if gamma_deg is None else self.angle_law(name)
+        fast = [self._compiled.fast_lookup(part, dimensions) for part in parts]
+        if None not in fast:
+            return fast[0] if gamma_deg is None else between_values(fold_angle(gamma_deg), fast)
+        answers = [self.answer(part, dimensions) for part in parts]
+        values = answers[0].values
+        if gamma_deg is not None:
+            values = between_values(fold_angle(gamma_deg), [answer.values for answer in answers])
         # Each dimension is told of once.
         for one in {one.name: one for answer in answers for one in answer.outside}.values():
             if strict:
@@ -197,7 +203,7 @@ class ComplianceModel(ModelContent):
             if np.ndim(given):
                 raise InputError(
                     f"{name}: given an array of shape {np.shape(given)}; allowed is one number, "
-                    "because a lookup tells about one throw."
+                    "because `lookup` tells about one throw: `lookups` takes arrays."
                 )
         if gamma_deg is None:
             return self._lookup(response, dimensions, strict)
@@ -210,12 +216,63 @@ class ComplianceModel(ModelContent):
             self._compiled.angle_law_remarks,
         )
 
+    def lookups(
+        self,
+        response: str,
+        /,
+        *,
+        gamma_deg: ArrayLike | None = None,
+        strict: bool = False,
+        **dimensions: ArrayLike | str,
+    ) -> Lookups:
+        """Values of a response for many throws at once, with their error bands.
+
+        Parameters
+        ----------
+        response, gamma_deg, strict, **dimensions
+            As in `axial_compliance` and `lookup`; arrays are broadcast together.
+
+        Returns
+        -------
+        Lookups
+            With arrays of the values, their bands and whether each lies inside; nothing is warned about.
+
+        Raises
+        ------
+        InputError
+            As in `axial_compliance`; if the model does not hold the response.
+        """
+        parts = (response,) if gamma_deg is None else self.angle_law(response)
+        answers = {part: self._answered(part, dimensions, strict) for part in parts}
+        compiled = self._compiled
+        found = [
+            make_lookups(self.responses[part], compiled.bands[part], answer, compiled.remarks)
+            for part, answer in answers.items()
+        ]
+        if gamma_deg is None:
+            return found[0]
+        known = self.responses.get(response)
+        return make_lookups_between_neighbors(
+            fold_angle(gamma_deg),
+            found,
+            found[0].symbol if known is None else known.symbol,
+            self._compiled.angle_law_remarks,
+        )
+
     def _lookup(self, name: str, dimensions: Mapping[str, Any], strict: bool) -> Lookup:
+        value = self._compiled.fast_lookup(name, dimensions)
+        if value is None:
+            answer = self._answered(name, dimensions, strict)
+        else:
+            answer = ResponseValues(value, (), True)
+        compiled = self._compiled
+        return make_lookup(self.responses[name], compiled.bands[name], answer, compiled.remarks)
+
+    def _answered(self, name: str, dimensions: Mapping[str, Any], strict: bool) -> ResponseValues:
         answer = self.answer(name, dimensions)
         if strict and answer.outside:
             raise InputError(answer.outside[0].error_sentence)
-        band = self._compiled.bands[name]
-        return make_lookup(self.responses[name], band, float(answer.values), answer.outside)
+        return answer
 
     def dimensions_of(self, throw: CrankThrow) -> dict[str, Any]:
         """What to ask the model for a throw: its dimensions and labels by name.
@@ -276,12 +333,6 @@ class ComplianceModel(ModelContent):
     def answer(self, response: str, dimensions: Mapping[str, ArrayLike | str]) -> ResponseValues:
         """Values of a response with what lies outside its range, without warnings."""
         return self._compiled.query(response).evaluate(dimensions)
-
-    def places(
-        self, response: str, dimensions: Mapping[str, ArrayLike | str]
-    ) -> NDArray[np.float64]:
-        """Places in the ranges of an equation's columns, -1 to 1 inside; (columns, ...)."""
-        return self._compiled.query(response).places(dimensions)
 
     def plot(
         self,

@@ -15,6 +15,9 @@ m is the largest of a number of designs, not a bound; nor does the band hold out
 
 import math
 from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
 
 from regression.models.response_model import ResponseModel
 from regression.response_kinds import TOO_SMALL
@@ -48,6 +51,13 @@ class ErrorBand:
         low = value * self.lower
         high = None if self.upper is None else value * self.upper
         return (low, high) if value >= 0.0 else (high, low)
+
+    def around_all(self, values: Any) -> tuple[Any, Any]:
+        """Lower and upper ends round an array of values; NaN for an open end."""
+        ends = values * self.lower, values * (math.nan if self.upper is None else self.upper)
+        if np.min(values) >= 0.0:
+            return ends
+        return tuple(np.where(values >= 0.0, *pair) for pair in (ends, ends[::-1]))  # type: ignore[return-value]
 
 
 def percent(share: float) -> str:

@@ -15,10 +15,18 @@ from regression.models.family import Family
 from regression.models.family_throw import angle_law_remarks
 from regression.models.model_file import read_model, write_model
 from regression.models.response_model import IS, ResponseModel
-from regression.models.response_query import ResponseQuery, make_response_query
+from regression.models.query_making import make_response_query
+from regression.models.response_query import ResponseQuery
+from regression.models.study_constraints import StudyConstraint
+from regression.plans.constraints import read_constraint
 from regression.response_kinds import ANGLE_LAWS, is_positive_response
 from regression.throw_values import check_dimension
 
+# Of models from files of an older release that lack them.
+UNKNOWN_CONSTRAINTS = (
+    "The model's file does not hold the constraints of its study: whether the study excluded such a "
+    "design is not known."
+)
 # Short ways are kept for so many different sets of names.
 _MOST_WAYS = 1000
 
@@ -36,7 +44,7 @@ class ModelContent(InputModel):
     labels: dict[str, str] = Field(default_factory=dict)
     units: dict[str, str] = Field(default_factory=dict)
     relations: dict[str, str] = Field(default_factory=dict)
-    constraints: tuple[str, ...] = ()
+    constraints: tuple[str, ...] | None = ()
     constant_groups: dict[str, FiniteFloat] = Field(default_factory=dict)
     throw: dict[str, Any] | None = None
     material: dict[str, str | FiniteFloat] = Field(default_factory=dict)
@@ -167,6 +175,7 @@ class CompiledModel:
     ----------
     family : Family
     bands : dict of str to ErrorBand
+    constraints : tuple of StudyConstraint
 
     Raises
     ------
@@ -182,13 +191,29 @@ class CompiledModel:
         )
         self.bands = {name: error_band(name, response) for name, response in responses.items()}
         self._throw = model.throw
+        self._unknown = model.constraints is None
+        units = self.family.all_units
+        self.constraints = tuple(
+            StudyConstraint(read_constraint(text, f"constraints[{place}]", units), units)
+            for place, text in enumerate(model.constraints or ())
+        )
         self._queries = {
             name: make_response_query(
-                name, response, self.family, model.material, model.constant_groups
+                name,
+                response,
+                self.family,
+                model.material,
+                model.constant_groups,
+                self.constraints,
             )
             for name, response in responses.items()
         }
         self._ways: dict[tuple[str, ...], Callable[[Mapping[str, Any]], float | None]] = {}
+
+    @property
+    def remarks(self) -> tuple[str, ...]:
+        """What is to be known of every lookup."""
+        return (UNKNOWN_CONSTRAINTS,) if self._unknown else ()
 
     @cached_property
     def angle_law_remarks(self) -> tuple[str, ...]:

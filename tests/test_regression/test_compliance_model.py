@@ -189,7 +189,8 @@ def test_fixed_dimension_may_be_repeated_but_not_changed():
     ("dimensions", "match"),
     [
         ({"web_width": 0.3, "web_thickness": 0.068}, "pin_length: missing; .* web_width, web_thic"),
-        (MIDDLE | {"web_length": 0.1}, "web_length: unknown dimension; allowed are web_width, "),
+        (MIDDLE | {"bore": 0.1}, "bore: unknown dimension; allowed are web_width, "),
+        (MIDDLE | {"web_thicknes": 0.1}, r"web_thicknes: .*; did you mean web_thickness\? allowed"),
         (MIDDLE | {"web_width": 0.0}, "web_width: given 0 mm; allowed are positive"),
         (MIDDLE | {"web_width": -0.3}, "web_width: given -300 mm"),
         (MIDDLE | {"web_width": float("nan")}, "web_width: given nan"),
