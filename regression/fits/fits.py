@@ -73,8 +73,9 @@ class Fit:
     runs, heldout_runs : int
         Numbers of runs fitted and held out.
     band_error : float or None
-        The error that 95 % of new designs keep to (`regression.fits.statistics.tolerance_limit`): of the runs, each
-        left out in turn, or of the held-out designs, whichever is larger; None if there is neither.
+        The error that 95 % of new designs keep to (`regression.fits.statistics.tolerance_limit`): of the
+        runs, each left out in turn, or of the held-out designs, whichever is larger; None if there is
+        neither.
     band_designs : int
         Number of designs that it is taken from.
     lowest, highest : tuple of float
@@ -390,4 +391,3 @@ def _heldout_errors(
     sizes = checked_sizes("heldout_scale", heldout_scale, values)
     errors: Array = np.abs(sizes * fitted.predict(points) / values - 1.0)
     return errors
-

@@ -46,7 +46,8 @@ def backward(matrix: Array, y: Array, terms: Sequence[Term]) -> tuple[list[int],
         Nothing goes where no fit with one term less has a finite PRESS.
     """
     dropped: list[int] = []
-    _drop(np.linalg.pinv(matrix)[None], matrix, y, terms, np.zeros((1, 0), dtype=int), dropped)
+    whole = np.asarray(np.linalg.pinv(matrix), dtype=np.float64)
+    _drop(whole[None], matrix, y, terms, np.zeros((1, 0), dtype=int), dropped)
     return [place for place in range(len(terms)) if place not in dropped], dropped
 
 
@@ -64,7 +65,7 @@ def left_out_predictions(matrix: Array, y: Array, terms: Sequence[Term]) -> Arra
         None if some run alone determines a coefficient of the form before the selection.
     """
     runs = len(y)
-    whole = np.linalg.pinv(matrix)
+    whole = np.asarray(np.linalg.pinv(matrix), dtype=np.float64)
     leverage = np.sum(matrix * whole.T, axis=1)
     if runs <= len(terms) or float(np.max(leverage)) >= FULL_LEVERAGE:
         return None

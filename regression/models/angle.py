@@ -29,8 +29,8 @@ def fold_angle(gamma_deg: ArrayLike) -> Any:
     >>> fold_angle(240.0), fold_angle(-90.0), fold_angle(540.0)
     (120.0, 90.0, 180.0)
     """
-    if gamma_deg.__class__ in (float, int) and math.isfinite(gamma_deg):  # type: ignore[arg-type]
-        return fold_angle_deg(float(gamma_deg))  # type: ignore[arg-type]
+    if gamma_deg.__class__ in (float, int) and math.isfinite(gamma_deg):
+        return fold_angle_deg(float(gamma_deg))
     angles = finite_array("gamma_deg", gamma_deg)
     if not angles.size:
         raise InputError(

@@ -14,8 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from crankbase.errors import InputError
 from geometry.throw import CrankThrow
-from regression.models.angle import between_values, fold_angle
-from regression.models.extrapolation import OutsideRangeWarning
+from regression.models.angle import fold_angle
 from regression.models.family_throw import query_for_throw
 from regression.models.lookup import (
     Lookup,
@@ -25,9 +24,9 @@ from regression.models.lookup import (
     make_lookups,
     make_lookups_between_neighbors,
 )
-from regression.models.model_content import ModelContent
+from regression.models.model_values import ModelValues
 from regression.models.response_query import ResponseValues
-from regression.response_kinds import ANGLE_LAWS, AXIAL, INFLUENCE, TORSIONAL
+from regression.response_kinds import ANGLE_LAWS
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -35,7 +34,7 @@ if TYPE_CHECKING:
 Value = float | NDArray[np.float64]
 
 
-class ComplianceModel(ModelContent):
+class ComplianceModel(ModelValues):
     """Regression equations for the compliances of a family of crank throws.
 
     Parameters
@@ -81,93 +80,6 @@ class ComplianceModel(ModelContent):
     ``model = ComplianceModel.load("model.json")`` and then
     ``model.axial_compliance(web_width=0.300, web_thickness=0.068, pin_length=0.139)``.
     """
-
-    def axial_compliance(
-        self,
-        *,
-        gamma_deg: ArrayLike | None = None,
-        strict: bool = False,
-        **dimensions: ArrayLike | str,
-    ) -> Value:
-        """Axial compliance e_n [m/N].
-
-        Parameters
-        ----------
-        gamma_deg : float or array_like, optional
-            Angle to the neighboring cranks [deg], folded to 0 ... 180; the throw is then between
-            identical neighbors instead of supported as in `lookup`. Needs e_0, e_180 and rho in the
-            model.
-        strict : bool
-            Refuse what lies outside the range of the fit.
-        **dimensions : float, str or array_like
-            The factors by name [SI], choices as labels; arrays are broadcast together. A fixed
-            dimension may be given if it has the model's value. An equation in dimensionless groups
-            takes any size: what is not given is as in the study, and ratios that did not vary must
-            agree with it.
-
-        Returns
-        -------
-        float or ndarray
-            A float if all dimensions are plain numbers.
-
-        Raises
-        ------
-        InputError
-            If a factor is missing, a dimension is unknown, not positive or not finite, a fixed one or
-            a fixed ratio has another value, or, if `strict`, something lies outside the range; with an
-            angle, if the equation of rho gives no positive number.
-
-        Warns
-        -----
-        OutsideRangeWarning
-            For each dimension or ratio outside the range of the fit; the value is not clipped.
-        """
-        return self._value(AXIAL, gamma_deg, strict, dimensions)
-
-    def torsional_compliance(self, *, strict: bool = False, **dimensions: ArrayLike | str) -> Value:
-        """Torsional compliance [rad/(N m)]; else as `axial_compliance`."""
-        return self._value(TORSIONAL, None, strict, dimensions)
-
-    def influence_coefficient(
-        self,
-        *,
-        gamma_deg: ArrayLike | None = None,
-        strict: bool = False,
-        **dimensions: ArrayLike | str,
-    ) -> Value:
-        """Lengthening per unit radial force on the pin, c [m/N]; else as `axial_compliance`."""
-        return self._value(INFLUENCE, gamma_deg, strict, dimensions)
-
-    def value(
-        self,
-        response: str,
-        /,
-        *,
-        gamma_deg: ArrayLike | None = None,
-        strict: bool = False,
-        **dimensions: ArrayLike | str,
-    ) -> Value:
-        """Value of any response of the model by its name [SI]; else as `axial_compliance`."""
-        return self._value(response, gamma_deg, strict, dimensions)
-
-    def _value(
-        self, name: str, gamma_deg: ArrayLike | None, strict: bool, dimensions: Mapping[str, Any]
-    ) -> Value:
-        """Answer, with warnings for the caller of the public method, two frames up."""
-        parts = (name,) if gamma_deg is None else self.angle_law(name)
-        fast = [self._compiled.fast_lookup(part, dimensions) for part in parts]
-        if None not in fast:
-            return fast[0] if gamma_deg is None else between_values(fold_angle(gamma_deg), fast)
-        answers = [self.answer(part, dimensions) for part in parts]
-        values = answers[0].values
-        if gamma_deg is not None:
-            values = between_values(fold_angle(gamma_deg), [answer.values for answer in answers])
-        # Each dimension is told of once.
-        for one in {one.name: one for answer in answers for one in answer.outside}.values():
-            if strict:
-                raise InputError(one.error_sentence)
-            warnings.warn(one.remark, OutsideRangeWarning, stacklevel=3)
-        return values
 
     def lookup(
         self,
@@ -329,10 +241,6 @@ class ComplianceModel(ModelContent):
         for name, reason in refused.items():
             warnings.warn(f"{name} is left out: {reason}", stacklevel=2)
         return found
-
-    def answer(self, response: str, dimensions: Mapping[str, ArrayLike | str]) -> ResponseValues:
-        """Values of a response with what lies outside its range, without warnings."""
-        return self._compiled.query(response).evaluate(dimensions)
 
     def plot(
         self,

@@ -61,7 +61,7 @@ class ErrorBand:
         ends = values * self.lower, values * (math.nan if self.upper is None else self.upper)
         if np.min(values) >= 0.0:
             return ends
-        return tuple(np.where(values >= 0.0, *pair) for pair in (ends, ends[::-1]))  # type: ignore[return-value]
+        return tuple(np.where(values >= 0.0, *pair) for pair in (ends, ends[::-1]))
 
 
 def percent(share: float) -> str:

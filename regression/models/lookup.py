@@ -119,7 +119,9 @@ class Lookups:
             If pandas is not installed.
         """
         unit = self.unit or "1"
-        numbers = {name: (getattr(self, name).ravel(), unit) for name in ("value", "lower", "upper")}
+        numbers = {
+            name: (getattr(self, name).ravel(), unit) for name in ("value", "lower", "upper")
+        }
         return table({**numbers, "inside": (self.inside.ravel(), "")})
 
 

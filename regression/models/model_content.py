@@ -8,14 +8,15 @@ from typing import Any, ClassVar, Self
 
 from pydantic import ConfigDict, Field, FiniteFloat, model_validator
 
+from crankbase.checks.choices import did_you_mean
 from crankbase.errors import InputError
 from crankbase.model import InputModel
 from regression.models.error_band import error_band
 from regression.models.family import Family
 from regression.models.family_throw import angle_law_remarks
 from regression.models.model_file import read_model, write_model
-from regression.models.response_model import IS, ResponseModel
 from regression.models.query_making import make_response_query
+from regression.models.response_model import IS, ResponseModel
 from regression.models.response_query import ResponseQuery
 from regression.models.study_constraints import StudyConstraint
 from regression.plans.constraints import read_constraint
@@ -224,8 +225,8 @@ class CompiledModel:
         """Return the query for a response, or say which there are."""
         if name not in self._queries:
             raise InputError(
-                f"response: given {name!r}; allowed are {', '.join(self._queries)}, which this "
-                "model holds."
+                f"response: given {name!r}; {did_you_mean(name, self._queries, cutoff=0.8)}allowed are "
+                f"{', '.join(self._queries)}, which this model holds."
             )
         return self._queries[name]
 

@@ -55,9 +55,7 @@ def make_response_query(
     needed |= dict.fromkeys(name for one in constraints for name in one.read.names)
     equation = compile_equation(response.fitted)
     if response.basis == "factors":
-        return ResponseQuery(
-            name, family, columns, (), tuple(needed), equation, None, constraints
-        )
+        return ResponseQuery(name, family, columns, (), tuple(needed), equation, None, constraints)
     ratios, names = _ratios(family, constant_groups)
     needed |= dict.fromkeys(("pin_diameter", *names))
     try:
@@ -69,9 +67,7 @@ def make_response_query(
         ) from None
     scale = partial(response_scale, response.unit, material=constants)
     scale({"pin_diameter": 1.0})  # refuses a unit that has no scale
-    return ResponseQuery(
-        name, family, columns, ratios, tuple(needed), equation, scale, constraints
-    )
+    return ResponseQuery(name, family, columns, ratios, tuple(needed), equation, scale, constraints)
 
 
 def _column_source(name: str, basis: str, family: Family) -> tuple[Reader, tuple[str, ...], str]:

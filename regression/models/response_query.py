@@ -13,7 +13,6 @@ from operator import itemgetter
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from crankbase.errors import InputError
 from regression.models.evaluator import PIECE, CompiledEquation, pieces
@@ -125,7 +124,9 @@ class ResponseQuery:
             return _needs_full_evaluation
         numbers = tuple(name for name in names if name not in family.categories)
         labels = tuple((n, family.categories[n]) for n in names if n in family.categories)
-        limits = [(itemgetter(n), *edges(*ends)) for n, (*ends, _) in self._ranges.items()]
+        limits: list[tuple[Reader, float, float]] = [
+            (itemgetter(name), *edges(low, high)) for name, (low, high, _) in self._ranges.items()
+        ]
         fixed = [(name, family.fixed[name]) for name in names if name in family.fixed]
         limits += [(itemgetter(name), *edges(value, value)) for name, value in fixed]
         limits += [
@@ -213,9 +214,7 @@ class ResponseQuery:
         family = self.family
         return {name: (*ends, family.unit(name)) for name, ends in family.ranges.items()}
 
-    def _used(
-        self, given: Mapping[str, Given]
-    ) -> tuple[dict[str, Given], tuple[int, ...], Given]:
+    def _used(self, given: Mapping[str, Given]) -> tuple[dict[str, Given], tuple[int, ...], Given]:
         """Check and complete what was given, to what the answer depends on; its shape, and the size."""
         family = self.family
         checked = family.checked(given)

@@ -118,5 +118,7 @@ def holds(sign: str, left: Any, right: Any) -> NDArray[np.bool_]:
     with np.errstate(invalid="ignore"):
         margin = EQUAL_WITHIN * np.maximum(np.abs(left), np.abs(right))
         gap = right - left if sign.startswith("<") else left - right
-        kept: NDArray[np.bool_] = np.isfinite(gap) & (gap >= -margin if "=" in sign else gap > margin)
+        kept: NDArray[np.bool_] = np.isfinite(gap) & (
+            gap >= -margin if "=" in sign else gap > margin
+        )
         return kept

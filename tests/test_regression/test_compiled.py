@@ -41,7 +41,7 @@ def test_expressions_are_what_pint_calculates(text, unit):
 @pytest.mark.parametrize("text", ["1 / (a - a) * b", "(x - 3) ** 0.5", "x ** (x * 1e6)"])
 def test_what_has_no_value_is_not_finite(text):
     value = compile_expression(read_expression(text, "f", UNITS))
-    one = {name: 1.5 for name in UNITS}
+    one = dict.fromkeys(UNITS, 1.5)
     assert not np.isfinite(value(one))
     with np.errstate(all="ignore"):
         assert not np.isfinite(value({name: np.array([1.5]) for name in UNITS})).any()

@@ -196,7 +196,8 @@ def test_ranges_are_those_of_the_factors_at_the_throws_size(model):
         model.axial_compliance(**(MIDDLE | {"web_thickness": 0.040}))
     doubled = scaled(THROW | {"web_thickness": 0.040}, 2.0)
     with pytest.raises(
-        InputError, match="web_thickness: given 80 mm; allowed is the range of the fit, 100 mm to 180"
+        InputError,
+        match="web_thickness: given 80 mm; allowed is the range of the fit, 100 mm to 180",
     ):
         model.axial_compliance(strict=True, **doubled)
     assert model.lookup("mass", **doubled).remarks[0].startswith("web_thickness: given 80 mm; ")
