@@ -109,16 +109,17 @@ def error_band(name: str, response: ResponseModel) -> ErrorBand:
 def _told(response: ResponseModel) -> str:
     """Say of which designs the equation's error is."""
     error, held_out = equation_error(response), response.largest_heldout_error
-    number = response.band_designs
     if response.band_error is not None:
-        alone = number > response.heldout_runs
-        designs = f"{response.runs} runs, each left out of the fit in turn" if alone else ""
-        designs += " and " if designs and response.heldout_runs else ""
-        designs += f"{response.heldout_runs} held-out designs" if response.heldout_runs else ""
-        share = f"{100.0 * COVERAGE:g} % of new throws are predicted"
-        if number < FEWEST:
-            share = f"all of too few designs for a band of {100.0 * COVERAGE:g} % are predicted"
-        return f"{share} within {percent(error)}, by {designs}"
+        held = f"{response.heldout_runs} held-out designs" if response.heldout_runs else ""
+        left_out = response.band_designs > response.heldout_runs
+        runs = f"{response.runs} runs, each left out of the fit in turn" if left_out else ""
+        designs = ", and ".join(filter(None, (runs, held)))
+        of = (
+            f"{100.0 * COVERAGE:g} % of new throws"
+            if response.band_designs >= FEWEST
+            else f"designs not seen, too few for {100.0 * COVERAGE:g} % of new throws,"
+        )
+        return f"{of} are predicted within {percent(error)}, by {designs}"
     designs = f"{response.heldout_runs} held-out designs"
     if held_out is None:
         designs = f"the {response.runs} fitted runs themselves, without held-out designs too small an error"

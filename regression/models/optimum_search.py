@@ -1,8 +1,9 @@
 """The best throw of a model's family under limits, such as the thinnest web for a compliance.
 
 The search goes over the model's box: its ranges and choices, and the study's constraints. Relations of the
-study are kept. A limit counts as met only if it is met at the worst end of the model's error band (`regression.models.error_band`), so that its promise
-covers the error of the equation and of the finite elements, as far as those are known.
+study are kept. A limit counts as met only if it is met at the worst end of the model's error band
+(`regression.models.error_band`), so that its promise covers the error of the equation and of the finite
+elements, as far as those are known.
 
 Differential evolution (seeded, so that it repeats) looks over the whole box; sequential quadratic
 programming then brings the best design onto its limits.

@@ -162,7 +162,7 @@ def _print_lookup(name: str, answer: "Lookup", shared: list[str], units: "Output
 def _print_bands(model: "ComplianceModel", names: list[str]) -> None:
     """Say from which errors the bands are made, and what is not known of them."""
     from regression.fits.statistics import COVERAGE
-    from regression.models.error_band import equation_error, percent
+    from regression.models.error_band import FEWEST, equation_error, percent
 
     used = {name: model.responses[name] for name in names}
 
@@ -173,16 +173,13 @@ def _print_bands(model: "ComplianceModel", names: list[str]) -> None:
     estimates = [one.largest_fe_error for one in used.values() if one.largest_fe_error is not None]
     elements = f" and the finite elements' own estimate ({span(estimates)})" if estimates else ""
     equations = span([equation_error(one) for one in used.values()])
-    unseen = all(one.band_error is not None for one in used.values())
-    print_line(
-        "Bands: "
-        + (
-            f"error that {100.0 * COVERAGE:g} % of throws keep to, by designs that the equation did not see"
-            if unseen
-            else "largest error of the equation at held-out designs and runs"
-        )
-        + f" ({equations}){elements}; --json tells them by response."
-    )
+    of = "largest error of the equation at held-out designs and runs"
+    if all(one.band_error is not None for one in used.values()):
+        enough = min(one.band_designs for one in used.values()) >= FEWEST
+        share = f"{100.0 * COVERAGE:g} % of throws"
+        of = f"error that {share} keep to" if enough else f"largest error, of too few for {share},"
+        of += " by designs that the equation did not see"
+    print_line(f"Bands: {of} ({equations}){elements}; --json tells them by response.")
     unjudged = [
         _title(name)
         for name, one in used.items()
