@@ -79,4 +79,3 @@ from regression.formulas.torsional_formulas import torsional_formulas as torsion
 from regression.models.compliance_model import ComplianceModel as ComplianceModel
 from regression.models.extrapolation import OutsideRangeWarning as OutsideRangeWarning
 from regression.models.lookup import Lookup as Lookup
-from regression.models.lookup import Lookups as Lookups

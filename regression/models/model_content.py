@@ -209,7 +209,7 @@ class CompiledModel:
             )
             for name, response in responses.items()
         }
-        self._ways: dict[tuple[str, ...], Callable[[Mapping[str, Any]], float | None]] = {}
+        self._ways: dict[tuple[Any, ...], Callable[..., Any]] = {}
 
     @property
     def remarks(self) -> tuple[str, ...]:
@@ -235,10 +235,27 @@ class CompiledModel:
         key = (name, *dimensions)
         way = self._ways.get(key)
         if way is None:
-            if len(self._ways) >= _MOST_WAYS:
-                self._ways.clear()
-            way = self._ways[key] = self.query(name).fast_evaluator(tuple(dimensions))
-        return way(dimensions)
+            way = self._keep(key, self.query(name).fast_evaluator(tuple(dimensions)))
+        value: float | None = way(dimensions)
+        return value
+
+    def fast_lookups(
+        self, names: tuple[str, ...], dimensions: Mapping[str, Any]
+    ) -> list[float] | None:
+        """Look several values up, as `fast_lookup` one."""
+        key = (names, *dimensions)
+        way = self._ways.get(key)
+        if way is None:
+            first, *others = map(self.query, names)
+            way = self._keep(key, first.fast_evaluator_with(others, tuple(dimensions)))
+        values: list[float] = way(dimensions)
+        return None if None in values else values
+
+    def _keep(self, key: tuple[Any, ...], way: Callable[..., Any]) -> Callable[..., Any]:
+        if len(self._ways) >= _MOST_WAYS:
+            self._ways.clear()
+        self._ways[key] = way
+        return way
 
 
 def _column_ranges(responses: Mapping[str, ResponseModel]) -> dict[str, tuple[float, float]]:

@@ -92,18 +92,18 @@ class ModelValues(ModelContent):
         self, name: str, gamma_deg: ArrayLike | None, strict: bool, dimensions: Mapping[str, Any]
     ) -> Value:
         """Answer, with warnings for the caller of the public method, two frames up."""
-        parts = (name,) if gamma_deg is None else self.angle_law(name)
-        values: list[Any] = []
-        for part in parts:
-            values.append(self._compiled.fast_lookup(part, dimensions))
-            if values[-1] is None:
-                break
-        answers = []
-        if values[-1] is None:
-            answers = [self.answer(part, dimensions) for part in parts]
-            values = [answer.values for answer in answers]
-        found: Value = values[0]
-        if gamma_deg is not None:
+        found: Value
+        if gamma_deg is None:
+            value = self._compiled.fast_lookup(name, dimensions)
+            if value is not None:
+                return value
+            answers = [self.answer(name, dimensions)]
+            found = answers[0].values
+        else:
+            parts = self.angle_law(name)
+            values: list[Any] | None = self._compiled.fast_lookups(parts, dimensions)
+            answers = [] if values else [self.answer(part, dimensions) for part in parts]
+            values = values or [answer.values for answer in answers]
             found = between_values(fold_angle(gamma_deg), values)
         # Each dimension is told of once.
         for one in {one.name: one for answer in answers for one in answer.outside}.values():

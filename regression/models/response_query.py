@@ -102,7 +102,7 @@ class ResponseQuery:
     scale: Reader | None
     constraints: tuple[StudyConstraint, ...] = ()
 
-    @property
+    @cached_property
     def lower_limit(self) -> float:
         """Lower limit that the response must exceed: 0 by nature, or none."""
         return 0.0 if is_positive_response(self.name) else -math.inf
@@ -115,6 +115,47 @@ class ResponseQuery:
         callable
             Dimensions to the value, or None where the long way must be gone.
         """
+        read, value_of = self._fast_reader(names), self._fast_value
+
+        def answer(dimensions: Mapping[str, Given]) -> float | None:
+            found = read(dimensions)
+            return None if found is None else value_of(*found)
+
+        return answer
+
+    def shares_columns(self, other: "ResponseQuery") -> bool:
+        """Whether what the fast evaluator reads and checks for another response serves this one too."""
+        return self.scale is other.scale is None and self._ranges == other._ranges
+
+    def fast_evaluator_with(
+        self, others: Sequence["ResponseQuery"], names: Sequence[str]
+    ) -> Callable[[Mapping[str, Given]], list[float | None]]:
+        """Make a fast evaluator of several responses, whose columns are read once if they share them."""
+        queries = (self, *others)
+        if not all(self.shares_columns(other) for other in others):
+            alone = [query.fast_evaluator(names) for query in queries]
+            return lambda dimensions: [evaluate(dimensions) for evaluate in alone]
+        read, values = self._fast_reader(names), [query._fast_value for query in queries]
+
+        def answers(dimensions: Mapping[str, Given]) -> list[float | None]:
+            found = read(dimensions)
+            return [None] if found is None else [value_of(*found) for value_of in values]
+
+        return answers
+
+    def _fast_value(self, columns: Sequence[Any], dimensions: Mapping[str, Given]) -> float | None:
+        try:
+            found: float = self.equation.scalar(columns)
+            if self.scale is not None:
+                found *= self.scale(dimensions)
+        except ArithmeticError:
+            return None
+        return found if self.lower_limit < found < math.inf else None
+
+    def _fast_reader(
+        self, names: Sequence[str]
+    ) -> Callable[[Mapping[str, Given]], tuple[list[Any], Mapping[str, Given]] | None]:
+        """Make what checks plain numbers and reads columns and dimensions from them."""
         family, given = self.family, set(names)
         complete = set(self.needed) <= given | family.fixed.keys() | family.labels.keys()
         if self.scale is not None:
@@ -136,13 +177,15 @@ class ResponseQuery:
         ]
         checks, readers = tuple(limits), tuple(column.read for column in self.columns)
         tests = tuple(constraint.holds for constraint in self.constraints)
-        value, scale, least = self.equation.scalar, self.scale, self.lower_limit
+        scaled = self.scale is not None
         rest = {} if set(self.needed) <= given else {**family.fixed, **family.labels}
 
-        def answer(dimensions: Mapping[str, Given]) -> float | None:
+        def read_all(
+            dimensions: Mapping[str, Given],
+        ) -> tuple[list[Any], Mapping[str, Given]] | None:
             for name in numbers:
                 given = dimensions[name]
-                if given.__class__ not in _PLAIN or (scale is not None and not given > 0.0):
+                if given.__class__ not in _PLAIN or (scaled and not given > 0.0):
                     return None
             for name, allowed in labels:
                 if dimensions[name].__class__ is not str or dimensions[name] not in allowed:
@@ -155,14 +198,9 @@ class ResponseQuery:
             for test in tests:
                 if not test(dimensions):
                     return None
-            columns = [read(dimensions) for read in readers]
-            try:
-                found = value(columns) if scale is None else value(columns) * scale(dimensions)
-            except ArithmeticError:
-                return None
-            return found if least < found < math.inf else None
+            return [read(dimensions) for read in readers], dimensions
 
-        return answer
+        return read_all
 
     def evaluate(self, given: Mapping[str, Given]) -> ResponseValues:
         """Evaluate any query, or say what is wrong with it.

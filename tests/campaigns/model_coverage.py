@@ -101,9 +101,7 @@ def main() -> None:
         plan_finer = fresh(plan, SEEDS[0], FINER, finer=4.0)
         finer = run_plan(plan_finer, store, workers, progress)
         print(f"\n{plan.throw.crank_radius * 1e3:.0f} mm radius; of {FRESH} fresh throws, twice:")
-        print(
-            f"| response | form | equation's part [%] | holds | band's width [%] | holds | finer, of {FINER} |"
-        )
+        print("| response | form | equation's part [%] | holds | width [%] | holds | finer |")
         print("|---|---|---|---|---|---|---|")
         for name, response in study.model.responses.items():
             told = error_band(name, response)
