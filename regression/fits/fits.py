@@ -37,6 +37,9 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 
+# Numbers that the selections without each run hold at a time; more take minutes for a study.
+LARGEST_SELECTION = 3_000_000
+
 
 @summarized(
     "form",
@@ -64,7 +67,8 @@ class Fit:
         response. The adjusted one is None without degrees of freedom.
     q_squared : float or None
         Leave-one-out Q2 = 1 - PRESS / total sum of squares, of the response itself. Each run is left out
-        of the selection of the terms too. None if some run alone determines a coefficient before the
+        of the selection of the terms too, but for large studies (runs^2 times terms above
+        `LARGEST_SELECTION`), where one run of hundreds hardly changes the selection. None if some run alone determines a coefficient before the
         selection (as with as many runs as coefficients).
     largest_error, mean_error : float
         At the runs.
@@ -290,12 +294,14 @@ def fit_form(
     dropped: tuple[Term, ...] = ()
     # Solved in full first: that says which term the runs do not determine.
     solution = least_squares(matrix, target, _names(terms, names, log_factors))
-    left_out = solution.leave_one_out
+    small = len(values) ** 2 * len(terms) <= LARGEST_SELECTION
+    left_out = left_out_predictions(matrix, target, terms) if drop_terms and small else None
     if drop_terms:
-        left_out = left_out_predictions(matrix, target, terms)
         kept, gone = backward(matrix, target, terms)
         dropped, terms = tuple(terms[i] for i in gone), tuple(terms[i] for i in kept)
         solution = least_squares(matrix[:, kept], target, _names(terms, names, log_factors))
+    if not (drop_terms and small):
+        left_out = solution.leave_one_out
     fitted = FittedForm(
         form,
         names,

@@ -31,12 +31,13 @@ class Lookup:
     support : str
         How the throw is supported, such as "pinned".
     inside : bool
-        Whether everything lies within the range of the fit.
+        Whether everything lies within the range of the fit and the study's constraints.
     remarks : tuple of str
-        One sentence for each dimension or ratio outside its range, and what else is to be known.
+        One sentence for each dimension or ratio outside its range and each constraint of the study that
+        is broken, and what else is to be known.
     error : float or None
-        Largest relative error of the equation at held-out designs; None if there were none. The band
-        counts the error at the runs too.
+        Largest relative error of the equation at held-out designs; None if there were none. The band's
+        own error is told in `band`.
     equation : str
         The equation in natural units.
     lower, upper : float or None

@@ -15,7 +15,6 @@ from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
-
 from numpy.typing import NDArray
 
 from crankfem import load_throw

@@ -116,6 +116,14 @@ def test_q_squared_is_that_of_runs_left_out_of_the_selection():
     assert np.sum(np.abs(found.predict(x) / y - 1.0) <= found.band_error) >= 0.95 * 40
 
 
+def test_a_large_study_keeps_the_selection_of_all_runs(monkeypatch):
+    x = np.random.default_rng(8).uniform(1.0, 2.0, (40, 3))
+    y = x @ [1.0, -2.0, 0.5] + 0.3 * np.random.default_rng(9).normal(size=40) + 9.0
+    monkeypatch.setattr("regression.fits.fits.LARGEST_SELECTION", 40**2 * 10 - 1)
+    found = fit_form("quadratic", ("a", "b", "c"), x, y, drop_terms=True)
+    assert found.q_squared == close(found.statistics.q_squared, rel=1e-12)
+
+
 def test_a_run_that_cannot_be_missed_has_no_prediction():
     z = np.random.default_rng(2).uniform(-1, 1, (len(TERMS), 3))
     assert left_out_predictions(design_matrix(TERMS, z), np.arange(1.0, 11.0), TERMS) is None
