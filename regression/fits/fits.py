@@ -68,8 +68,8 @@ class Fit:
     q_squared : float or None
         Leave-one-out Q2 = 1 - PRESS / total sum of squares, of the response itself. Each run is left out
         of the selection of the terms too, but for large studies (runs^2 times terms above
-        `LARGEST_SELECTION`), where one run of hundreds hardly changes the selection. None if some run alone determines a coefficient before the
-        selection (as with as many runs as coefficients).
+        `LARGEST_SELECTION`), where one run of hundreds hardly changes it. None if some run alone
+        determines a coefficient before the selection (as with as many runs as coefficients).
     largest_error, mean_error : float
         At the runs.
     largest_heldout_error, mean_heldout_error : float or None
