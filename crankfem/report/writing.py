@@ -18,6 +18,7 @@ from crankfem.analyses.throw.stress import mirrored, stress_tables
 from crankfem.analyses.throw.throw_tables import reaction_table, support_table
 from crankfem.analyses.vibration.speed_table import speed_table
 from crankfem.analyses.vibration.tables import (
+    barred_within_error,
     element_table,
     limit_table,
     load_table,
@@ -52,6 +53,7 @@ LATER_ABOUT: dict[str, Any] = {"python": None, "platform": None, "processors": N
 # What makes tables, or their cells, of the results.
 TABLES = (
     balance_table,
+    barred_within_error,
     bearing_table,
     element_table,
     limit_table,

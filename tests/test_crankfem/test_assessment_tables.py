@@ -71,7 +71,7 @@ def test_what_decides_stands_before_the_verdict_with_the_values_assumed(record, 
     print_assessment(record)
     assert capsys.readouterr().out.splitlines()[-2:] == [
         "Verdict: undecided, acceptable with this: give that.",
-        "With the values assumed: Fine.",
+        "With the values used: Fine.",
     ]
 
 
