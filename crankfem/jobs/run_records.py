@@ -129,6 +129,8 @@ def _add_regression(found: dict[str, Any], computed: RunComputation) -> None:
     assert model is not None
     path = computed.inputs.saved_path
     source = "the study" if path is None else f"the saved model {path.name}"
+    instead = computed.study is None and engine_file.study is not None
+    remarks = ["The section [study] was not run: the model stands in its place."] if instead else []
     records = {next(iter(computed.throws)): found, **found.get("throws", {})}
     for name, own in records.items():
         values, formulas = {}, own["formulas"]
@@ -142,7 +144,7 @@ def _add_regression(found: dict[str, Any], computed: RunComputation) -> None:
                 formulas["left_out"].append({"name": "regression", "reason": reason})
                 continue
             values[kind] = (answer.value, model.responses[response])
-        formulas["regression"] = regression_record(values, source) if values else None
+        formulas["regression"] = regression_record(values, source, *remarks) if values else None
 
 
 def _mechanism_record(run: MechanismRun | None) -> Record | None:

@@ -1,10 +1,11 @@
 """How far the compliances of each source may be off: factors between which the true ones lie.
 
 Finite elements are too stiff by about their estimate. A regression has the band of its model. A formula is
-held against finite elements for the throws of all shipped engines, each put at the cranks of the engine in
-question, and for the engine's own throws: with r the sum of the formula's compliances along the shaft
-beside that of finite elements, and f the estimated error of these, the true sum is 1/r to (1 + 2 f)/r times
-the formula's. The least and the greatest of these are the range; the value itself counts as possible.
+held against finite elements for the throws of all shipped engines (those of one pin where the engine's are
+so), each put at the cranks of the engine in question, and for the engine's own: with r the sum of the
+formula's compliances along the shaft beside that of finite elements, and f the estimated error of these,
+the true sum is 1/r to (1 + 2 f)/r times the formula's. The least and the greatest of these are the range;
+the value itself counts as possible.
 """
 
 import csv
@@ -113,7 +114,10 @@ def _formula_spread(
     throws = engine_file.crank_throws
     here = sum(_row(engine_file, kind, source, throws, engine_file.material)) / sum(by_elements)
     found = [(here, softer)]
+    single = all(_pins(throw) == 1 for throw in throws)
     for one in analyzed_throws():
+        if single and _pins(one.throw) > 1:
+            continue
         row = _row(engine_file, kind, source, [one.throw] * len(throws), one.material)
         beside = sum(row) / sum(_elements(engine_file, kind, one))
         if beside > 0.0:
@@ -127,6 +131,10 @@ def _formula_spread(
         f"for the throws of {len(others)} shipped engines at the angles of these cranks, {here:.2f} times "
         "for the engine's own)",
     )
+
+
+def _pins(throw: CrankThrow) -> int:
+    return len(throw.parts.pins)
 
 
 def _row(

@@ -108,7 +108,7 @@ def _cranks_of_first(results: Mapping[str, Any]) -> list[int]:
 
 
 def regression_record(
-    values: Mapping[str, tuple[float, ResponseModel]], source: str = "the study"
+    values: Mapping[str, tuple[float, ResponseModel]], source: str = "the study", *remarks: str
 ) -> Record:
     """Return what fitted equations say of the throw itself.
 
@@ -118,6 +118,8 @@ def regression_record(
         Kind, "axial" or "torsional", to the compliance of the throw [SI] and its equation.
     source : str, optional
         Where the equations come from.
+    *remarks : str
+        What else is to be said of them.
 
     Returns
     -------
@@ -130,7 +132,7 @@ def regression_record(
             "of": source,
             "form": fit.form,
             "largest_error_held_out": fit.largest_heldout_error,
-            "remarks": [_fit_remark(fit)],
+            "remarks": [_fit_remark(fit), *remarks],
         }
         for kind, (value, fit) in values.items()
     }
