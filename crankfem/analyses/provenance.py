@@ -120,8 +120,8 @@ def run_command(name: str) -> str:
 def _relative_name(engine_file: Path, path: Path) -> str:
     """Name of a file as the engine file may call it: with its folders, a shipped table without."""
     for folder in (engine_file.parent, data_folder() / "tables"):
-        if path.is_relative_to(folder):
-            return path.relative_to(folder).as_posix()
+        if path.absolute().is_relative_to(folder.absolute()):
+            return path.absolute().relative_to(folder.absolute()).as_posix()
     return path.as_posix()
 
 

@@ -19,18 +19,14 @@ from comparing import close
 from crankbase.errors import InputError
 from crankfem.analyses.shaft.source_errors import analyzed_throws, source_spread
 from crankfem.analyses.study.nominal_throw import outside_study
-from regression.fits.fits import fit_form
-from regression.models.response_model import ResponseModel
+from fitted_models import THICK, THIN, UNITS, known_model
 from regression.plans.factors import Factor
 from regression.plans.plan import StudyPlan
-from regression.throw_values import throw_values
 
 pytestmark = pytest.mark.slow
 
-THIN, THICK, NOMINAL = 0.045, 0.090, 0.068
 ERROR = 0.08
 LOW, HIGH = 1.0 / (1.0 + ERROR), 1.0 / (1.0 - ERROR)
-UNITS = {"axial_compliance": "m/N", "torsional_compliance": "rad/(N m)"}
 
 
 @pytest.fixture(scope="module")
@@ -51,44 +47,12 @@ def analysis(plain):
 
 @pytest.fixture(scope="module")
 def make_model(plain, analysis):
-    """Make a model of webs of 45 to 90 mm: lines through finite elements at 68 mm, times a factor."""
-    at = np.array([[THIN], [NOMINAL], [THICK]])
-    held = np.array([[0.050], [0.080]])
+    """Make a model through finite elements at the throw's web of 68 mm, times a factor."""
     pinned = {name: getattr(analysis, name)("pinned") for name in UNITS}
 
-    def made(factor=1.0, responses=tuple(UNITS), **content):
-        def line(name, points):
-            return factor * pinned[name] * (1.0 - 0.5 * (points[:, 0] / NOMINAL - 1.0))
-
-        fits = {
-            name: fit_form(
-                "linear",
-                ("web_thickness",),
-                at,
-                line(name, at),
-                held,
-                # Finite elements above and below the line: its error there is 8 % of their value.
-                line(name, held) / np.array([1.0 + ERROR, 1.0 - ERROR]),
-            )
-            for name in responses
-        }
-        described = throw_values(plain.throw, spelled_out=True)
-        del described["web_thickness"]
-        numbers = {name: own for name, own in described.items() if isinstance(own, float)}
-        labels = {name: own for name, own in described.items() if isinstance(own, str)}
-        return cf.ComplianceModel(
-            **{
-                "responses": {
-                    name: ResponseModel.from_fit(fit, symbol="e", unit=UNITS[name])
-                    for name, fit in fits.items()
-                },
-                "fixed": numbers,
-                "labels": labels,
-                "throw": plain.throw.model_dump(mode="json", exclude_defaults=True),
-                "material": plain.material.model_dump(),
-            }
-            | content
-        )
+    def made(factor=1.0, responses=tuple(UNITS), material=plain.material):
+        compliances = {name: factor * pinned[name] for name in responses}
+        return known_model(plain.throw, material, compliances, ERROR)
 
     return made
 
@@ -191,16 +155,14 @@ REFUSED = {
         "web_thickness: given 95 mm; the range of the fit is 45 mm to 90 mm",
     ),
     "another pin": ({"pin_length": 0.150}, {}, "pin_length"),
-    "another material": ({}, {"material": {"youngs_modulus": 1.1e11}}, "material.youngs_modulus"),
+    "another material": ({}, {"youngs_modulus": 1.1e11}, "material.youngs_modulus"),
 }
 
 
 @pytest.mark.parametrize(("throw", "content", "said"), REFUSED.values(), ids=REFUSED)
 def test_a_model_says_nothing_outside_its_range(plain, make_model, tmp_path, throw, content, said):
     """Before anything is computed, given in Python or named in the file; as no source it is left out."""
-    if content:
-        content = {"material": plain.material.model_dump() | content["material"]}
-    model = make_model(**content)
+    model = make_model(material=plain.material.model_copy(update=content))
     path = tmp_path / "model.json"
     model.save(path)
     engine = plain.changed(throw=throw)

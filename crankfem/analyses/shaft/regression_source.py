@@ -100,6 +100,6 @@ def refuse_regression(engine_file: EngineFile, model: ComplianceModel | None) ->
 def refused(kind: str, reason: str) -> InputError:
     """Return the error of a regression that cannot be the source of a kind of vibration."""
     return InputError(
-        f"vibration.{kind}_source: given 'regression', which {reason.rstrip('.')}; allowed is a model whose "
-        "range holds the throw, because its error is known nowhere else, or another source, such as 'fe'."
+        f"vibration.{kind}_source: given 'regression', which {reason.rstrip('.')}; give a model whose range "
+        "holds the throw, because its error is known nowhere else, or another source, such as 'fe'."
     )

@@ -27,10 +27,14 @@ def saved_model(engine_file: EngineFile) -> ComplianceModel | None:
     path = engine_file.model_path
     if path is None:
         return None
+    return _loaded(path, "vibration.model")
+
+
+def _loaded(path: Path, field: str) -> ComplianceModel:
     try:
         return ComplianceModel.load(path)
     except InputError as error:
-        raise InputError(f"vibration.model: {error}") from None
+        raise InputError(f"{field}: {error}") from None
 
 
 def usable_model(engine_file: EngineFile, given: ComplianceModel | None) -> ComplianceModel | None:
@@ -61,7 +65,7 @@ def with_model(content: TomlFile, path: Path) -> TomlFile:
     InputError
         If it is no model, or holds neither the axial nor the torsional compliance.
     """
-    held = ComplianceModel.load(path).responses
+    held = _loaded(path, "--model").responses
     chosen = {
         f"{kind}_source": REGRESSION for kind, response in RESPONSES.items() if response in held
     }

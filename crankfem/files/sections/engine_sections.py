@@ -326,9 +326,7 @@ class VibrationSettings(InputModel):
     )
     model: str | None = Field(
         None,
-        description="saved compliance model, a file beside the engine file: it is the source regression, in "
-        "place of a study",
-        min_length=1,
+        description="saved compliance model, a file beside the engine file, as the source regression",
     )
     reciprocating: Literal["half", "mean"] = Field(
         "half",
