@@ -3,8 +3,8 @@
 Source: A. N. Zotov, E. Sh. Imaeva, Transport i khranenie nefteproduktov i uglevodorodnogo syr'ya 2024
 no. 1-2, pp. 50-55, doi 10.24412/0131-4270-2024-1-2-50-55: equations (5) and (8) for any gas force, figure 4
 for the path of the rollers' centers, whose parallel curve the paper leaves to the maker. The slider-crank is
-written down here once more. A table every 2 deg of a smooth law is met by its spline to 1e-6 of the force; distances
-of the surface from the path are found by search, to 1e-9 m.
+written down here once more. A table every 2 deg of a smooth law is met by its spline to 1e-6 of the force;
+distances of the surface from the path are found by search, to 1e-9 m.
 """
 
 from dataclasses import replace
