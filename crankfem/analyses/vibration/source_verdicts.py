@@ -22,6 +22,8 @@ from dynamics.assessment.verdict import Verdict
 # Largest step from one factor to the next: a resonance then moves by 7 %, which no running range is
 # as narrow as. One step either way for finite elements and good equations.
 STEP = 1.15
+# How sources are called in a sentence; formulas by their names.
+SOURCES = {"fe": "finite elements", "fe pinned": "finite elements", "regression": "the regression"}
 # Factors nearer to 1 change nothing that is told.
 LEAST = 1e-6
 
@@ -98,9 +100,6 @@ def source_verdicts(
         ),
         _joined([own.ranges_to_bar for _, own in ordered]),
     )
-
-
-SOURCES = {"fe": "finite elements", "fe pinned": "finite elements", "regression": "the regression"}
 
 
 def _factors(spread: Spread) -> list[float]:

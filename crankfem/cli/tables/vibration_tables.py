@@ -159,7 +159,9 @@ def print_assessment(record: Record, units: OutputUnits = SI) -> None:
     else:
         print_line(units.text(f"Verdict: {record['sentence']}"))
         if decision["sentence"]:
-            print_line(units.text(f"It hangs on what is assumed: {decision['sentence']}."))
+            print_line(
+                units.text(f"It hangs on what is assumed or uncertain: {decision['sentence']}.")
+            )
     for line in record["beside"]:
         print_line(units.text(line))
 
