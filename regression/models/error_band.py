@@ -57,8 +57,9 @@ class ErrorBand:
         return (low, high) if value >= 0.0 else (high, low)
 
     def around_all(self, values: Any) -> tuple[Any, Any]:
-        """Lower and upper ends round an array of values; NaN for an open end."""
-        ends = values * self.lower, values * (math.nan if self.upper is None else self.upper)
+        """Lower and upper ends round an array of values; an open end is infinite."""
+        far = np.copysign(np.inf, values) if self.upper is None else values * self.upper
+        ends = values * self.lower, far
         if np.min(values) >= 0.0:
             return ends
         return tuple(np.where(values >= 0.0, *pair) for pair in (ends, ends[::-1]))

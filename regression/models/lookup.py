@@ -85,8 +85,8 @@ class Lookups:
     value : ndarray
         The response, in `unit`; never clipped.
     lower, upper : ndarray
-        Ends of the band of each value. NaN outside the study, where no band holds, and where an error of
-        100 % leaves an end open.
+        Ends of the band of each value. Infinite outside the study, where no band holds, and where an error
+        of 100 % leaves an end open.
     inside : ndarray of bool
         Where everything lies within the study.
     remarks : tuple of str
@@ -165,7 +165,7 @@ def make_lookups(
     values, inside = np.asarray(answer.values), np.asarray(answer.inside)
     lower, upper = band.around_all(values)
     if not np.all(inside):
-        lower, upper = (np.where(inside, end, np.nan) for end in (lower, upper))
+        lower, upper = np.where(inside, lower, -np.inf), np.where(inside, upper, np.inf)
     return Lookups(
         value=values,
         lower=lower,
@@ -185,11 +185,13 @@ def make_lookups_between_neighbors(
     """Make the lookups of throws between neighbors, as `make_lookup_between_neighbors` for one."""
     value = np.asarray(between_values(angle, [part.value for part in parts]))
     inside = np.logical_and.reduce([part.inside for part in parts])
-    *_, ratio = ends = [(part.lower, part.upper) for part in parts]
+    ends = [(part.lower, part.upper) for part in parts]
     # The law has no value where rho is none or, with an error of 100 %, may be 0.
-    known = np.isfinite(ratio).all(axis=0) & (ratio[0] > 0.0)
-    ends[-1] = tuple(np.where(known, end, 1.0) for end in ratio)  # type: ignore[assignment]
-    lower, upper = (np.where(known, end, np.nan) for end in between_ends(angle, ends))
+    known = inside & np.isfinite(ends).all(axis=(0, 1)) & (parts[-1].lower > 0.0)
+    lower, upper = between_ends(
+        angle, [(np.where(known, low, 1.0), np.where(known, high, 1.0)) for low, high in ends]
+    )
+    lower, upper = np.where(known, lower, -np.inf), np.where(known, upper, np.inf)
     return Lookups(
         value=value,
         lower=lower,

@@ -117,7 +117,7 @@ def outside_study(plan: StudyPlan) -> str:
             continue
         found = find_out_of_range(factor.name, value, factor.lowest, factor.highest, factor.unit)
         if found is not None:
-            return found.remark
+            return found[0].remark
     variant = plan.variants().at(np.array([nominal_points(plan)]))[0]
     if variant.throw is None:
         return variant.reason
