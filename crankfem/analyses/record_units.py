@@ -16,7 +16,7 @@ from geometry.throw import CrankThrow
 # Of names, and of names that end so: "largest_side_force" is a force. Plain numbers have the unit "1".
 _WORDS = {
     "1": "count error errors estimate factor inflation margin number order orders ratio share",
-    "m": "compression diameter diameters height length place radius",
+    "m": "diameter diameters height length radius",
     "m^2": "area",
     "deg": "deg",
     "N": "force",
@@ -32,23 +32,24 @@ _WORDS = {
 # Of whole names.
 _NAMES = {
     "1": "accuracy adjusted_r_squared aic allowed asymmetry axial_beside_pinned axial_force_per_radial "
-    "axial_reaction beside_chosen bic cases computed_now crankpin_beside_mean cranks cylinder cylinders "
-    "detuning elements elements_across_fillets evaluations exponent f_value fe_scatter figure fluctuation "
-    "held_out largest_error_at_runs largest_error_held_out largest_leverage likeness magnifier "
-    "mean_error_at_runs mean_error_held_out mechanical_efficiency mended_elements mode moment_residual "
-    "node_positions nodes nonuniformity overlap_per_radius phase_sum pins points processors q_squared "
-    "r_squared resultant rho runs same_stars samples sense severity shape side_force_beside_largest "
-    "strokes t torsional_beside_pinned unknowns used",
-    "m": "about axis center_of_mass overlap stroke",
+    "axial_reaction beside_chosen bic cases computed_now crankpin_beside_mean cranks cylinder "
+    "cylinders detuning elements elements_across_fillets evaluations exponent f_value fe_scatter "
+    "figure fluctuation held_out largest_error_at_runs largest_error_held_out largest_leverage "
+    "largest_of_mean largest_of_same_angle likeness magnifier mean_error_at_runs mean_error_held_out "
+    "mechanical_efficiency mended_elements mode moment_residual node_positions nodes nonuniformity "
+    "of_mean of_same_angle overlap_per_radius phase_sum pins points processors q_squared r_squared "
+    "resultant rho runs same_stars samples sense severity shape side_force_beside_largest strokes t "
+    "throw torsional_beside_pinned unknowns used",
+    "m": "about axis center_of_mass largest_compression least_compression overlap principal_place stroke "
+    "von_mises_place",
     "m^3": "volume",
     "rad": "crank_angles",
-    "N": "alone backward force_scale forward in_shaft major minor x y",
-    "N m": "amplitude cosine mean moment moment_scale sine steady",
-    "kg m": "static",
-    "kg m^2": "dynamic flywheel_with_hinge flywheel_without_hinge inertia_about_shaft",
+    "N": "force_scale",
+    "N m": "moment moment_scale",
+    "kg": "at_center at_foot at_piston_pin",
+    "kg m^2": "flywheel_with_hinge flywheel_without_hinge inertia_about_shaft",
     "J": "energy_swing",
     "s": "duration",
-    "Hz": "chain rigid_chain shaft without",
     "1/min": "vibrations_per_minute",
     "rad/s": "angular_frequency speed",
     "m/N": "axial_compliance e_0 e_180 influence influence_coefficient",
@@ -61,19 +62,26 @@ _NAMES = {
 # Of ends of paths, "*" being any name.
 _PLACES = {
     "1": "axial_forces.difference change.major change.minor constants.* elasticity.* errors.* first.* "
-    "kinematics_deviation.* kinetic_shares.* modes.axial modes.bending modes.torsional spreads.high "
-    "spreads.low strain_shares.* surfaces.* total.* used.*",
-    "m": "axial_split.both axial_split.radial axial_split.tangential dimensions.value",
-    "N": "crankpins.largest crankpins.mean main_bearings.largest main_bearings.mean",
-    "N m": "elements.largest hinge_moment.largest hinge_moment.least hinge_moment.load torque.largest "
-    "torque.smallest",
+    "kinematics_deviation.* kinetic_shares.* model_difference.maximum model_difference.mean "
+    "modes.axial modes.bending modes.torsional spreads.high spreads.low strain_shares.* surfaces.* "
+    "total.* used.*",
+    "m": "axial_split.both axial_split.radial axial_split.tangential dimensions.value rotating.position",
+    "m/s^2": "accelerations.differences.largest accelerations.differences.least differences.mean_largest "
+    "pistons.amplitude pistons.largest pistons.left",
+    "N": "axial_forces.alone axial_forces.in_shaft crankpins.largest crankpins.mean main_bearings.largest "
+    "main_bearings.mean model_difference.sizes",
+    "N m": "elements.largest elements.steady hinge_moment.largest hinge_moment.least hinge_moment.load "
+    "torque.largest torque.smallest",
     "N/m": "bearings.stiffness",
     "N m/rad": "two_mass.stiffness",
     "kg": "masses.reciprocating masses.rotating",
+    "kg m": "balance.static throws.counterweights throws.left throws.rods throws.solid unbalance.static",
+    "kg m^2": "balance.dynamic unbalance.dynamic",
     "W": "dampers.* power.largest",
     "s": "seconds.*",
-    "Hz": "bearings.chains.* bearings.shaft.* causes.* frequencies.high frequencies.low "
-    "frequencies.nominal",
+    "Hz": "bearings.chains.* bearings.shaft.* causes.* differences.chain differences.rigid_chain "
+    "differences.shaft flywheel_tilt.modes.shaft flywheel_tilt.modes.without frequencies.high "
+    "frequencies.low frequencies.nominal",
     "m/N": "angle_law.fe angle_law.formulas.* fe.axial regression.axial.value shaft.axial",
     "rad/(N m)": "fe.torsional regression.torsional.value shaft.torsional",
     ".unit": "cause.orders.amplitude compared.calculated compared.measured free_end.orders.amplitude",
@@ -92,24 +100,33 @@ _KINDS = {
     "amplitudes.percentile_5 amplitudes.percentile_95 amplitudes.highest",
 }
 
+_HODOGRAPH, _HARMONICS = "major minor x y forward backward", "mean cosine sine amplitude"
+# Of what is a force here and a moment there: parts and unit, and what has them.
+_GROUPS = {
+    (_HODOGRAPH, "N"): ("force", "side_by_side", "kinematics", "masses", "hinged"),
+    (_HODOGRAPH, "N m"): ("moment",),
+    (_HARMONICS, "N"): ("gas", "inertia", "gas and inertia"),
+    (_HARMONICS, "N m"): ("torque", "harmonics"),
+}
 
-def with_units(content: Record, kind: str | None = None) -> Record:
+
+def with_units(content: Record, within: str = "") -> Record:
     """Return a record with the units of its numbers under "units"; without numbers as it is.
 
     Parameters
     ----------
     content : dict
         JSON content.
-    kind : {"axial", "torsional"}, optional
-        Of vibration, where the whole record is of one.
+    within : str, optional
+        Name under which such content stands in other records, "torque" or "axial".
     """
     if "units" in content:
         return content
-    units = units_of(content, kind)
+    units = units_of(content, within)
     return content | {"units": units} if units else content
 
 
-def units_of(content: Record, kind: str | None = None) -> dict[str, str]:
+def units_of(content: Record, within: str = "") -> dict[str, str]:
     """Return the units of all numbers in a record.
 
     Returns
@@ -123,10 +140,10 @@ def units_of(content: Record, kind: str | None = None) -> dict[str, str]:
     """
     found = {}
     for path in dict.fromkeys(number_paths(content)):
-        known = _unit_at(path if kind is None else (kind, *path))
+        known = _unit_at((within, *path) if within else path)
         if known is not None:
             key, unit = known
-            found[key.removeprefix(f"{kind}.")] = unit
+            found[key.removeprefix(f"{within}.")] = unit
     return found
 
 
@@ -161,12 +178,8 @@ def _places() -> dict[str, str]:
     for units, places in _KINDS.items():
         for kind, unit in zip(("axial", "torsional"), units, strict=True):
             found |= {f"{kind}.{place}": unit for place in places.split()}
-    # Resultants are forces, and so are harmonics of what acts on a pin, elsewhere torques.
-    found |= {
-        f"moment.{part}": "N m" for part in ("major", "minor", "x", "y", "forward", "backward")
-    }
-    for force in ("gas", "inertia", "gas and inertia"):
-        found |= {f"{force}.{part}": "N" for part in ("mean", "cosine", "sine", "amplitude")}
+    for (parts, unit), names in _GROUPS.items():
+        found |= {f"{name}.{part}": unit for name in names for part in parts.split()}
     return found
 
 

@@ -36,14 +36,14 @@ errors = Console(stderr=True)
 output = Console(markup=False)
 
 
-def print_json(content: dict[str, Any], kind: str | None = None) -> None:
+def print_json(content: dict[str, Any], within: str = "") -> None:
     """Print JSON content with the units of its numbers, and nothing else, on standard output.
 
-    `kind` is that of vibration, "axial" or "torsional", where all of the content is of one.
+    `within` is the name under which such content stands in other documents, "torque" or "axial".
     """
     from crankfem.analyses.record_units import with_units
 
-    sys.stdout.write(json.dumps(with_units(content, kind), indent=1, allow_nan=False) + "\n")
+    sys.stdout.write(json.dumps(with_units(content, within), indent=1, allow_nan=False) + "\n")
 
 
 def print_line(text: str) -> None:
