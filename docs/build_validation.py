@@ -67,6 +67,7 @@ GROUPS: dict[str, tuple[str, dict[str, str]]] = {
             "test_elastic_bearings": "matrices put together by hand",
             "test_misfiring": "chains solved cylinder by cylinder",
             "test_assumptions": "a class rule turned round by hand",
+            "test_axial_force_over_cycle": "matrices put together by hand",
             "test_bearing_range": "the same engine in bearings of one stiffness each",
             "test_chain_difference": "matrices put together by hand",
             "test_first_modes": "two inertias on a spring",

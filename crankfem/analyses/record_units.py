@@ -31,15 +31,15 @@ _WORDS = {
 }
 # Of whole names.
 _NAMES = {
-    "1": "accuracy adjusted_r_squared aic allowed asymmetry axial_beside_pinned axial_force_per_radial "
-    "axial_reaction beside_chosen bic cases computed_now crankpin_beside_mean cranks cylinder "
-    "cylinders detuning elements elements_across_fillets evaluations exponent f_value fe_scatter "
-    "figure fluctuation held_out largest_error_at_runs largest_error_held_out largest_leverage "
-    "largest_of_mean largest_of_same_angle likeness magnifier mean_error_at_runs mean_error_held_out "
-    "mechanical_efficiency mended_elements mode moment_residual node_positions nodes nonuniformity "
-    "of_mean of_same_angle overlap_per_radius phase_sum pins points processors q_squared r_squared "
-    "resultant rho runs same_stars samples sense severity shape side_force_beside_largest strokes t "
-    "throw torsional_beside_pinned unknowns used",
+    "1": "accuracy added adjusted_r_squared aic allowed asymmetry axial_beside_pinned "
+    "axial_force_per_radial axial_reaction beside_chosen bic cases computed_now crankpin_beside_mean "
+    "cranks cylinder cylinders detuning elements elements_across_fillets evaluations exponent f_value "
+    "fe_scatter figure fluctuation held_out largest_error_at_runs largest_error_held_out "
+    "largest_leverage largest_of_mean largest_of_same_angle likeness magnifier mean_error_at_runs "
+    "mean_error_held_out mechanical_efficiency mended_elements mode moment_residual node_positions "
+    "nodes nonuniformity of_mean of_same_angle overlap_per_radius phase_sum pins points processors "
+    "q_squared r_squared resultant rho runs same_stars samples sense severity shape "
+    "side_force_beside_largest strokes t throw torsional_beside_pinned unknowns used written",
     "m": "about axis center_of_mass largest_compression least_compression overlap principal_place stroke "
     "von_mises_place",
     "m^3": "volume",
@@ -61,17 +61,20 @@ _NAMES = {
 }
 # Of ends of paths, "*" being any name.
 _PLACES = {
-    "1": "axial_forces.difference change.major change.minor constants.* elasticity.* errors.* first.* "
-    "kinematics_deviation.* kinetic_shares.* model_difference.maximum model_difference.mean "
-    "modes.axial modes.bending modes.torsional spreads.high spreads.low strain_shares.* surfaces.* "
-    "total.* used.*",
+    "1": "axial_forces.difference change.major change.minor comparison.throws constants.* elasticity.* "
+    "errors.* first.* kinematics_deviation.* kinetic_shares.* model_difference.maximum "
+    "model_difference.mean modes.axial modes.bending modes.torsional quality.* responses.apart "
+    "responses.by_bands responses.largest responses.mean responses.rms shaft_torque.magnification "
+    "shapley.* spreads.high spreads.low strain_shares.* surfaces.* total.* used.*",
     "m": "axial_split.both axial_split.radial axial_split.tangential dimensions.value rotating.position",
     "m/s^2": "accelerations.differences.largest accelerations.differences.least differences.mean_largest "
     "pistons.amplitude pistons.largest pistons.left",
-    "N": "axial_forces.alone axial_forces.in_shaft crankpins.largest crankpins.mean main_bearings.largest "
-    "main_bearings.mean model_difference.sizes",
+    "N": "axial_force.running.amplitude axial_force.running_whole.amplitude axial_forces.alone "
+    "axial_forces.in_shaft crankpins.largest crankpins.mean main_bearings.largest main_bearings.mean "
+    "model_difference.sizes",
     "N m": "elements.largest elements.steady hinge_moment.largest hinge_moment.least hinge_moment.load "
-    "torque.largest torque.smallest",
+    "shaft_torque.exciting shaft_torque.torque torque.largest torque.left_largest torque.left_rms "
+    "torque.smallest two_mass.resonances.amplitude",
     "N/m": "bearings.stiffness",
     "N m/rad": "two_mass.stiffness",
     "kg": "masses.reciprocating masses.rotating",
@@ -84,7 +87,8 @@ _PLACES = {
     "frequencies.low frequencies.nominal",
     "m/N": "angle_law.fe angle_law.formulas.* fe.axial regression.axial.value shaft.axial",
     "rad/(N m)": "fe.torsional regression.torsional.value shaft.torsional",
-    ".unit": "cause.orders.amplitude compared.calculated compared.measured free_end.orders.amplitude",
+    ".unit": "cause.orders.amplitude compared.calculated compared.measured free_end.orders.amplitude "
+    "responses.first responses.second",
     ".units": "nominal.*",
     ".value_units": "excluded.values failures.values table.values",
     ".stress_unit": "fillets.nominal",
@@ -105,6 +109,9 @@ _HODOGRAPH, _HARMONICS = "major minor x y forward backward", "mean cosine sine a
 _GROUPS = {
     (_HODOGRAPH, "N"): ("force", "side_by_side", "kinematics", "masses", "hinged"),
     (_HODOGRAPH, "N m"): ("moment",),
+    ("lowest highest", "N"): tuple(
+        f"axial_force.{end}" for end in ("thrust_bearing", "held", "throws")
+    ),
     (_HARMONICS, "N"): ("gas", "inertia", "gas and inertia"),
     (_HARMONICS, "N m"): ("torque", "harmonics"),
 }

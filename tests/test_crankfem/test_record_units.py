@@ -25,6 +25,8 @@ QUICK = {
     "mechanism 8chn26-26 --model rigid --model two-mass": 60,
     "harmonics 8chn26-26 --cylinder 1": 250,
     "harmonics yamz5340_torque_one_throw.csv": 40,
+    "harmonics yamz5340_torque_one_throw.csv --firing-order 1-3-4-2": 40,
+    "two-mass yamz-5340": 1,
     "hinge": 25,
     "formulas 6chn25-34 --no-fe --constant k_n=0.4": 0,
     "formulas --published": 0,
@@ -34,6 +36,7 @@ QUICK = {
     "fields throw": 0,
 }
 MODEL = {
+    "compare model.json model.json": 0,
     "fit runs.sqlite --model other.json": 0,
     "lookup model.json web_width=301mm web_thickness=68.3mm": 5,
     "optimum model.json --minimize axial_compliance --limit 'web_width <= 0.301 m'": 1,
