@@ -75,6 +75,7 @@ GROUPS: dict[str, tuple[str, dict[str, str]]] = {
             "test_power_and_load": "integral over the volume; MAN B&W 6S50MC-C, 9480 kW",
             "test_known_balance": "series of the slider-crank, handbooks",
             "test_named_throws": "sums and matrices by hand",
+            "test_study_limits": "comparisons of the throws' own dimensions",
         },
     ),
     "Outside programs": (

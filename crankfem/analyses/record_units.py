@@ -32,13 +32,13 @@ _WORDS = {
 # Of whole names.
 _NAMES = {
     "1": "accuracy added adjusted_r_squared aic allowed asymmetry axial_beside_pinned "
-    "axial_force_per_radial axial_reaction beside_chosen bic cases computed_now crankpin_beside_mean "
-    "cranks cylinder cylinders detuning elements elements_across_fillets evaluations exponent f_value "
-    "fe_scatter figure fluctuation held_out largest_error_at_runs largest_error_held_out "
-    "largest_leverage largest_of_mean largest_of_same_angle likeness magnifier mean_error_at_runs "
-    "mean_error_held_out mechanical_efficiency mended_elements mode moment_residual node_positions "
-    "nodes nonuniformity of_mean of_same_angle overlap_per_radius phase_sum pins points processors "
-    "q_squared r_squared resultant rho runs same_stars samples sense severity shape "
+    "axial_force_per_radial axial_reaction band_designs beside_chosen bic cases computed_now "
+    "crankpin_beside_mean cranks cylinder cylinders detuning elements elements_across_fillets "
+    "evaluations exponent f_value fe_scatter figure fluctuation held_out largest_error_at_runs "
+    "largest_error_held_out largest_leverage largest_of_mean largest_of_same_angle likeness magnifier "
+    "mean_error_at_runs mean_error_held_out mechanical_efficiency mended_elements mode moment_residual "
+    "node_positions nodes nonuniformity of_mean of_same_angle overlap_per_radius phase_sum pins points "
+    "processors q_squared r_squared resultant rho runs same_stars samples sense severity shape "
     "side_force_beside_largest strokes t throw torsional_beside_pinned unknowns used written",
     "m": "about axis center_of_mass largest_compression least_compression overlap principal_place stroke "
     "von_mises_place",
