@@ -37,7 +37,8 @@ def provenance_record() -> Record:
         "program": "crankfem",
         "version": program_version(),
         "created": datetime.datetime.now().astimezone().isoformat(timespec="seconds"),
-        "units": "SI: m, N, Pa, kg, s, rad; Hz for frequencies, 1/min where a name ends in _rpm",
+        "units": "SI: m, N, Pa, kg, s, rad; Hz for frequencies, 1/min where a name ends in _rpm, deg where "
+        "it ends in _deg; the unit of each number stands under units",
         "python": f"{platform.python_implementation()} {platform.python_version()}",
         "platform": platform.platform(),
         "processors": os.cpu_count() or 1,

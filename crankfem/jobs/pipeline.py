@@ -11,6 +11,7 @@ from crankbase.outputs import protected, recording_run_files
 from crankbase.summaries import summarized
 from crankfem.analyses.mechanism.mechanism_run import run_mechanism
 from crankfem.analyses.provenance import repeat_record
+from crankfem.analyses.record_units import with_units
 from crankfem.analyses.shaft.throw_analyses import analyze_throws
 from crankfem.analyses.study.studies import fitted
 from crankfem.analyses.throw.fillets import (
@@ -119,9 +120,8 @@ def run_engine(
     make_folder(folder)
     with Renderings() as renderings, recording_run_files(), protected(*read):
         computed = _compute(inputs, folder / STORE, workers, told, renderings)
-        found = run_results(computed) | {
-            "repeat": repeat_record(inputs.files, told.seconds, inputs.option)
-        }
+        repeat = repeat_record(inputs.files, told.seconds, inputs.option)
+        found = with_units(run_results(computed) | {"repeat": repeat})
         replace_last_run(folder, found)
         if computed.study is not None:
             computed.study.model.save(folder / MODEL)

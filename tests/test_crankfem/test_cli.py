@@ -743,8 +743,8 @@ def test_results_without_numbers_never_become_json(capsys):
 
     with pytest.raises(ValueError, match="not JSON compliant"):
         print_json({"value": float("nan")})
-    print_json({"value": 1.5})
-    assert json.loads(capsys.readouterr().out) == {"value": 1.5}
+    print_json({"mass": 1.5})
+    assert json.loads(capsys.readouterr().out) == {"mass": 1.5, "units": {"mass": "kg"}}
 
 
 @pytest.mark.parametrize(

@@ -375,7 +375,7 @@ def test_a_hinge_is_no_engine(tmp_path, monkeypatch, call, command):
     [
         ("check",),
         ("mechanism",),
-        ("vibration",),
+        pytest.param(("vibration",), marks=pytest.mark.slow),
         ("draw", "--output", "a.svg"),
         ("export", "a.step", "--shaft"),
     ],

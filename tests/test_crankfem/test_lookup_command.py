@@ -111,7 +111,7 @@ def test_values_with_bands(run, path):
 def test_json_has_all(run, path):
     found = json.loads(run("lookup", path, *PAIRS, "--json"))
     model = ComplianceModel.load(path)
-    assert set(found) == set(SIZES)
+    assert set(found) == {*SIZES, "units"}
     answer = model.lookup("mass", web_width=0.3, web_thickness=0.068)
     assert found["mass"] == {
         "value": answer.value,

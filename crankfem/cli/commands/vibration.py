@@ -148,6 +148,6 @@ def _print_chain_modes(
         )
     record = chain_record(load_chain(content or path))
     if json:
-        print_json(record)
+        print_json(record, record["kind"])
     else:
         print_chain(record, units)
