@@ -77,7 +77,8 @@ def test_changed_values_lose_their_sources(engine):
             {"throw": {"crank_radius": 0.160}},
             "throw.crank_radius: given 160 mm; allowed is half of",
         ),
-        ({"thrust_bearing": {"bearing": 9}}, "thrust_bearing.bearing: given 9, main bearing 10"),
+        ({"thrust_bearing": {"main_bearing": 9}}, "thrust_bearing.main_bearing: given 9; allowed"),
+        ({"thrust_bearing": {"bearing": 6}}, "thrust_bearing.bearing: given 6; this field counted"),
         ({"vibration": {"highest_order": 2.2}}, "vibration.highest_order: given 2.2"),
     ],
 )

@@ -246,13 +246,12 @@ REFUSED = {
         ["rod.rotating_mass", "56 kg", "less than"],
     ),
     "thrust bearing beyond the shaft": (
-        {"thrust_bearing.bearing": "7"},
-        [
-            "thrust_bearing.bearing",
-            "given 7",
-            "main bearing 8 counted from 1",
-            "to 6 (main bearing 7, at the flywheel)",
-        ],
+        {"thrust_bearing.main_bearing": "8"},
+        ["thrust_bearing.main_bearing", "given 8", "allowed is 1 (at the free end) to 7 (at the"],
+    ),
+    "thrust bearing as it was counted before": (
+        {"thrust_bearing.main_bearing": None, "thrust_bearing.bearing": "6"},
+        ["thrust_bearing.bearing: given 6; ", "write main_bearing = 7 in its place"],
     ),
     "source and assumed": (
         {"rod.mass": '{ value = "56 kg", source = "drawing", assumed = "usual" }'},

@@ -762,7 +762,7 @@ def test_vibration_of_an_engine(tmp_path, strict, coupled_vibration):
     drawn = figures["torsional_modes"]["data"][0]
     ends = run.torsional.chosen.chain.chain.connections[0]
     assert drawn["y"][:2] == rounded(shape[list(ends)])
-    split = run.comparison.coupled.split("section 0 uz")
+    split = run.comparison.coupled.split("main bearing 1 uz")
     both = named(figures["axial_split"]["data"], "all forces")
     assert max(both["y"]) == close(1e6 * split.both_sum.max(), rel=FIVE_DIGITS)
 

@@ -321,7 +321,7 @@ def test_frequencies_fall_as_throws_soften(frequencies):
         1e-9 * frequencies.axial_shares,
         np.full(6, 110.0),
         frequencies.engine_file.flywheel.mass,
-        frequencies.engine_file.thrust_bearing.bearing,
+        frequencies.engine_file.thrust_bearing.section_index,
         frequencies.engine_file.thrust_bearing.stiffness,
     )
     modes = chain.chain.modes()

@@ -183,7 +183,7 @@ def shaft_modes():
 def coupled():
     """Of a chain in place of a shaft: its nodes are the points."""
     one = response()
-    names = ("section 0 uz", "damper ring")
+    names = ("main bearing 1 uz", "damper ring")
     shaft = SimpleNamespace(names=names, system=one.system)
     shaft.point = partial(CrankshaftSystem.point, shaft)
     return CoupledResponse(shaft, one, one)
@@ -595,7 +595,7 @@ CASES = {
     "CoupledResponse": (coupled, {}, 3, 0, None),
     "CoupledResponse, ring": (coupled, {"point": "damper ring"}, 3, 0, None),
     "SplitMotion": (
-        lambda: coupled().split("section 0 uz"),
+        lambda: coupled().split("main bearing 1 uz"),
         {},
         3,
         0,

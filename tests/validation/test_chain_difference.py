@@ -117,7 +117,7 @@ def own_frequency(case):
         for across in (0, 1):
             stiffness[6 * section + across, 6 * section + across] += bearing
     thrust = engine.thrust_bearing
-    stiffness[6 * thrust.bearing + 2, 6 * thrust.bearing + 2] += thrust.stiffness
+    stiffness[6 * thrust.section_index + 2, 6 * thrust.section_index + 2] += thrust.stiffness
     unit = np.eye(size)
     rows = dict(zip(case.chain.throw_nodes, turning, strict=True))
     for place, node in enumerate(rings.values()):
