@@ -404,7 +404,10 @@ def test_value_outside_any_section(tmp_path, six_cylinders):
 @pytest.mark.parametrize(
     ("content", "fragment"),
     [
-        (b"", "the section [engine] is missing"),
+        (
+            b"",
+            "the sections [engine], [throw], [rod], [piston], [flywheel], [thrust_bearing] are missing",
+        ),
         (b"this is no toml\n", "is not TOML"),
         (b"[engine\n", "is not TOML"),
         (bytes(range(256)) * 8, "cannot be read as text"),

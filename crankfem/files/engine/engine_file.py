@@ -355,7 +355,8 @@ def load_engine(path: str | Path | TomlFile) -> EngineFile:
             "[flywheel] and [thrust_bearing], or use it with mechanism, harmonics, throw and draw."
         )
     with content.all_errors(
-        {name: one.model for name, one in SECTIONS.items() if name != "throws"}
+        {name: one.model for name, one in SECTIONS.items() if name != "throws"},
+        {"throws": read_throws},
     ):
         return _read_engine(content)
 

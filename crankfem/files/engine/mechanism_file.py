@@ -136,7 +136,7 @@ def load_mechanism(path: str | Path | TomlFile) -> MechanismFile:
         With a sentence for each wrong field, which names it, what was given and what is allowed.
     """
     content = engine_sections(path)
-    with content.all_errors({name: SECTIONS[name].model for name in READ}):
+    with content.all_errors({name: SECTIONS[name].model for name in READ}, {"throws": read_throws}):
         return _read_mechanism(content)
 
 

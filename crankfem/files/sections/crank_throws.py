@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from crankbase.errors import InputError
+from crankbase.errors import InputError, InputErrors
 from crankbase.units.quantity import format_quantity
 from crankfem.files.reading.toml_file import TomlFile
 from crankfem.files.sections.engine_sections import NamedThrow, ShaftLayout
@@ -28,13 +28,19 @@ def read_throws(content: TomlFile) -> dict[str, CrankThrow]:
     Raises
     ------
     InputError
+        With a sentence for each wrong field of each throw; of one like another, for its own fields.
     """
     given = content.sections.get("throws")
     if given is None:
         return {PLAIN: content.required("throw", CrankThrow)}
     if not given:
         raise InputError("throws: given no throw; allowed are sections like [throws.a].")
-    return {name: _named(content, name, given) for name in given}
+    made, errors = {}, InputErrors()
+    for name in given:
+        with errors.noted():
+            made[name] = _named(content, name, given)
+    errors.tell()
+    return made
 
 
 def throw_names(throws: Throws, layout: ShaftLayout | None, count: int) -> tuple[str, ...]:
@@ -183,7 +189,11 @@ def _named(content: TomlFile, name: str, given: Mapping[str, Any]) -> CrankThrow
     beside = {key: value for key, value in values.items() if key not in own}
     if not beside:
         return content.made(section, CrankThrow, own)
-    also = content.made(section, NamedThrow, beside)
+    try:
+        also = content.made(section, NamedThrow, beside)
+    except InputError as error:
+        lines = [] if "like" in beside else _sentences(own, section)
+        raise InputError("\n".join([*error.sentences, *lines])) from None
     if also.like is None:
         return content.made(section, CrankThrow, own)
     full = [
@@ -197,8 +207,29 @@ def _named(content: TomlFile, name: str, given: Mapping[str, Any]) -> CrankThrow
             f"{': ' if full else ', but there is none'}{', '.join(full)}."
         )
     merged = _with_missing_fields(content, section, own, f"throws.{also.like}", given[also.like])
-    throw = content.made(section, CrankThrow, merged)
+    try:
+        throw = content.made(section, CrankThrow, merged)
+    except InputError as error:
+        # What is wrong in the other throw is told of that one.
+        other = given[also.like]
+        there = zip(
+            _sentences(other, section), _sentences(other, f"throws.{also.like}"), strict=True
+        )
+        told = dict(there)
+        raise InputError("\n".join(told.get(line, line) for line in error.sentences)) from None
     return throw.reversed() if also.reversed else throw
+
+
+def _sentences(values: Mapping[str, Any], section: str) -> list[str]:
+    """What is wrong with the fields of a throw."""
+    try:
+        CrankThrow.from_text(
+            {name: own for name, own in values.items() if name not in NamedThrow.model_fields},
+            section,
+        )
+    except InputError as error:
+        return error.sentences
+    return []
 
 
 def _with_missing_fields(
