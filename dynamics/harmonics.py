@@ -5,9 +5,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import ArrayLike
 
+from crankbase.checks.angles import radians_of
 from crankbase.checks.arrays import (
     FloatArray,
-    finite_array,
     finite_vector,
     positive_number,
     read_only,
@@ -128,13 +128,13 @@ class Harmonics:
             return f"those above {self.orders[-1]:g} were left out"
         return f"{self.samples} samples over one cycle resolve no others"
 
-    def at(self, crank_angle: ArrayLike) -> FloatArray:
+    def at(self, *, crank_angle_deg: ArrayLike) -> FloatArray:
         """Sum the series at crank angles; at the sample points all orders give the samples.
 
         Parameters
         ----------
-        crank_angle : array_like of any shape
-            Crank angle x [rad].
+        crank_angle_deg : array_like of any shape
+            Crank angle x [deg].
 
         Returns
         -------
@@ -144,9 +144,9 @@ class Harmonics:
         Raises
         ------
         InputError
-            If an angle is not a finite number.
+            If an angle is not a finite number, or they are radians.
         """
-        arguments = finite_array("crank_angle", crank_angle)[..., np.newaxis] * self.orders
+        arguments = radians_of("crank_angle_deg", crank_angle_deg)[..., np.newaxis] * self.orders
         total = np.cos(arguments) @ self.cosine + np.sin(arguments) @ self.sine
         return np.asarray(total + self.mean, dtype=np.float64)
 

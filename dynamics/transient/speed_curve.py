@@ -7,6 +7,7 @@ from dataclasses import KW_ONLY, dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
+from crankbase.checks.angles import radians_of
 from crankbase.checks.arrays import (
     FloatArray,
     finite_array,
@@ -49,7 +50,7 @@ class SpeedCurve:
     Examples
     --------
     >>> curve = SpeedCurve.ramp(50.0, 150.0, acceleration=20.0)
-    >>> curve.duration, curve.angle(curve.duration)
+    >>> curve.duration, curve.angle_deg(curve.duration)
     (5.0, array(500.))
     """
 
@@ -150,11 +151,6 @@ class SpeedCurve:
         )
 
     @property
-    def start_angle(self) -> float:
-        """The angle at the first time [rad]."""
-        return math.radians(self.start_angle_deg)
-
-    @property
     def duration(self) -> float:
         """From first to last time [s]."""
         return float(self.times[-1] - self.times[0])
@@ -169,8 +165,8 @@ class SpeedCurve:
         """
         return np.asarray(np.interp(self._checked(time), self.times, self.speeds))
 
-    def angle(self, time: ArrayLike) -> FloatArray:
-        """Return the shaft angle at times [s] within the curve [rad].
+    def angle_deg(self, time: ArrayLike) -> FloatArray:
+        """Return the shaft angle at times [s] within the curve [deg].
 
         Raises
         ------
@@ -181,24 +177,24 @@ class SpeedCurve:
         piece = np.clip(np.searchsorted(self.times, times, "right") - 1, 0, self.times.size - 2)
         since = times - self.times[piece]
         rates = np.diff(self.speeds) / np.diff(self.times)
-        return np.asarray(
+        return np.degrees(
             self._angles[piece] + since * (self.speeds[piece] + 0.5 * rates[piece] * since)
         )
 
-    def time_at(self, angle: ArrayLike) -> FloatArray:
-        """Return when the shaft passes angles [rad], such as that at which a cylinder would fire.
+    def time_at(self, *, angle_deg: ArrayLike) -> FloatArray:
+        """Return when the shaft passes angles [deg], such as that at which a cylinder would fire.
 
         Raises
         ------
         InputError
             If an angle is not passed.
         """
-        angles = finite_array("angle", angle)
+        angles = radians_of("angle_deg", angle_deg)
         known = self._angles
         if np.any((angles < known[0]) | (angles > known[-1])):
             raise InputError(
-                f"angle: given {float(np.min(angles)):g} to {float(np.max(angles)):g} rad; allowed are "
-                f"{known[0]:g} to {known[-1]:g} rad, because the shaft passes those."
+                f"angle_deg: given {np.min(angle_deg):g} to {np.max(angle_deg):g}; allowed are "
+                f"{math.degrees(known[0]):g} to {math.degrees(known[-1]):g}, because the shaft passes those."
             )
         piece = np.clip(np.searchsorted(known, angles, "right") - 1, 0, known.size - 2)
         rate = (np.diff(self.speeds) / np.diff(self.times))[piece]
@@ -211,7 +207,9 @@ class SpeedCurve:
     def _angles(self) -> FloatArray:
         """Shaft angle at the times given [rad], (m,)."""
         means = 0.5 * (self.speeds[1:] + self.speeds[:-1])
-        return self.start_angle + np.concatenate(([0.0], np.cumsum(means * np.diff(self.times))))
+        return math.radians(self.start_angle_deg) + np.concatenate(
+            ([0.0], np.cumsum(means * np.diff(self.times)))
+        )
 
     def _checked(self, time: ArrayLike) -> FloatArray:
         times = finite_array("time", time)

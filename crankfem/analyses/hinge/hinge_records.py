@@ -57,7 +57,9 @@ def profile_record(profile: HingeProfile) -> Record:
         "lowest_pressure": float(profile.pressure.min()),
         "largest_spring_force": float(profile.spring_force.max()),
         "largest_normal_force": float(profile.normal_force.max()),
-        "largest_force_angle_deg": float(np.degrees(np.abs(profile.force_angle).max())),
+        "largest_force_angle_deg": float(
+            np.degrees(np.abs(np.radians(profile.force_angle_deg)).max())
+        ),
         "checks": [
             {**attributes(check, "name", "met", "value", "limit", "unit"), "meaning": check.reason}
             for check in profile.checks
@@ -67,7 +69,7 @@ def profile_record(profile: HingeProfile) -> Record:
 
 
 def _moment_record(moment: HingeMoment) -> Record:
-    degrees = np.degrees(moment.angles)
+    degrees = moment.angles_deg
     highest, lowest = int(np.argmax(moment.moment)), int(np.argmin(moment.moment))
     return {
         "load": moment.load,
@@ -112,7 +114,7 @@ def hinge_columns(run: HingeRun) -> dict[str, FloatArray]:
     """Return forces, moments, guides and speeds over the turn, by name with unit."""
     moment, profile = run.moment, run.profile
     return {
-        "crank_angle_deg": np.degrees(moment.angles),
+        "crank_angle_deg": moment.angles_deg,
         "gas_force_N": moment.gas,
         "reduced_inertia_kg_m2": moment.reduced.inertia,
         "inertia_rate_kg_m2_per_rad": moment.reduced.inertia_rate,
@@ -124,11 +126,11 @@ def hinge_columns(run: HingeRun) -> dict[str, FloatArray]:
         "pressure_Pa": profile.pressure,
         "spring_force_N": profile.spring_force,
         "normal_force_N": profile.normal_force,
-        "speed_with_hinge_rad_per_s": _at(run.with_hinge, moment.angles),
-        "speed_without_rad_per_s": _at(run.without, moment.angles),
+        "speed_with_hinge_rad_per_s": _at(run.with_hinge, np.radians(moment.angles_deg)),
+        "speed_without_rad_per_s": _at(run.without, np.radians(moment.angles_deg)),
     }
 
 
 def _at(turn: SpeedOverAngle, angles: FloatArray) -> FloatArray:
     """Return the speed at angles, those of the integration lying close enough for straight lines."""
-    return np.interp(angles, turn.angle, turn.speed)
+    return np.interp(angles, np.radians(turn.angle_deg), turn.speed)

@@ -3,8 +3,6 @@
 import math
 from pathlib import Path
 
-import numpy as np
-
 from crankbase.tables.output_units import SI, OutputUnits
 from crankbase.tables.table import Column, Table
 from crankbase.tables.table_units import table_unit
@@ -50,7 +48,7 @@ def engine_record(mechanism: MechanismFile, torque: EngineTorque, highest: float
             }
             for place, throw in enumerate(torque.throws, start=1)
         ],
-        "firing_angles_deg": np.rad2deg(engine.firing).tolist(),
+        "firing_angles_deg": list(engine.firing_deg),
         "stars": [_star_record(star) for star in stars],
         "hinged_rods": any(cylinder.slave_pin is not None for cylinder in engine.cylinders),
         "leading_orders": [star.order for star in leading_stars(stars)],
@@ -64,7 +62,7 @@ def pin_force_record(found: PinForceHarmonics) -> Record:
     fields = ("tangential", "radial")
     return {
         "number": found.number,
-        "firing_angle_deg": math.degrees(found.firing_angle),
+        "firing_angle_deg": found.firing_angle_deg,
         **{
             field: {
                 "gas": harmonics_record(getattr(found, f"{field}_gas")),
@@ -78,7 +76,7 @@ def pin_force_record(found: PinForceHarmonics) -> Record:
 
 def _star_record(star: Star) -> Record:
     known = attributes(star, "order", "kind", "resultant", "share")
-    return known | {"directions_deg": np.rad2deg(star.directions).tolist()}
+    return known | {"directions_deg": list(star.directions_deg)}
 
 
 def print_engine(record: Record, units: OutputUnits = SI) -> None:

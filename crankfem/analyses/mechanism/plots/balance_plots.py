@@ -1,5 +1,6 @@
 """Pictures of balance: hodographs of forces and moments, and the pistons' accelerations by order."""
 
+import math
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
@@ -62,7 +63,7 @@ def plot_hinged_rods(
         As `hinged_rod_effects`.
     """
     effects = hinged_rod_effects(engine, speed, orders, cylinders)
-    banks = [cylinder.bank_angle for cylinder in engine.cylinders]
+    banks = [math.radians(cylinder.bank_angle_deg) for cylinder in engine.cylinders]
     with figure(path, len(effects), width=4.6 * len(effects), height=5.6) as panels:
         for axes, effect in zip(np.atleast_1d(panels), effects, strict=True):
             draw_hodographs(axes, effect.curves, FORCE_LABELS, banks=banks)
@@ -105,7 +106,7 @@ def plot_accelerations(
     with figure(path, len(titles), width=3.3 * len(titles), height=3.6) as axes:
         for number, (cylinder, name) in enumerate(cylinders.items()):
             checked_cylinder(engine, cylinder)
-            whole = piston_acceleration(engine, cylinder, angles, speed)
+            whole = piston_acceleration(engine, cylinder, speed, angles_deg=np.degrees(angles))
             found = acceleration_orders(engine, cylinder, speed, max(orders))
             parts = []
             for order in orders:
