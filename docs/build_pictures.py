@@ -30,12 +30,17 @@ def draw_loads(path: Path) -> None:
     drive = cf.mechanism.SliderCrank(0.070, length)
     cycle = cf.gas.usual_gas_cycle(15.2, intake_pressure=1.0e5, exhaust_pressure=1.05e5)
     area = math.pi / 4 * bore**2
-    motored = cf.gas.gas_cycle(cycle, lambda a: drive.piston(a).place.real, area, heat=0.0)
+    motored = cf.gas.gas_cycle(
+        cycle, lambda a: drive.piston(angle_deg=np.degrees(a)).place.real, area, heat=0.0
+    )
     angles = np.radians(np.arange(0, 720, 1.0))
-    gas = cf.gas.gas_forces(engine, angles, motored.pressure)
+    gas = cf.gas.gas_forces(engine, motored.pressure, shaft_angles_deg=np.degrees(angles))
     models: tuple[RodModelName, ...] = ("two-mass", "three-mass", "rigid")
     forces = [
-        cf.mechanism.mechanism_forces(engine, angles, speed, gas, model=model) for model in models
+        cf.mechanism.mechanism_forces(
+            engine, speed, gas, model=model, shaft_angles_deg=np.degrees(angles)
+        )
+        for model in models
     ]
     loads = [cf.mechanism.crankpin_loads(found)[0] for found in forces]
     title = "crankpin load, 8ChN 13/14, rod 225 mm, motored, 2100 1/min"

@@ -247,7 +247,7 @@ def excluded_designs(planned: PlannedStudy) -> tuple[str, ...]:
 
 def _thrust_bearing(read: EngineFile) -> str:
     """Say which bearing is meant."""
-    place, count = read.thrust_bearing.main_bearing, len(read.throw_angles) + 1
+    place, count = read.thrust_bearing.main_bearing, len(read.throw_angles_deg) + 1
     return f"thrust bearing at main bearing {place} of {count}, counted from 1 at the free end"
 
 

@@ -4,6 +4,7 @@ import math
 from collections.abc import Sequence
 from dataclasses import KW_ONLY, dataclass
 
+from crankbase.checks.angles import refuse_crank_radians
 from crankbase.checks.arrays import finite_array, nonnegative_number, positive_number
 from crankbase.errors import InputError
 from crankbase.summaries import summarized
@@ -83,6 +84,9 @@ class EngineLayout:
             )
         for number, cylinder in enumerate(self.cylinders, start=1):
             self._check_rod(number, cylinder)
+        refuse_crank_radians(
+            "crank_angle_deg", [cylinder.crank_angle_deg for cylinder in self.cylinders]
+        )
         given = self.firing_order
         order = firing_order_from_text(given) if isinstance(given, str) else tuple(given)
         check_firing_order(order, len(self.cylinders))
@@ -166,6 +170,7 @@ class EngineLayout:
 
     def _checked_angles(self, firing_angles_deg: Sequence[float]) -> tuple[float, ...]:
         given = finite_array("firing_angles_deg", list(firing_angles_deg))
+        refuse_crank_radians("firing_angles_deg", given)
         if given.shape != (len(self.cylinders),):
             raise InputError(
                 f"firing_angles_deg: given {given.size} angles; allowed is one for each of the "

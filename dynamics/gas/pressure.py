@@ -93,7 +93,8 @@ class GasPressure:
         placed = -EVEN * step <= angles[0] < (1.0 + EVEN) * step
         if not (placed and is_even_cycle(angles, cycle)):
             raise InputError(
-                f"angles_deg: given {angles.size} from {angles[0]:g} to {angles[-1]:g} deg that are not even or do not begin at the top; allowed "
+                f"angles_deg: given {angles.size} from {angles[0]:g} to {angles[-1]:g} deg "
+                "that are not even or do not begin at the top; allowed "
                 "are even steps from there over the cycle, which gas_pressure makes of others."
             )
         object.__setattr__(self, "angles_deg", read_only(angles))

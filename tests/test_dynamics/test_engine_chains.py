@@ -222,7 +222,11 @@ def test_throw_inertias_of_several_cylinders(v_four):
     exact = throw_inertias(v_four, [0.5, 0.6], reciprocating="mean")
     # The mean of the whole engine's reduced inertia, by another path through the mechanism.
     models = tuple(cylinder.rod.model("rigid") for cylinder in v_four.cylinders)
-    whole, _ = reduced_inertia(v_four, models, np.linspace(0.0, 2.0 * np.pi, 64, endpoint=False))
+    whole, _ = reduced_inertia(
+        v_four,
+        models,
+        shaft_angles_deg=np.degrees(np.linspace(0.0, 2.0 * np.pi, 64, endpoint=False)),
+    )
     assert exact.sum() == close(1.1 + whole.mean(), rel=1e-12)
     # Half the mass leaves out lambda^2 / 8 of the piston's share and the rod's lacking inertia.
     assert half[0] == close(exact[0], rel=0.02)

@@ -45,7 +45,9 @@ def test_axes_bound_the_vector_and_are_reached(shape):
 def test_amplitude_along_a_direction(shape, direction):
     turn = cmath.exp(-1j * direction)
     component = order_vectors((shape.at(np.arange(20) * np.pi / 10) * turn).real, [shape.order])[0]
-    assert shape.amplitude_along(direction) == close(component.major, abs=1e-14 * shape.major)
+    assert shape.amplitude_along(angle_deg=np.degrees(direction)) == close(
+        component.major, abs=1e-14 * shape.major
+    )
 
 
 def test_sense_and_points():
@@ -64,12 +66,21 @@ def test_sense_and_points():
 def test_shapes_without_two_axes():
     line = Hodograph(2, 100 * cmath.exp(-0.5j * math.pi), 100 * cmath.exp(-0.5j * math.pi))
     assert line.sense == 0
-    assert line.angle == math.pi / 2  # a horizontal axis is written +90 deg
+    assert math.radians(line.angle_deg) == math.pi / 2  # a horizontal axis is written +90 deg
     assert (line.x, line.y) == (close(200.0), close(0.0, abs=1e-13))
     circle = Hodograph(1, 0.0, 3j)
-    assert (circle.angle, circle.largest_at, circle.sense) == (None, None, -1)
+    assert (math.radians(circle.angle_deg), math.radians(circle.largest_at_deg), circle.sense) == (
+        None,
+        None,
+        -1,
+    )
     point = Hodograph(1, 0.0, 0.0)
-    assert (point.angle, point.largest_at, point.sense, point.major) == (None, None, 0, 0.0)
+    assert (
+        math.radians(point.angle_deg),
+        math.radians(point.largest_at_deg),
+        point.sense,
+        point.major,
+    ) == (None, None, 0, 0.0)
 
 
 @pytest.mark.parametrize(
@@ -91,8 +102,9 @@ def test_sum_and_turning():
     one, other = Hodograph(2, 1 + 2j, 3.0), Hodograph(2, 1j, 4j)
     angles = np.array([0.0, 0.4, 2.0])
     np.testing.assert_allclose(
-        hodograph_sum(2, [one, other.times(2j)]).at(angles),
-        one.at(angles) + 2j * other.at(angles),
+        hodograph_sum(2, [one, other.times(2j)]).at(shaft_angle_deg=np.degrees(angles)),
+        one.at(shaft_angle_deg=np.degrees(angles))
+        + 2j * other.at(shaft_angle_deg=np.degrees(angles)),
         rtol=1e-14,
     )
 
@@ -100,7 +112,7 @@ def test_sum_and_turning():
 def test_orders_of_samples():
     angles = 2.0 * np.pi * np.arange(16) / 16
     shapes = [Hodograph(k, complex(k, 1.0), complex(-1.0, k)) for k in (1, 3, 7)]
-    vectors = 5.0 + sum(shape.at(angles) for shape in shapes)
+    vectors = 5.0 + sum(shape.at(shaft_angle_deg=np.degrees(angles)) for shape in shapes)
     for found, shape in zip(order_vectors(vectors, [1, 3, 7]), shapes, strict=True):
         assert found.forward == close(shape.forward, rel=1e-14)
         assert found.backward == close(shape.backward, rel=1e-14)

@@ -37,7 +37,9 @@ def twin(*rotating):
 
 def forces_of(engine, angles=ANGLES, **more):
     gas = [4e4 * (1.1 + np.cos(0.5 * angles - 0.8 * n)) for n in range(len(engine.cylinders))]
-    return mechanism_forces(engine, angles, SPEED, np.array(gas), **more)
+    return mechanism_forces(
+        engine, SPEED, np.array(gas), **more, shaft_angles_deg=np.degrees(angles)
+    )
 
 
 def test_a_crankpin_bears_the_rods_on_it():
@@ -62,7 +64,7 @@ def test_each_crankpin_turns_with_its_own_crank():
     forces = forces_of(twin())
     for number, load in enumerate(crankpin_loads(forces)):
         np.testing.assert_allclose(load.in_crank_frame, forces.in_crank_frame[number], rtol=1e-12)
-    assert crankpin_loads(forces)[1].crank_angle == math.pi
+    assert math.radians(crankpin_loads(forces)[1].crank_angle_deg) == math.pi
 
 
 def test_a_turning_mass_stands_still_in_its_crank_frame():
@@ -85,7 +87,7 @@ def test_maximum_and_its_angle():
     size = 2.0 + np.cos(ANGLES - math.radians(130.0))
     load = LoadDiagram("pin", ANGLES, size.astype(complex), 0.0)
     assert load.maximum == close(3.0)
-    assert math.degrees(load.maximum_angle) == close(130.0)
+    assert load.maximum_angle_deg == close(130.0)
     assert load.mean == close(2.0)
 
 
@@ -94,7 +96,12 @@ def test_the_closing_sample_counts_once():
     for loads in (crankpin_loads, lambda forces: main_bearing_loads(forces, BEARINGS)):
         once, twice = loads(forces_of(engine)), loads(forces_of(engine, CLOSED))
         for ours, theirs in zip(once, twice, strict=True):
-            assert theirs.angles.size == ours.angles.size == theirs.force.size == 72
+            assert (
+                np.radians(theirs.angles_deg).size
+                == np.radians(ours.angles_deg).size
+                == theirs.force.size
+                == 72
+            )
             assert theirs.mean == close(ours.mean, rel=1e-12)
 
 
@@ -106,7 +113,7 @@ def test_each_load_is_shared_by_the_lever():
     wanted = [0.625 * first, 0.375 * first + 0.5 * second, 0.5 * second]
     for load, force in zip(loads, wanted, strict=True):
         np.testing.assert_allclose(load.force, force, rtol=1e-12)
-        assert load.crank_angle == 0.0
+        assert math.radians(load.crank_angle_deg) == 0.0
     assert [load.name for load in loads] == [f"main bearing {n}" for n in (1, 2, 3)]
 
 
@@ -123,7 +130,11 @@ def test_bearings_carry_forces_and_moments_of_all_loads_turning_masses_included(
     total, moment = forces.crankpin.sum(axis=0), forces.crankpin.T @ [0.06, 0.24]
     for mass in masses:
         # Twice differentiated in time: r'' = (i w' - w^2) r.
-        inertia = mass.static_moment * np.exp(1j * (mass.angle + ANGLES)) * (SPEED**2 - 1j * gain)
+        inertia = (
+            mass.static_moment
+            * np.exp(1j * (math.radians(mass.angle_deg) + ANGLES))
+            * (SPEED**2 - 1j * gain)
+        )
         total, moment = total + inertia, moment + mass.position * inertia
     found = np.array([load.force for load in loads])
     size = np.max(np.abs(total))
@@ -146,7 +157,9 @@ def test_a_hinged_rod_loads_the_shaft_where_the_main_rod_does():
 def test_a_speed_for_each_angle():
     speeds = np.linspace(200.0, 240.0, ANGLES.size)
     with_mass, without = (
-        main_bearing_loads(mechanism_forces(engine, ANGLES, speeds), BEARINGS)
+        main_bearing_loads(
+            mechanism_forces(engine, speeds, shaft_angles_deg=np.degrees(ANGLES)), BEARINGS
+        )
         for engine in (twin(RotatingMass(0.3, angle_deg=math.degrees(2.0), position=0.0)), twin())
     )
     np.testing.assert_allclose(

@@ -115,7 +115,7 @@ def engine():
 
 @cache
 def gas():
-    return gas_pressure(np.radians(np.arange(0.0, 720.0, 1.0)), np.linspace(2e5, 1e5, 720))
+    return gas_pressure(np.linspace(2e5, 1e5, 720), angles_deg=np.arange(0.0, 720.0, 1.0))
 
 
 @cache
@@ -130,7 +130,9 @@ def pin_harmonics():
 
 @cache
 def forces():
-    return mechanism_forces(engine(), ANGLES, 150.0, 1e3 * rising(2, ANGLES.size))
+    return mechanism_forces(
+        engine(), 150.0, 1e3 * rising(2, ANGLES.size), shaft_angles_deg=np.degrees(ANGLES)
+    )
 
 
 @cache
@@ -192,7 +194,10 @@ def coupled():
 @cache
 def pressures():
     angles = np.radians(np.arange(0.0, 720.0, 5.0))
-    low, high = (gas_pressure(angles, np.linspace(top, 1e5, 144)) for top in (2e5, 3e5))
+    low, high = (
+        gas_pressure(np.linspace(top, 1e5, 144), angles_deg=np.degrees(angles))
+        for top in (2e5, 3e5)
+    )
     return pressure_map([(100.0, 0.5, low), (100.0, 1.0, high)], method="linear")
 
 

@@ -196,7 +196,7 @@ def test_speed_curve():
     curve = SpeedCurve([0.0, 1.0, 3.0], [10.0, 30.0, 20.0], start_angle_deg=math.degrees(2.0))
     assert np.allclose(curve.angle([0.0, 0.5, 1.0, 3.0]), [2.0, 9.5, 22.0, 72.0])
     times = np.linspace(0.0, 3.0, 31)
-    assert np.allclose(curve.time_at(curve.angle(times)), times, atol=1e-12)
+    assert np.allclose(curve.time_at(angle_deg=np.degrees(curve.angle(times))), times, atol=1e-12)
     down = SpeedCurve.ramp(30.0, 10.0, acceleration=5.0)
     assert down.duration == 4.0
     sampled = SpeedCurve.sampled(lambda time: 10.0 + 5.0 * time, 2.0, samples=11)

@@ -45,7 +45,11 @@ def engine(share=1.0):
 
 def pressure():
     angles = np.radians(np.arange(0.0, 360.0, 5.0))
-    return gas_pressure(angles, 1e5 + 2e6 * np.exp(4.0 * (np.cos(angles - 0.35) - 1.0)), strokes=2)
+    return gas_pressure(
+        1e5 + 2e6 * np.exp(4.0 * (np.cos(angles - 0.35) - 1.0)),
+        strokes=2,
+        angles_deg=np.degrees(angles),
+    )
 
 
 def small_chain(**options):
@@ -71,7 +75,7 @@ def test_inertia_of_the_throws_is_that_of_the_engine():
     curves = turning()[0].curves
     angles = np.linspace(0.0, 6.0, 13)
     inertia, slope, _ = curves.at(np.column_stack((angles, angles)))
-    wanted = reduced_inertia(own, rod_models(own, "rigid"), angles)
+    wanted = reduced_inertia(own, rod_models(own, "rigid"), shaft_angles_deg=np.degrees(angles))
     assert np.allclose(inertia.sum(axis=1), wanted[0], rtol=1e-12)
     assert np.allclose(slope.sum(axis=1), wanted[1], rtol=0.0, atol=1e-12)
 
@@ -145,7 +149,7 @@ def test_coasting_shaft_turns_like_the_rigid_engine():
     )
     assert found.complete
     nodes = found.motion + found.shaft_angle[:, np.newaxis]
-    assert np.allclose(nodes, wanted.angle[:, np.newaxis], rtol=0.0, atol=2e-5)
+    assert np.allclose(nodes, np.radians(wanted.angle_deg)[:, np.newaxis], rtol=0.0, atol=2e-5)
     assert np.allclose(found.kinetic_energy, wanted.kinetic_energy, rtol=1e-3)
     assert found.energy_error < 1e-9
 

@@ -3,6 +3,7 @@
 All meshes here are coarse mirror images of each other; every identity holds on them as on fine ones.
 """
 
+import math
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -282,7 +283,7 @@ def test_shaft_of_throws(dynamic, plain, coarse_classes):
     inside = [len(throw.frequencies) for throw in throws]
     assert len(stiffness) == 24 + sum(inside)
     static = combine_classes(coarse_classes)
-    expected = assemble_shaft([static.turned(angle) for angle in angles])
+    expected = assemble_shaft([static.turned(angle_deg=math.degrees(angle)) for angle in angles])
     tolerance = 1e-9 * expected.max()
     assert stiffness[:24, :24] == close(expected, abs=tolerance)
     # What is inside of a throw knows its own ends only.

@@ -120,7 +120,9 @@ def test_pistons_move_as_equations_1_to_4_say(figure):
         (1, main, RADIUS + LENGTH),
         (5, hinged, RADIUS + HINGED_LENGTH + PIN_RADIUS),
     ):
-        place = cylinder_motion(engine, number, shaft).piston.place.real
+        place = cylinder_motion(
+            engine, number, shaft_angles_deg=np.degrees(shaft)
+        ).piston.place.real
         rod = "main rod" if number == 1 else "hinged rod"
         figure(f"way of the piston over a turn, {rod}", top - place, wanted, 1e-15, "m", "absolute")
 
@@ -146,7 +148,7 @@ def test_what_is_left_beyond_the_second_order(figure):
     engine = eight_cylinders()
     angles = np.linspace(0.0, 2.0 * np.pi, 3601)
     found = acceleration_orders(engine, 5, SPEED)
-    whole = piston_acceleration(engine, 5, angles, SPEED)
+    whole = piston_acceleration(engine, 5, SPEED, angles_deg=np.degrees(angles))
     left = whole - sum(
         found.cosine[place] * np.cos((place + 1) * angles)
         + found.sine[place] * np.sin((place + 1) * angles)
@@ -155,7 +157,7 @@ def test_what_is_left_beyond_the_second_order(figure):
     # Print: 0.17 % of the whole acceleration.
     assert 100 * np.max(np.abs(left)) / np.max(whole) == close(0.18, abs=0.005)
     # Of the main rod's, the amplitude of the fourth order alone comes to that.
-    largest = np.max(piston_acceleration(engine, 1, angles, SPEED))
+    largest = np.max(piston_acceleration(engine, 1, SPEED, angles_deg=np.degrees(angles)))
     share = 100 * found.amplitude[3] / largest
     figure("fourth order, of the main rod's acceleration", share, 0.17, 0.005, "%", "absolute")
 
@@ -165,7 +167,8 @@ def test_largest_differences_of_the_accelerations():
     # As in the paper's figure 4 the top is at 45 deg.
     angles = np.radians(np.arange(0.0, 360.0, 0.25))
     main, hinged = (
-        piston_acceleration(engine, number, angles - BETWEEN_BANKS, SPEED) for number in (1, 5)
+        piston_acceleration(engine, number, SPEED, angles_deg=np.degrees(angles - BETWEEN_BANKS))
+        for number in (1, 5)
     )
     apart = main - hinged
     largest, least = np.max(apart), np.min(apart)

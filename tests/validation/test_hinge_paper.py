@@ -116,8 +116,10 @@ def test_pressure_for_another_speed(file, profile):
     assert best.fluctuation == close(0.86, abs=0.02)
     assert best.unchanged is None
     # Proportional in the pressure, (14).
-    scaled = profile.moment_at(fast.angles, 1.95 * 5e6)
-    np.testing.assert_allclose(scaled, 1.95 * profile.moment_at(fast.angles), rtol=1e-12)
+    scaled = profile.moment_at(1.95 * 5e6, angles_deg=np.degrees(fast.angles))
+    np.testing.assert_allclose(
+        scaled, 1.95 * profile.moment_at(angles_deg=np.degrees(fast.angles)), rtol=1e-12
+    )
     # Still the hinge saves most of a flywheel.
     with_hinge = flywheel_for(fast, 0.02, profile.with_pressure(best.pressure))
     assert with_hinge < 0.1 * flywheel_for(fast, 0.02)

@@ -1,6 +1,5 @@
 """Everything about an engine's crank mechanism at one speed: forces, loads, torque, work, balance."""
 
-import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Literal, get_args
@@ -46,7 +45,7 @@ class CylinderWork:
     Parameters
     ----------
     peak_pressure, peak_angle_deg : float
-        Absolute [Pa], and its angle from the firing top [rad].
+        Absolute [Pa], and its angle from the firing top [deg].
     work : float
         Indicated work of one cycle [J].
     mean_effective_pressure : float
@@ -274,7 +273,7 @@ def _works(torque: EngineTorque, pressures: Sequence[GasPressure]) -> Iterator[C
         swept = torque.engine.cylinders[place].area * (high - low)
         yield CylinderWork(
             pressure.peak_pressure,
-            math.radians(pressure.peak_angle_deg),
+            pressure.peak_angle_deg,
             work,
             indicated_mean_effective_pressure(work, swept),
         )

@@ -40,7 +40,7 @@ def shaft_surroundings(
     remarks : tuple of str
         What was assumed.
     """
-    throws, per_throw = len(engine_file.throw_angles), len(engine_file.throw.parts.pins)
+    throws, per_throw = len(engine_file.throw_angles_deg), len(engine_file.throw.parts.pins)
     each = crank_analyses(engine_file, analysis)
     solids = np.array([own.masses.inertia_about_shaft for own in each])
     rods = engine_throw_inertias(engine_file, solids) - solids

@@ -40,7 +40,7 @@ def compliances_in_shaft(
     held = bearing_stiffness(engine_file).nominal if stiffness is None else stiffness
     return shaft_compliances(
         throws,
-        crank_angles_deg=np.degrees(engine_file.throw_angles).tolist(),
+        crank_angles_deg=engine_file.throw_angles_deg,
         bearing_stiffness=held,
     )
 
@@ -111,7 +111,7 @@ def _from_regression(
 
 def _axial_formula_sources(engine_file: EngineFile) -> Sources:
     """Formula values of each throw: the mean of those at the angles to either neighbor."""
-    angles = np.rad2deg(engine_file.throw_angles)
+    angles = np.array(engine_file.throw_angles_deg)
     gaps = [NO_NEIGHBOR_DEG, *np.abs(np.diff(angles)).tolist(), NO_NEIGHBOR_DEG]
     material = engine_file.material
     # Of each throw: the angles to its neighbors, and the formulas at both.

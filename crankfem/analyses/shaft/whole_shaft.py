@@ -230,7 +230,10 @@ def whole_shaft(
     throws = [
         throw
         for own, element, angle in zip(
-            engine_file.crank_throws, elements, engine_file.throw_angles, strict=True
+            engine_file.crank_throws,
+            elements,
+            np.radians(engine_file.throw_angles_deg),
+            strict=True,
         )
         for throw in shaft_throws(element, own, crank_angles_deg=[math.degrees(angle)])
     ]

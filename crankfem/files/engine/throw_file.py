@@ -134,7 +134,7 @@ def load_crankshaft(path: str | Path | TomlFile) -> Crankshaft:
     ends = content.model("shaft_ends", ShaftEnds) or ShaftEnds()
     names = throw_names(throws, layout, len(angles))
     return Crankshaft(
-        throws_along_shaft(throws, names, angles),
+        throws_along_shaft(throws, names, np.degrees(angles)),
         crank_angles_deg=np.degrees(angles).tolist(),
         ends=ends,
     )

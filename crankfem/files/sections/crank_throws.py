@@ -6,6 +6,7 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from crankbase.errors import InputError, InputErrors
 from crankbase.units.quantity import format_quantity
@@ -147,7 +148,7 @@ def check_compatible_throws(throws: Throws) -> None:
 
 
 def throws_along_shaft(
-    throws: Throws, names: Sequence[str], angles: Sequence[float]
+    throws: Throws, names: Sequence[str], angles_deg: ArrayLike
 ) -> tuple[CrankThrow, ...]:
     """Return the throw of each crank, those by name checked to make a shaft.
 
@@ -156,8 +157,8 @@ def throws_along_shaft(
     throws : mapping
     names : sequence of n str
         From `throw_names`.
-    angles : sequence of n float
-        Of the throws [rad].
+    angles_deg : array_like of shape (n,)
+        Of the throws [deg].
 
     Raises
     ------
@@ -168,7 +169,7 @@ def throws_along_shaft(
     if PLAIN not in throws:
         check_compatible_throws(throws)
         _ = Crankshaft(
-            along, crank_angles_deg=np.degrees(angles).tolist()
+            along, crank_angles_deg=np.asarray(angles_deg).tolist()
         )  # refuses main journals that neighbors cannot share
     return along
 

@@ -1,6 +1,5 @@
 """The crank mechanism at one speed: loads of crankpin and main bearing, forces of a piston."""
 
-
 import numpy as np
 from numpy.typing import NDArray
 
