@@ -11,7 +11,6 @@ from numpy.typing import ArrayLike
 from crankbase.checks.angles import checked_degrees
 from crankbase.checks.arrays import (
     FloatArray,
-    finite_vector,
     positive_vector,
     read_only,
 )
@@ -86,7 +85,7 @@ class GasPressure:
 
     def __post_init__(self) -> None:
         cycle = cycle_degrees(checked_strokes(self.strokes))
-        angles = finite_vector("angles_deg", self.angles_deg)
+        angles = checked_degrees("angles_deg", self.angles_deg, vector=True)
         values = positive_vector("pressure", self.pressure, "Pa", "it is absolute pressure")
         _check_samples(angles, values, cycle)
         step = cycle / angles.size

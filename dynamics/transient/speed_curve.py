@@ -27,6 +27,9 @@ from dynamics.plots.angle_curves import draw_over_time
 from dynamics.plots.quantities import SPEED_LABEL
 from dynamics.response.order_excitation import check_ascending
 
+# [share] By which an angle may miss the ends of a curve.
+ROUND_OFF = 1e-14
+
 
 @summarized("times [s]", "speeds [rad/s]", "duration [s]")
 @dataclass(frozen=True, eq=False)
@@ -191,14 +194,16 @@ class SpeedCurve:
         """
         angles = radians_of("angle_deg", angle_deg)
         known = self._angles
-        if np.any((angles < known[0]) | (angles > known[-1])):
+        # The ends as `angle_deg` gives them differ from these by round-off.
+        room = ROUND_OFF * max(abs(known[0]), abs(known[-1]))
+        if np.any((angles < known[0] - room) | (angles > known[-1] + room)):
             raise InputError(
                 f"angle_deg: given {np.min(angle_deg):g} to {np.max(angle_deg):g}; allowed are "
                 f"{math.degrees(known[0]):g} to {math.degrees(known[-1]):g}, because the shaft passes those."
             )
         piece = np.clip(np.searchsorted(known, angles, "right") - 1, 0, known.size - 2)
         rate = (np.diff(self.speeds) / np.diff(self.times))[piece]
-        start, past = self.speeds[piece], angles - known[piece]
+        start, past = self.speeds[piece], np.clip(angles, known[0], known[-1]) - known[piece]
         # Smaller root of rate t^2 / 2 + start t = past, in the form that holds for rate 0.
         root = np.sqrt(np.maximum(start**2 + 2.0 * rate * past, 0.0))
         return np.asarray(self.times[piece] + 2.0 * past / (start + root))

@@ -73,7 +73,7 @@ class SteadyMotion(CycleMotion):
     @property
     def time(self) -> FloatArray:
         """Time from shaft angle zero [s], shape (m,)."""
-        return self.shaft_angle / self.speed
+        return np.radians(self.shaft_angle_deg) / self.speed
 
     def to_xarray(self, quantity: Moving | None = None) -> Dataset:
         """Return motions and torques over shaft angle, node and element.

@@ -244,7 +244,7 @@ def test_throws_stand_with_their_unbalance_at_their_angles(name):
             ((phasors * places).sum(), found.dynamic),
         ):
             assert values == close(complex(expected[1], -sense * expected[0]), abs=1e-9)
-    about_shaft = len(np.radians(mechanism.throw_angles_deg)) * masses.inertia_about_shaft
+    about_shaft = len(mechanism.throw_angles_deg) * masses.inertia_about_shaft
     assert layout.shaft_inertia == close(about_shaft + mechanism.attached_inertia)
     flywheel_and_free_end = {"8chn13-14": 2.66, "6chn25-34": 452.0}[name]
     assert mechanism.attached_inertia == close(flywheel_and_free_end)

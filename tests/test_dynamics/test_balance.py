@@ -90,7 +90,7 @@ def one_cylinder(ratio):
 
 
 def summed_orders(found, angles, kind):
-    return sum(getattr(row, kind).at(angles) for row in found.rows)
+    return sum(getattr(row, kind).at(shaft_angle_deg=np.degrees(angles)) for row in found.rows)
 
 
 def test_forces_are_minus_mass_times_acceleration():
@@ -103,11 +103,13 @@ def test_forces_are_minus_mass_times_acceleration():
         motion = cylinder_motion(engine, number, shaft_angles_deg=np.degrees(angles))
         rod = motion.rod_point(cylinder.rod.center).acceleration(SPEED)
         along = cylinder.piston_mass * motion.piston.acceleration(SPEED)
-        own = -(along + cylinder.rod.mass * rod) * np.exp(1j * cylinder.bank_angle)
+        own = -(along + cylinder.rod.mass * rod) * np.exp(
+            1j * math.radians(cylinder.bank_angle_deg)
+        )
         force += own
         moment += 1j * (cylinder.position - found.about) * own
     for mass in engine.rotating:
-        own = mass.static_moment * SPEED**2 * np.exp(1j * (mass.angle + angles))
+        own = mass.static_moment * SPEED**2 * np.exp(1j * (math.radians(mass.angle_deg) + angles))
         force += own
         moment += 1j * (mass.position - found.about) * own
     assert found.about == close(0.3)
@@ -131,7 +133,9 @@ def test_forces_arrive_at_bearings_and_walls():
     angles = 2.0 * np.pi * np.arange(64) / 64
     found = balance(engine, SPEED, range(1, 32))
     forces = mechanism_forces(engine, SPEED, shaft_angles_deg=np.degrees(angles))
-    turns = np.exp(1j * np.array([[cylinder.bank_angle] for cylinder in engine.cylinders]))
+    turns = np.exp(
+        1j * np.array([[math.radians(cylinder.bank_angle_deg)] for cylinder in engine.cylinders])
+    )
     on_engine = np.sum(forces.crankpin - 1j * forces.side * turns, axis=0)
     np.testing.assert_allclose(
         summed_orders(found, angles, "force"),
@@ -250,7 +254,7 @@ def test_counterweights():
     single = in_line([0.0])
     left = balance(replace(single, rotating=balancing_masses(single, 0.5)), SPEED).of(1)
     assert left.force.sense == -1
-    assert math.radians(left.force.angle_deg) is None
+    assert left.force.angle_deg is None
     moving = moving_masses(single)[0].reciprocating
     assert left.force.major == close(0.5 * moving * 0.1 * SPEED**2, rel=1e-13)
     # Rotating masses alone leave a line.
@@ -284,10 +288,10 @@ def test_change_of_a_hodograph():
     reference = Hodograph(2, 3.0, 1.0)
     change = hodograph_change(Hodograph(2, 3.0, 2.0).times(np.exp(1.7j)), reference)
     assert (change.major, change.minor) == (close(0.25), close(-0.5))
-    assert change.turn == close(1.7 - math.pi)
+    assert change.turn_deg == close(math.degrees(1.7) - 180.0)
     line, circle = Hodograph(2, 1.0, 1.0), Hodograph(2, 1.0, 0.0)
     assert hodograph_change(reference, line).minor is None
-    assert hodograph_change(reference, circle).turn is None
+    assert hodograph_change(reference, circle).turn_deg is None
     assert hodograph_change(reference, Hodograph(2, 0.0, 0.0)).major is None
 
 

@@ -184,30 +184,32 @@ def test_a_gas_pressure_is_checked_however_it_is_made(bad):
     spoiled = GAS.pressure.copy()
     spoiled[3] = bad
     with pytest.raises(InputError, match=r"^pressure\[3\]: given"):
-        GasPressure(np.radians(GAS.angles_deg), spoiled, 4)
+        GasPressure(GAS.angles_deg, spoiled, 4)
 
 
 @pytest.mark.parametrize(
     ("angles", "strokes", "message"),
     [
         (
-            np.where(
-                np.radians(GAS.angles_deg) == np.radians(GAS.angles_deg)[3], np.nan, GAS.angles
-            ),
+            np.where(GAS.angles_deg == GAS.angles_deg[3], np.nan, GAS.angles_deg),
             4,
-            r"angles\[3\]: given nan",
+            r"angles_deg\[3\]: given nan",
         ),
-        (np.radians(GAS.angles_deg)[:-1], 4, "angles: given 359 angles for 360 pressures"),
-        (np.radians(GAS.angles_deg) - np.pi, 4, "do not begin at the top"),
-        (np.radians(GAS.angles_deg) + 1e-3 * np.sin(np.radians(GAS.angles_deg)), 4, "are not even"),
-        (np.radians(GAS.angles_deg), 2, "allowed is one cycle of 360 deg"),
-        (np.radians(GAS.angles_deg), 3, "strokes: given 3"),
+        (GAS.angles_deg[:-1], 4, "angles_deg: given 359 angles for 360 pressures"),
+        (GAS.angles_deg - 180.0, 4, "do not begin at the top"),
+        (GAS.angles_deg + 0.06 * np.sin(np.radians(GAS.angles_deg)), 4, "are not even"),
+        (GAS.angles_deg, 2, "allowed is one cycle of 360 deg"),
+        (GAS.angles_deg, 3, "strokes: given 3"),
+        (
+            np.radians(GAS.angles_deg),
+            4,
+            r"360 angles from 0 to 12\.53 .* radians; allowed are degrees",
+        ),
     ],
 )
 def test_a_gas_pressure_has_even_angles_of_one_cycle(angles, strokes, message):
-    assert GasPressure(np.radians(GAS.angles_deg), GAS.pressure, 4).at(
-        angle_deg=np.degrees(1.0)
-    ) == GAS.at(angle_deg=np.degrees(1.0))
+    again = GasPressure(GAS.angles_deg, GAS.pressure, 4)
+    assert again.at(angle_deg=57.0) == GAS.at(angle_deg=57.0)
     with pytest.raises(InputError, match=message):
         GasPressure(angles, GAS.pressure, strokes)
 

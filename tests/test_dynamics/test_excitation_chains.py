@@ -38,7 +38,8 @@ RANDOM = np.random.default_rng(3)
 class Waves:
     strokes = 4
 
-    def at(self, angle):
+    def at(self, *, angle_deg):
+        angle = np.radians(angle_deg)
         return 1e5 * (12.0 + 9.0 * np.cos(0.5 * angle - 0.4) + 3.0 * np.cos(angle - 0.7))
 
 

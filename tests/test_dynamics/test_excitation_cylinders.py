@@ -7,6 +7,7 @@ import pytest
 
 from comparing import close
 from crankbase.errors import InputError
+from dynamics.cycle import cycle_radians
 from dynamics.engine.cylinder import EngineCylinder, SlavePin
 from dynamics.engine.forces import mechanism_forces, rod_models
 from dynamics.engine.gas_forces import gas_forces
@@ -37,7 +38,8 @@ class SmoothPressure:
         self.strokes = strokes
         self.size = size
 
-    def at(self, angle):
+    def at(self, *, angle_deg):
+        angle = np.radians(angle_deg)
         part = 2.0 / self.strokes
         waves = 9.0 * np.cos(part * angle - 0.4) + 3.0 * np.cos(2 * part * angle - 0.7)
         return 1e5 * (12.0 + self.size * waves)
@@ -112,7 +114,7 @@ def test_power_is_indicated_and_the_sum_of_all_cylinders_is_the_engines(engine):
     torque = engine_torque(engine, SPEEDS[1], pressure)
     work = torque.indicated_work.sum()
     # The mean is the hundredth part of what the torque swings by: 1e-13 of that is round-off.
-    assert found.power == close(work / engine.cycle * SPEEDS, rel=1e-11)
+    assert found.power == close(work / cycle_radians(engine.strokes) * SPEEDS, rel=1e-11)
     whole = torque.harmonics().up_to(12.0)
     phasors = whole.cosine - 1j * whole.sine
     assert found.torque[:, 1].sum(axis=1) == close(phasors, abs=1e-12 * np.abs(found.torque).max())
@@ -201,7 +203,7 @@ def test_motored_pressure_from_a_fired_diagram():
     assert np.max(np.abs(found.pressure - cold.pressure)) < 1e-3 * fired.peak_pressure
     assert f"exponent {cycle.heat_capacity_ratio:.4g}" in found.remarks[-1]
     with pytest.raises(InputError, match="below 0, because the gas is compressed there"):
-        motored_from_compression(fired, volume, fit_to=0.2)
+        motored_from_compression(fired, volume, fit_to_deg=12.0)
     lagging = gas_pressure(np.roll(fired.pressure, 600), angles_deg=fired.angles_deg)
     with pytest.raises(InputError, match=r"polytropic exponent .* allowed is one from 1 to 2"):
         motored_from_compression(lagging, volume)
@@ -209,7 +211,11 @@ def test_motored_pressure_from_a_fired_diagram():
 
 def diagram(step_deg, strokes=4):
     angle = np.radians(np.arange(0.0, 180.0 * strokes, step_deg))
-    return gas_pressure(SmoothPressure(strokes).at(angle), strokes, angles_deg=np.degrees(angle))
+    return gas_pressure(
+        SmoothPressure(strokes).at(angle_deg=np.degrees(angle)),
+        strokes,
+        angles_deg=np.degrees(angle),
+    )
 
 
 @pytest.mark.parametrize(

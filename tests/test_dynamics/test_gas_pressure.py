@@ -26,18 +26,18 @@ def test_even_samples_are_kept_wherever_the_cycle_starts(strokes, start):
     found = even(360, strokes, start)
     cycle = np.pi * strokes
     assert found.remarks == ()
-    assert np.all(np.diff(found.angles) > 0.0)
-    assert 0.0 <= found.angles[0] < cycle / 360
-    assert found.angles[-1] < cycle
+    assert np.all(np.diff(np.radians(found.angles_deg)) > 0.0)
+    assert 0.0 <= np.radians(found.angles_deg)[0] < cycle / 360
+    assert np.radians(found.angles_deg)[-1] < cycle
     # Round-off of folding the angles, times the steepest slope of the curve.
-    assert found.pressure == close(curve(found.angles, cycle), rel=1e-11)
+    assert found.pressure == close(curve(np.radians(found.angles_deg), cycle), rel=1e-11)
 
 
 def test_curve_meets_its_samples_exactly_and_repeats():
     found = even(360, 4)
-    assert found.at(found.angles).tolist() == found.pressure.tolist()
+    assert found.at(angle_deg=found.angles_deg).tolist() == found.pressure.tolist()
     angles = np.linspace(-20.0, 40.0, 1001).reshape(7, 143)
-    once, later = found.at(angles), found.at(angles + 3.0 * found.cycle)
+    once, later = found.at(angle_deg=angles), found.at(angle_deg=angles + 3.0 * found.cycle_deg)
     assert once.shape == (7, 143)
     # Angles of some 50 rad are rounded at 1e-14, where the curve rises by 30 times its value.
     assert later == close(once, rel=1e-12)
@@ -81,7 +81,11 @@ def test_curve_converges_on_a_smooth_pressure():
     errors = []
     angles = np.linspace(0.0, 4.0 * np.pi, 9001)
     for count in (360, 1440):
-        errors.append(np.max(np.abs(even(count, 4).at(angles) - curve(angles, 4.0 * np.pi))))
+        errors.append(
+            np.max(
+                np.abs(even(count, 4).at(angle_deg=np.degrees(angles)) - curve(angles, 4.0 * np.pi))
+            )
+        )
     assert errors[0] < 2e-3 * 9e6
     assert errors[1] < errors[0] / 14.0
 
@@ -133,14 +137,14 @@ DEGREES = np.arange(0.0, 360.0, 5.0)
 @pytest.mark.parametrize(
     ("degrees", "values", "message"),
     [
-        (DEGREES, np.ones(71), "angles: given 72 angles for 71 pressures"),
+        (DEGREES, np.ones(71), "angles_deg: given 72 angles for 71 pressures"),
         (DEGREES, np.zeros(72), r"pressure\[0\]: given 0 Pa; allowed are .* more than zero"),
         (DEGREES, np.full(72, np.nan), r"pressure\[0\]: given nan; allowed are finite"),
-        (DEGREES[::-1], np.ones(72), r"angles\[1\]: given 350 deg after 355 deg"),
+        (DEGREES[::-1], np.ones(72), r"angles_deg\[1\]: given 350 deg after 355 deg"),
         (np.append(DEGREES, 360.0), np.ones(73), "without the closing sample"),
         (DEGREES[:60], np.ones(60), "given no sample for 65 deg before 0 deg"),
         (np.delete(DEGREES, [10, 11]), np.ones(70), "given no sample for 15 deg before 60 deg"),
-        ([1.0], [1.0], "angles: given 1 samples"),
+        ([1.0], [1.0], "angles_deg: given 1 samples"),
     ],
 )
 def test_unusable_samples_are_refused(degrees, values, message):
@@ -149,7 +153,7 @@ def test_unusable_samples_are_refused(degrees, values, message):
 
 
 def test_angle_must_be_a_number():
-    with pytest.raises(InputError, match="angle: given nan"):
-        even(360, 4).at(np.nan)
+    with pytest.raises(InputError, match="angle_deg: given nan"):
+        even(360, 4).at(angle_deg=np.nan)
     with pytest.raises(InputError, match="strokes: given 3"):
         even(360, 3)

@@ -79,7 +79,7 @@ def test_same_as_the_forces_of_the_mechanism():
         ENGINE.layout,
         speed,
         smooth_force(np.radians(found.angles_deg)),
-        shaft_angles_deg=np.degrees(found.angles),
+        shaft_angles_deg=found.angles_deg,
     ).torque
     largest = np.abs(found.moment).max()
     np.testing.assert_allclose(found.moment, found.load - torque[0], atol=1e-12 * largest)

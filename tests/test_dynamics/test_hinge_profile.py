@@ -176,9 +176,9 @@ def test_with_atmosphere_the_scaling_is_not_exact(moment):
 
 
 def test_rollers_balance_spring_and_moment(profile):
-    along = profile.normal_force * np.cos(profile.force_angle)
+    along = profile.normal_force * np.cos(np.radians(profile.force_angle_deg))
     np.testing.assert_allclose(along, profile.spring_force, rtol=1e-13)
-    aside = profile.normal_force * np.sin(profile.force_angle)
+    aside = profile.normal_force * np.sin(np.radians(profile.force_angle_deg))
     np.testing.assert_allclose(2.0 * aside * profile.radius, profile.moment, atol=1e-9 * 8e4)
 
 
@@ -204,7 +204,7 @@ def test_curvature_of_known_curves():
 def test_curvature_of_the_guides(profile):
     """Against the turning of the tangent between points of the curve."""
     step = 1e-3
-    angles = profile.angles[::97]
+    angles = np.radians(profile.angles_deg)[::97]
 
     def place(at):
         return profile.curve(at) * np.exp(1j * at)

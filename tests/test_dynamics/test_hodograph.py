@@ -22,21 +22,21 @@ hodographs = st.builds(Hodograph, st.integers(1, 6), parts, parts)
 @given(hodographs)
 @settings(max_examples=30)
 def test_axes_bound_the_vector_and_are_reached(shape):
-    around = np.abs(shape.at(np.linspace(0.0, 2.0 * np.pi, 100)))
+    around = np.abs(shape.at(shaft_angle_deg=np.linspace(0.0, 360.0, 100)))
     assert np.all(around <= shape.major * (1 + 1e-14))
     assert np.all(around >= shape.minor - 1e-14 * shape.major)
-    if shape.angle is None:
+    if shape.angle_deg is None:
         assert shape.minor == close(shape.major, rel=2e-12)
         return
     # A nearly round ellipse shows the direction of its axis only to round-off over its flatness.
     blur = 1e-14 * shape.major / (shape.major - shape.minor)
-    assert 0.0 <= shape.largest_at < math.pi / shape.order + blur
-    assert -math.pi / 2 < shape.angle <= math.pi / 2
-    at_largest = complex(shape.at(shape.largest_at))
+    assert 0.0 <= math.radians(shape.largest_at_deg) < math.pi / shape.order + blur
+    assert -90.0 < shape.angle_deg <= 90.0
+    at_largest = complex(shape.at(shaft_angle_deg=shape.largest_at_deg))
     assert abs(at_largest) == close(shape.major, rel=1e-14)
-    across = (at_largest * cmath.exp(-1j * shape.angle)).imag
+    across = (at_largest * cmath.exp(-1j * math.radians(shape.angle_deg))).imag
     assert abs(across) <= (1e-14 + 10 * blur) * shape.major
-    at_least = complex(shape.at(shape.largest_at + math.pi / 2 / shape.order))
+    at_least = complex(shape.at(shaft_angle_deg=shape.largest_at_deg + 90.0 / shape.order))
     assert abs(at_least) == close(shape.minor, abs=(1e-14 + blur) * shape.major)
 
 
@@ -44,7 +44,9 @@ def test_axes_bound_the_vector_and_are_reached(shape):
 @settings(max_examples=20)
 def test_amplitude_along_a_direction(shape, direction):
     turn = cmath.exp(-1j * direction)
-    component = order_vectors((shape.at(np.arange(20) * np.pi / 10) * turn).real, [shape.order])[0]
+    component = order_vectors(
+        (shape.at(shaft_angle_deg=np.arange(20) * 18.0) * turn).real, [shape.order]
+    )[0]
     assert shape.amplitude_along(angle_deg=np.degrees(direction)) == close(
         component.major, abs=1e-14 * shape.major
     )
@@ -66,18 +68,18 @@ def test_sense_and_points():
 def test_shapes_without_two_axes():
     line = Hodograph(2, 100 * cmath.exp(-0.5j * math.pi), 100 * cmath.exp(-0.5j * math.pi))
     assert line.sense == 0
-    assert math.radians(line.angle_deg) == math.pi / 2  # a horizontal axis is written +90 deg
+    assert line.angle_deg == 90.0  # a horizontal axis is written +90 deg
     assert (line.x, line.y) == (close(200.0), close(0.0, abs=1e-13))
     circle = Hodograph(1, 0.0, 3j)
-    assert (math.radians(circle.angle_deg), math.radians(circle.largest_at_deg), circle.sense) == (
+    assert (circle.angle_deg, circle.largest_at_deg, circle.sense) == (
         None,
         None,
         -1,
     )
     point = Hodograph(1, 0.0, 0.0)
     assert (
-        math.radians(point.angle_deg),
-        math.radians(point.largest_at_deg),
+        point.angle_deg,
+        point.largest_at_deg,
         point.sense,
         point.major,
     ) == (None, None, 0, 0.0)

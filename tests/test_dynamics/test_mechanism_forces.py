@@ -68,7 +68,7 @@ def vee_engines(draw):
 
 
 def tops(*cylinders):
-    return [cylinder.top_shaft_angle for cylinder in cylinders]
+    return [math.radians(cylinder.top_shaft_angle_deg) for cylinder in cylinders]
 
 
 GAS = np.array([30e3 * (1.2 + np.cos(ANGLES / 2.0)), 20e3 * (1.1 + np.sin(ANGLES / 2.0))])
@@ -102,17 +102,17 @@ class Place:
 
 def place_of(engine, shaft_angle):
     main, hinged = engine.cylinders
-    crank = engine.crank_radius * np.exp(1j * (main.crank_angle + shaft_angle))
+    crank = engine.crank_radius * np.exp(1j * (math.radians(main.crank_angle_deg) + shaft_angle))
     first, direction = reached(crank, main)
     pin = hinged.slave_pin
-    slave = crank + direction * pin.radius * np.exp(1j * pin.angle)
+    slave = crank + direction * pin.radius * np.exp(1j * math.radians(pin.angle_deg))
     second, other = reached(slave, hinged)
     return Place(crank, [first, second], [direction, other], slave)
 
 
 def reached(foot, cylinder):
     """Return where a circle of the rod's length round the foot cuts the line of the piston pin."""
-    axis = np.exp(1j * cylinder.bank_angle)
+    axis = np.exp(1j * math.radians(cylinder.bank_angle_deg))
     local = foot / axis
     aside = local.imag - cylinder.pin_offset
     along = local.real + math.sqrt(cylinder.rod.length**2 - aside**2)
@@ -168,7 +168,7 @@ def newton_euler(engine, shaft_angle, model, gas, friction):
         )
         right[row + 2] += rod.added_inertia * turn
         # The piston: gas and friction along the axis, the wall across it, the rod's pin against it.
-        axis = np.exp(1j * cylinder.bank_angle)
+        axis = np.exp(1j * math.radians(cylinder.bank_angle_deg))
         push = (friction[number] - gas[number]) * axis
         moved = cylinder.piston_mass * second_in_time(
             lambda angle, number=number: place_of(engine, angle).pistons[number], shaft_angle
@@ -188,7 +188,7 @@ def newton_euler(engine, shaft_angle, model, gas, friction):
 def test_forces_solve_the_equations_of_motion_of_all_bodies(model, engine, start):
     forces = solved_forces(engine, ANGLES, model)
     size = np.max(np.abs(forces.foot))
-    axes = [np.exp(1j * cylinder.bank_angle) for cylinder in engine.cylinders]
+    axes = [np.exp(1j * math.radians(cylinder.bank_angle_deg)) for cylinder in engine.cylinders]
     for place in (start, (start + 7) % 24):
         (crank, pin_1, hinge, pin_2), walls = newton_euler(
             engine, ANGLES[place], model, GAS[:, place], RUB[:, place]
@@ -290,7 +290,7 @@ def test_outer_forces_change_the_momentum_of_all_moving_parts(model, engine):
     momentum, turning = np.zeros(ANGLES.shape, complex), np.zeros(ANGLES.shape)
     for number, cylinder in enumerate(engine.cylinders):
         motion = cylinder_motion(engine, number + 1, shaft_angles_deg=np.degrees(ANGLES))
-        axis = np.exp(1j * cylinder.bank_angle)
+        axis = np.exp(1j * math.radians(cylinder.bank_angle_deg))
         outer = RUB[number] - GAS[number] + 1j * forces.side[number]
         total += outer * axis
         moment += (np.conj(motion.piston.place) * outer).imag
@@ -389,8 +389,8 @@ def test_an_engine_turned_as_a_whole_has_the_same_forces(engine, angle):
             c.bore,
             c.piston_mass,
             c.rod,
-            crank_angle_deg=math.degrees(c.crank_angle + angle),
-            bank_angle_deg=math.degrees(c.bank_angle + angle),
+            crank_angle_deg=c.crank_angle_deg + math.degrees(angle),
+            bank_angle_deg=math.degrees(math.radians(c.bank_angle_deg) + angle),
             position=c.position,
             pin_offset=c.pin_offset,
             slave_pin=c.slave_pin,
@@ -412,5 +412,5 @@ def test_an_engine_turned_as_a_whole_has_the_same_forces(engine, angle):
 def test_forces_are_those_at_an_angle():
     rod = ConnectingRod(0.2, 1.0, 0.07, 0.006)
     engine = EngineLayout(0.05, [EngineCylinder(0.1, 1.0, rod)], [1])
-    with pytest.raises(InputError, match="shaft_angles: given none"):
+    with pytest.raises(InputError, match="shaft_angles_deg: given none"):
         mechanism_forces(engine, 10.0, shaft_angles_deg=np.degrees([]))

@@ -166,7 +166,8 @@ def test_each_cylinder_takes_its_pressure_from_its_own_firing_top():
     class Rising:
         strokes = 4
 
-        def at(self, angle):
+        def at(self, *, angle_deg):
+            angle = np.radians(angle_deg)
             return 1e5 + 1e4 * np.mod(angle, 4.0 * math.pi)
 
     rod = ConnectingRod(0.265, 5.0, 0.097, 0.069)
@@ -201,4 +202,4 @@ def test_each_cylinder_takes_its_pressure_from_its_own_firing_top():
 def test_what_does_not_fit_is_refused(more, words):
     engine = single(ConnectingRod(0.265, 5.0, 0.097, 0.069))
     with pytest.raises(InputError, match=words):
-        mechanism_forces(engine, ANGLES, SPEED, **more)
+        mechanism_forces(engine, SPEED, shaft_angles_deg=np.degrees(ANGLES), **more)

@@ -47,21 +47,32 @@ def test_all_derivatives_are_those_of_the_positions(drive, along, across):
         drive.crankpin,
         drive.piston,
         drive.travel,
-        lambda a: drive.rod_point(a, *point),
+        lambda angle_deg: drive.rod_point(*point, angle_deg=angle_deg),
     ):
-        first, second = differences(lambda angle, motion=motion: motion(angle).place, ANGLES)
-        found = motion(ANGLES)
+        first, second = differences(
+            lambda angle, motion=motion: motion(angle_deg=np.degrees(angle)).place, ANGLES
+        )
+        found = motion(angle_deg=np.degrees(ANGLES))
         np.testing.assert_allclose(found.first, first, rtol=0.0, atol=1e-9 * length)
         np.testing.assert_allclose(found.second, second, rtol=0.0, atol=1e-8 * length)
-    first, second = differences(lambda angle: drive.rod(angle).angle, ANGLES)
-    np.testing.assert_allclose(drive.rod(ANGLES).first, first, rtol=0.0, atol=1e-9)
-    np.testing.assert_allclose(drive.rod(ANGLES).second, second, rtol=0.0, atol=1e-8)
+    first, second = differences(
+        lambda angle: drive.rod(angle_deg=np.degrees(angle)).angle_rad, ANGLES
+    )
+    np.testing.assert_allclose(
+        drive.rod(angle_deg=np.degrees(ANGLES)).first, first, rtol=0.0, atol=1e-9
+    )
+    np.testing.assert_allclose(
+        drive.rod(angle_deg=np.degrees(ANGLES)).second, second, rtol=0.0, atol=1e-8
+    )
 
 
 @settings(max_examples=20, deadline=None)
 @given(drives())
 def test_the_rod_keeps_its_length_and_the_piston_its_line(drive):
-    crank, piston = drive.crankpin(ANGLES).place, drive.piston(ANGLES).place
+    crank, piston = (
+        drive.crankpin(angle_deg=np.degrees(ANGLES)).place,
+        drive.piston(angle_deg=np.degrees(ANGLES)).place,
+    )
     # Round-off of sums of numbers of the rod's size.
     room = 1e-14 * drive.rod_length
     np.testing.assert_allclose(np.abs(piston - crank), drive.rod_length, rtol=1e-14)
@@ -76,7 +87,7 @@ def test_the_rod_keeps_its_length_and_the_piston_its_line(drive):
 @settings(max_examples=20, deadline=None)
 @given(drives())
 def test_the_piston_stands_still_at_its_ends_of_stroke(drive):
-    ends = drive.travel(angle_deg=np.degrees([drive.top_angle, drive.bottom_angle]))
+    ends = drive.travel(angle_deg=[drive.top_angle_deg, drive.bottom_angle_deg])
     np.testing.assert_allclose(ends.first.real, 0.0, atol=1e-14 * drive.rod_length)
     np.testing.assert_allclose(
         ends.place.real, [0.0, drive.stroke], rtol=0.0, atol=1e-14 * drive.rod_length
@@ -188,7 +199,7 @@ def test_cranks_that_do_not_turn_are_refused(sizes, words):
 
 def test_angles_that_are_not_numbers_are_refused():
     drive = SliderCrank(0.07, 0.265)
-    with pytest.raises(InputError, match=r"angle\[1\]: given nan"):
+    with pytest.raises(InputError, match=r"angle_deg\[1\]: given nan"):
         drive.piston(angle_deg=np.degrees([0.0, math.nan]))
     with pytest.raises(InputError, match="along, across"):
         drive.rod_point(math.nan, angle_deg=np.degrees([0.0]))

@@ -137,7 +137,9 @@ def test_an_engine_gives_its_own_orders_and_firing_angles():
     engine = hinged_vee()
     stars = star_diagram(engine, 2.0)
     assert [star.order for star in stars] == [0.5, 1.0, 1.5, 2.0]
-    assert np.radians(stars[1].directions_deg) == close(np.mod(engine.firing, 2.0 * np.pi))
+    assert np.radians(stars[1].directions_deg) == close(
+        np.mod(np.radians(engine.firing_deg), 2.0 * np.pi)
+    )
 
 
 def test_balanced_orders_have_no_direction():

@@ -148,7 +148,7 @@ def test_coasting_shaft_turns_like_the_rigid_engine():
         own, start_angle_deg=0.0, start_speed=SPEED, duration=0.1, load=100.0, times=found.time
     )
     assert found.complete
-    nodes = found.motion + found.shaft_angle[:, np.newaxis]
+    nodes = found.motion + np.radians(found.shaft_angle_deg)[:, np.newaxis]
     assert np.allclose(nodes, np.radians(wanted.angle_deg)[:, np.newaxis], rtol=0.0, atol=2e-5)
     assert np.allclose(found.kinetic_energy, wanted.kinetic_energy, rtol=1e-3)
     assert found.energy_error < 1e-9
@@ -169,7 +169,11 @@ def test_run_up_under_gas_keeps_its_energy_and_a_governor_holds_the_speed():
     power = load(run.shaft_speed, 0.0) * run.speed[:, 2]
     assert np.trapezoid(power, run.time) == close(-run.load_work[-1], rel=1e-4)
     # Of 13 kg m^2 by 150 N m s/rad: exp(-1 s / 87 ms) of 10 rad/s is left after the run.
-    turns = np.interp(run.shaft_angle[-1] - 2.0 * np.pi * np.arange(3), run.shaft_angle, run.time)
+    turns = np.interp(
+        np.radians(run.shaft_angle_deg)[-1] - 2.0 * np.pi * np.arange(3),
+        np.radians(run.shaft_angle_deg),
+        run.time,
+    )
     assert turns[0] - turns[1] == close(turns[1] - turns[2], rel=1e-3)
     assert 2.0 * np.pi / (turns[0] - turns[1]) == close(SPEED, rel=0.05)
     assert run.envelope().torque.shape[1] == 2
