@@ -146,11 +146,11 @@ class Crankshaft:
         found: dict[CrankThrow, MassProperties] = {}
         parts = []
         for throw, angle, start in zip(
-            self.throws, np.radians(self.crank_angles_deg), self.starts[:-1], strict=True
+            self.throws, self.crank_angles_deg, self.starts[:-1], strict=True
         ):
             if throw not in found:
                 found[throw] = throw_masses(throw, density)
-            parts.append(found[throw].moved(angle, float(start)))
+            parts.append(found[throw].moved(angle_deg=angle, along=float(start)))
         parts += [
             cylinder_mass_properties(diameter, low, high, density)
             for diameter, low, high in self.end_cylinders

@@ -232,7 +232,9 @@ def test_throws_stand_with_their_unbalance_at_their_angles(name):
     layout = with_throws(mechanism, masses)
     sense, length = mechanism.turning_sense, mechanism.throw.length
     for number, angle in enumerate(np.radians(mechanism.throw_angles_deg)):
-        found = unbalance(masses.moved(sense * angle, number * length), 0.0)
+        found = unbalance(
+            masses.moved(angle_deg=math.degrees(sense * angle), along=number * length), 0.0
+        )
         pair = layout.rotating[2 * number : 2 * number + 2]
         phasors = np.array(
             [mass.static_moment * np.exp(1j * math.radians(mass.angle_deg)) for mass in pair]
