@@ -53,8 +53,8 @@ class SpeedCurve:
     Examples
     --------
     >>> curve = SpeedCurve.ramp(50.0, 150.0, acceleration=20.0)
-    >>> curve.duration, curve.angle_deg(curve.duration)
-    (5.0, array(500.))
+    >>> curve.duration, float(curve.angle_deg(curve.duration).round())
+    (5.0, 28648.0)
     """
 
     times: FloatArray

@@ -218,7 +218,9 @@ def test_what_a_file_describes():
     assert isinstance(load_any("8chn26-26"), MechanismFile)
     assert type(load_any("6chn25-34")).__name__ == "EngineFile"
     assert type(load_any("8chn14-14")).__name__ == "ThrowFile"
-    with pytest.raises(InputError, match=r"the section \[engine\] is missing"):
+    with pytest.raises(
+        InputError, match=r"the sections \[engine\], \[rod\], \[piston\] are missing"
+    ):
         load_mechanism("8chn14-14")
     assert load_mechanism(Path("6chn25-34")).name == "6ChN 25/34"
 
