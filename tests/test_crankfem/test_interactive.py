@@ -482,7 +482,7 @@ def test_forces_of_a_mechanism(load, tmp_path, strict):
             tangential=-values,
             side=0.1 * values,
         ),
-        layout=SimpleNamespace(firing=np.array([math.pi, 0.0]), cycle=4.0 * math.pi),
+        layout=SimpleNamespace(firing_deg=(180.0, 0.0), strokes=4),
     )
     made = written(MECHANISM, tmp_path, run)
     assert [path.stem for path in made] == [
