@@ -9,10 +9,11 @@ from crankbase.errors import InputError
 from crankbase.units.units import RPM
 from crankfem.analyses.assumptions import input_values
 from crankfem.analyses.checks import run_checks, throw_checks
-from crankfem.analyses.mechanism.balance_records import balance_record
-from crankfem.analyses.mechanism.harmonics_record import harmonics_record, two_mass_record
+from crankfem.analyses.mechanism.balanced_masses import mechanism_balance_record
+from crankfem.analyses.mechanism.harmonics_record import harmonics_record
 from crankfem.analyses.mechanism.mechanism_records import mechanism_record
 from crankfem.analyses.mechanism.mechanism_run import MechanismRun
+from crankfem.analyses.mechanism.two_masses import checked, two_mass_record
 from crankfem.analyses.provenance import provenance_record
 from crankfem.analyses.record import Record, attributes, input_records
 from crankfem.analyses.shaft.shaft_record import shaft_balance_record, shaft_record
@@ -26,7 +27,6 @@ from crankfem.analyses.vibration.records import run_record
 from crankfem.files.engine.engine_file import EngineFile
 from crankfem.jobs.run_computation import RunComputation
 from crankfem.jobs.run_inputs import RunInputs
-from dynamics.chains.two_mass import two_mass_check
 from dynamics.critical import engine_orders, major_orders
 from dynamics.gas.pressure import ATMOSPHERE
 from dynamics.harmonics import Harmonics
@@ -144,7 +144,7 @@ def _regression(study: Record, model: ComplianceModel, throw: CrankThrow) -> Rec
 def _mechanism_record(run: MechanismRun | None) -> Record | None:
     if run is None:
         return None
-    return mechanism_record(run) | {"balance": balance_record(run.balance)}
+    return mechanism_record(run) | {"balance": mechanism_balance_record(run)}
 
 
 def _radial_force(inputs: RunInputs) -> float:
@@ -205,15 +205,4 @@ def _harmonics_record(computed: RunComputation) -> Record | None:
 
 def _two_mass_record(engine_file: EngineFile, harmonics: Harmonics | None) -> Record | None:
     given = engine_file.two_mass
-    if given is None:
-        return None
-    check = two_mass_check(
-        diameter=given.shaft_diameter,
-        length=given.shaft_length,
-        shear_modulus=given.shear_modulus,
-        inertia_1=given.flywheel_inertia,
-        inertia_2=given.engine_inertia,
-        order=given.order,
-        harmonics=harmonics,
-    )
-    return two_mass_record(check)
+    return None if given is None else two_mass_record(checked(given, harmonics))

@@ -477,7 +477,7 @@ def test_forces_of_a_mechanism(load, tmp_path, strict):
         crankpins=(load,),
         bearings=(load,),
         forces=SimpleNamespace(
-            shaft_angles=np.radians(load.angles_deg),
+            shaft_angles_deg=load.angles_deg,
             gas=values,
             tangential=-values,
             side=0.1 * values,
@@ -735,6 +735,7 @@ def test_vibration_of_an_engine(tmp_path, strict, coupled_vibration):
         "torsional_modes",
         "torsional_campbell",
         "torsional_amplitude",
+        "axial_force",
         "torsional_stress",
         "shaft_modes",
         "axial_split",

@@ -66,6 +66,7 @@ def study_record(
         "runs": int(np.sum(~table.held_out)),
         "held_out": int(np.sum(table.held_out)),
         "computed_now": table.computed,
+        "added": table.added,
         "failures": [
             {"role": role, "values": list(values), "reason": reason}
             for role, values, reason in table.failures
@@ -176,6 +177,9 @@ def _sensitivity_record(found: Sensitivities) -> Record:
             "first": dict(zip(sobol.names, sobol.first, strict=True)),
             "total": dict(zip(sobol.names, sobol.total, strict=True)),
             "points": sobol.points,
+            "shapley": None
+            if sobol.shapley is None
+            else dict(zip(sobol.names, sobol.shapley, strict=True)),
         },
     }
 

@@ -1,14 +1,27 @@
 """Equations around the nominal throw: sections along one factor, elasticities, Sobol indices."""
 
+import json
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
 
 from crankfem.analyses.study.response_fits import ResponseFits, predicted, surface
+from regression.fits.constrained_sensitivity import (
+    RegionSample,
+    constrained_indices,
+    region_sample,
+)
 from regression.fits.fits import Fit
-from regression.fits.sensitivity import SobolIndices, elasticities, nominal_values, sobol_indices
+from regression.fits.sensitivity import (
+    Model,
+    SobolIndices,
+    elasticities,
+    nominal_values,
+    sobol_indices,
+)
 from regression.plans.factors import Factor, field_value
 from regression.plans.plan import StudyPlan
 from regression.runs.study_table import StudyTable
@@ -30,7 +43,8 @@ class Sensitivities:
     elasticity : dict
         Factor that is a number to d ln y / d ln p.
     sobol : SobolIndices or None
-        Over the ranges; None for a response that does not vary.
+        Over the ranges, or what the study's constraints leave of them; None for a response that does not
+        vary, and where the constraints leave too little.
     """
 
     nominal: dict[str, float | str]
@@ -51,8 +65,23 @@ def sensitivities(table: StudyTable, found: ResponseFits) -> Sensitivities:
             for factor, value in zip(plan.factors, nominal, strict=True)
         },
         elasticity=dict(zip(numbers, slopes, strict=True)),
-        sobol=sobol_indices(model, plan.factors),
+        sobol=_indices(plan, model),
     )
+
+
+def _indices(plan: StudyPlan, model: Model) -> SobolIndices | None:
+    """Shares of the variance over the ranges; under constraints over what these leave."""
+    if not plan.constraints:
+        return sobol_indices(model, plan.factors)
+    sample = _kept_sample(json.dumps(plan.as_record()))
+    return None if sample is None else constrained_indices(model, sample)
+
+
+@lru_cache(maxsize=2)
+def _kept_sample(record: str) -> RegionSample | None:
+    """Sample what a plan's constraints leave, once for all responses."""
+    plan = StudyPlan.from_record(json.loads(record))
+    return region_sample(plan.factors, plan.variants().keep_constraints)
 
 
 def nominal_points(plan: StudyPlan) -> list[float]:

@@ -24,6 +24,7 @@ from crankfem.analyses.shaft.whole_shaft import (
     whole_shaft,
 )
 from crankfem.analyses.vibration.assessment import Assessment, assess
+from crankfem.analyses.vibration.axial_cycle import axial_cycle
 from crankfem.analyses.vibration.bearing_sweep import (
     BearingSweep,
     bearing_sweep,
@@ -43,6 +44,7 @@ from dynamics.assessment.decided import decide
 from dynamics.assessment.verdict import LimitCheck
 from dynamics.chains.chain import Chain
 from dynamics.critical import engine_orders
+from dynamics.excitation.axial_cycle import AxialForceOverCycle
 from dynamics.plots.campbell import draw_campbell
 from fem.shaft import ShaftCompliances
 from fem.throw_analysis import ThrowAnalysis
@@ -94,6 +96,9 @@ class EngineVibration:
         At which load each speed was taken; None where nothing is forced.
     bearings : BearingSweep or None
         What the range of the main bearings' stiffness does; None where the file gives no range.
+    axial_force : AxialForceOverCycle or None
+        Over the cycle at rated speed, on the thrust bearing and between held ends; None where nothing is
+        forced.
     """
 
     engine_file: EngineFile
@@ -110,6 +115,7 @@ class EngineVibration:
     misfiring_note: str = ""
     load: EngineLoad | None = None
     bearings: BearingSweep | None = None
+    axial_force: AxialForceOverCycle | None = None
 
     @property
     def analysis(self) -> ThrowAnalysis:
@@ -292,7 +298,7 @@ def engine_vibration(
     axial = axial_vibration(read, analyses, shaft, model)
     torsional = torsional_vibration(read, analyses, shaft, model)
     held = chains_over_bearings(read, analyses, model)
-    lengthened = twisted = assessment = whole = comparison = misfiring = None
+    lengthened = twisted = assessment = whole = comparison = misfiring = axial_force = None
     note = ""
     if coupled:
         tell("Calculating the whole crankshaft")
@@ -302,10 +308,10 @@ def engine_vibration(
         further = () if modes is None else modes.frequencies[modes.rigid :]
         chains = (harmonics, axial, torsional, shaft, analyses)
         lengthened, twisted = forced_vibrations(read, *chains, further)
+        ready = EngineChains.of(read, axial, torsional, shaft)
+        axial_force = axial_cycle(ready, harmonics)
         tell("Calculating misfiring")
-        misfiring, note = misfiring_or_reason(
-            EngineChains.of(read, axial, torsional, shaft), mechanism, harmonics
-        )
+        misfiring, note = misfiring_or_reason(ready, mechanism, harmonics)
         if read.ranges is not None:
             tell("Sampling what is uncertain")
         assessment = assess(
@@ -365,6 +371,7 @@ def engine_vibration(
         misfiring_note=note,
         load=load,
         bearings=sweep,
+        axial_force=axial_force,
     )
 
 

@@ -40,7 +40,8 @@ def vibration(
     csv: Annotated[
         str | None,
         typer.Option(
-            metavar="FOLDER", help="Write amplitudes over the speed, a file for each kind."
+            metavar="FOLDER",
+            help="Write amplitudes over the speed by kind, and the axial force over the cycle.",
         ),
     ] = None,
     pictures: Annotated[
@@ -61,6 +62,7 @@ def vibration(
         return
     from crankbase.outputs import protect
     from crankfem.analyses.shaft.motion import MOTION
+    from crankfem.analyses.vibration.axial_cycle import axial_cycle_columns
     from crankfem.analyses.vibration.plots.transient_plots import picture_run_up
     from crankfem.analyses.vibration.records import forced_columns, run_record, run_up_record
     from crankfem.analyses.vibration.run import engine_vibration
@@ -80,7 +82,9 @@ def vibration(
         check_has_limits(read)
     if csv is not None or pictures is not None:
         protect(read.path, *engine_tables(read, mechanism_of(read)))
-    tables = make_output_folder("--csv", csv, [f"{kind}.csv" for kind in MOTION], "table")
+    tables = make_output_folder(
+        "--csv", csv, [f"{one}.csv" for one in (*MOTION, "axial_force")], "table"
+    )
     known = read.gas is not None or read.gas_map is not None
     there = [*(["forced"] if known else []), *(["whole"] if coupled else [])]
     names = [*VIBRATION.files(there), *([] if run_up is None else ["run_up.svg"])]
@@ -98,6 +102,9 @@ def vibration(
             if forced is not None:
                 written.append(tables / f"{forced.kind}.csv")
                 write_columns(written[-1], *forced_columns(forced))
+        if run.axial_force is not None:
+            written.append(tables / "axial_force.csv")
+            write_columns(written[-1], *axial_cycle_columns(run.axial_force))
     if drawn is not None:
         written += VIBRATION.draw(drawn, run)
         if found is not None:

@@ -150,6 +150,7 @@ def _print_coefficients(form: Record) -> None:
 def _print_sensitivities(name: str, record: Record) -> None:
     found = record["sensitivities"]
     sobol, elasticity = found["sobol"] or {"first": {}, "total": {}}, found["elasticity"]
+    shapley = sobol.get("shapley")
 
     def nominal(factor: str) -> str:
         value = found["nominal"][factor]
@@ -167,11 +168,19 @@ def _print_sensitivities(name: str, record: Record) -> None:
             (Column("elasticity"), change),
             (Column("Sobol, first", decimals=3), sobol["first"].get),
             (Column("total", decimals=3), sobol["total"].get),
+            *(() if shapley is None else ((Column("Shapley", decimals=3), shapley.get),)),
         )
+    )
+    shares = (
+        "shares of the variance over the ranges, alone and with others."
+        if shapley is None
+        else "shares of the variance over what the constraints leave of the ranges: what a factor takes away "
+        "that alone is known (first), what stays while it alone is unknown (total), and its part of the "
+        "whole (Shapley; these add up to 1)."
     )
     print_line(
         "Elasticity: change in per cent for one per cent of the factor, at the nominal values. "
-        "Sobol indices: shares of the variance over the ranges, alone and with others."
+        f"Sobol indices: {shares}"
     )
 
 

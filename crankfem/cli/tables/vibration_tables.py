@@ -37,6 +37,9 @@ def print_run(record: Record, units: OutputUnits = SI) -> None:
         print_table(sources, units)
         if forced is not None:
             _print_forced(forced[kind], units)
+        if kind == "axial" and record.get("axial_force") is not None:
+            for line in record["axial_force"]["sentences"]:
+                print_line(units.text(line))
     if record["whole"] is not None:
         _print_whole(record["whole"], units)
     for line in (record.get("bearings") or {"sentences": ()})["sentences"]:

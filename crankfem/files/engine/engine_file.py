@@ -372,7 +372,7 @@ def _read_engine(content: TomlFile) -> EngineFile:
         if own.name == "throw":
             throws = read_throws(content)
         elif own.name == "torque_table":
-            sections[own.name] = _torque_table(content)
+            sections[own.name] = torque_table_path(content)
         elif own.name == "shaft_lines":
             sections[own.name] = read_shaft_lines(content)
         elif own.name in kinds:
@@ -391,6 +391,7 @@ def _read_engine(content: TomlFile) -> EngineFile:
     )
 
 
-def _torque_table(content: TomlFile) -> Path | None:
+def torque_table_path(content: TomlFile) -> Path | None:
+    """Return the torque table that a file names, if it names one."""
     given = content.model("torque", TorqueTable)
     return None if given is None else find_table("torque.table", content.path, given.table)
