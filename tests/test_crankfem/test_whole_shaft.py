@@ -169,7 +169,7 @@ def test_an_engine_that_turns_the_other_way_vibrates_the_same(six, coupled_vibra
     # The thrust bearing, here at the flywheel, by the whole shaft.
     told = run_record(runs[0])["axial_force"]["running_whole"]
     speeds, moved = (
-        getattr(runs[0].comparison.coupled.split("section 6 uz"), name)
+        getattr(runs[0].comparison.coupled.split("main bearing 7 uz"), name)
         for name in ("speeds", "both_sum")
     )
     engine = runs[0].engine_file.engine

@@ -256,7 +256,7 @@ def test_first_order_of_a_section(figure):
     assert 100 * change.major == close(-8.1, abs=0.05)
     assert 100 * change.minor == close(-9.2, abs=0.05)
     # Towards the bank with the main rods, at -22.5 deg.
-    assert math.degrees(change.turn) == close(-2.57, abs=0.005)
+    assert change.turn_deg == close(-2.57, abs=0.005)
 
 
 @pytest.mark.parametrize(
@@ -273,8 +273,8 @@ def test_second_order_of_a_section(case, major, minor, turn):
     assert 100 * change.major == close(major, abs=0.05)
     assert 100 * change.minor == close(minor, abs=0.05)
     # Print: about 5, 5 and 10 deg.
-    assert math.degrees(change.turn) == close(turn, abs=0.05)
-    assert abs(math.degrees(change.turn) + {"hinged": 10.0}.get(case, 5.0)) < 1.0
+    assert change.turn_deg == close(turn, abs=0.05)
+    assert abs(change.turn_deg + {"hinged": 10.0}.get(case, 5.0)) < 1.0
 
 
 def test_the_paper_refers_its_percentages_to_the_mean(figure):
@@ -332,4 +332,4 @@ def test_what_the_slave_pin_beside_the_main_rod_adds():
     change = hodograph_change(exact, plain)
     assert 100 * change.major == close(0.6, abs=0.05)
     assert 100 * change.minor == close(-3.8, abs=0.05)
-    assert math.degrees(change.turn) == close(1.5, abs=0.05)
+    assert change.turn_deg == close(1.5, abs=0.05)

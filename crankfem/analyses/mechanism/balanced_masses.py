@@ -5,8 +5,6 @@ import math
 from collections.abc import Iterable
 from dataclasses import replace
 
-import numpy as np
-
 from crankbase.tables.output_units import SI, OutputUnit, OutputUnits
 from crankbase.tables.table import Column, Table
 from crankfem.analyses.mechanism.balance_records import BALANCED_TEXT, balance_record
