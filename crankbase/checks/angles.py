@@ -68,6 +68,6 @@ def refuse_crank_radians(field: str, angles_deg: ArrayLike) -> None:
 
 def _radians_error(field: str, given: FloatArray) -> InputError:
     return InputError(
-        f"{field}: given {given.size} angles from {np.min(given):.4g} to {np.max(given):.4g} those of "
+        f"{field}: given {given.size} angles from {np.min(given):.4g} to {np.max(given):.4g}, those of "
         "turns in radians; allowed are degrees: write numpy.degrees(...) around them."
     )

@@ -58,7 +58,9 @@ def program_version() -> str:
         return f"{found}, development checkout"
 
 
-def repeat_record(files: Sequence[Record], seconds: Mapping[str, float]) -> Record:
+def repeat_record(
+    files: Sequence[Record], seconds: Mapping[str, float], model: str | None = None
+) -> Record:
     """What is needed to repeat a run.
 
     Parameters
@@ -67,6 +69,8 @@ def repeat_record(files: Sequence[Record], seconds: Mapping[str, float]) -> Reco
         The files that were read, the engine file first; see `file_records`.
     seconds : mapping
         Step of the run to the time it took [s].
+    model : str, optional
+        Saved compliance model that was taken by an option.
 
     Returns
     -------
@@ -74,7 +78,8 @@ def repeat_record(files: Sequence[Record], seconds: Mapping[str, float]) -> Reco
         "command", "files", "seconds".
     """
     return {
-        "command": run_command(files[0]["name"]),
+        "command": run_command(files[0]["name"])
+        + ("" if model is None else f" --model {shlex.quote(model)}"),
         "files": list(files),
         "seconds": dict(seconds),
     }
@@ -115,8 +120,8 @@ def run_command(name: str) -> str:
 def _relative_name(engine_file: Path, path: Path) -> str:
     """Name of a file as the engine file may call it: with its folders, a shipped table without."""
     for folder in (engine_file.parent, data_folder() / "tables"):
-        if path.is_relative_to(folder):
-            return path.relative_to(folder).as_posix()
+        if path.absolute().is_relative_to(folder.absolute()):
+            return path.absolute().relative_to(folder.absolute()).as_posix()
     return path.as_posix()
 
 

@@ -10,9 +10,9 @@ import pytest
 from comparing import close
 from crankbase.errors import InputError
 from crankfem.analyses.shaft.chains import damped_engine_chain, engine_torsional_chain
-from crankfem.analyses.vibration.assessment import assess
 from crankfem.analyses.vibration.chain_answers import nominal_section_modulus
 from crankfem.analyses.vibration.engine_excitation import engine_harmonics
+from crankfem.analyses.vibration.engine_limits import engine_verdict, limit_findings
 from crankfem.analyses.vibration.forced import forced_vibrations
 from crankfem.analyses.vibration.records import (
     forced_columns,
@@ -182,7 +182,7 @@ def test_worst_use_does_not_depend_on_what_else_is_calculated(run):
         (71.3, 96.9, 143.0),
     )
     assert forced[0].response.speeds.size > run.forced_axial.response.speeds.size
-    other = assess(engine, *forced, run.analysis).verdict.checks[0]
+    other = engine_verdict(engine, limit_findings(engine, *forced)).checks[0]
     assert other.worst_speed == close(run.worst_check.worst_speed, rel=1e-4)
     assert other.used == close(run.worst_check.used, rel=1e-5)
 

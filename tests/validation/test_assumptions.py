@@ -156,7 +156,10 @@ def test_the_verdict_with_what_decides_given(calculated):
         damping={"torsional_magnifier": 61.0},
     )
     settled = cf.engine_vibration(known, analysis=throw).assessment
-    assert {one.field for one in settled.decision.trials} == {"bearings.stiffness"}
+    assert {one.field for one in settled.decision.trials} == {
+        "bearings.stiffness",
+        "vibration.torsional_source",
+    }
     assert (settled.decision.status, settled.verdict.status) == ("not acceptable", "not acceptable")
 
 

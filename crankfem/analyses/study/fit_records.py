@@ -31,6 +31,8 @@ FORM = (
     "r_squared",
     "adjusted_r_squared",
     "q_squared",
+    "band_error",
+    "band_designs",
     "coefficients",
     "undetermined",
     "dropped",

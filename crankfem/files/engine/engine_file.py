@@ -231,6 +231,12 @@ load, gas_map, misfire, propeller_forces, limits, ranges, torque_table, two_mass
         return tuple(throws[name] for name in self.throw_names)
 
     @property
+    def model_path(self) -> Path | None:
+        """The saved compliance model that the file names, if any."""
+        name = self.vibration.model
+        return None if name is None else self.path.parent / name
+
+    @property
     def pins(self) -> tuple[int, ...]:
         """Pin that each cylinder works on, from 0, counted along the shaft."""
         return pins_of(self.engine, self.throw, self.throws, self.hinged_rods)
