@@ -54,7 +54,7 @@ def test_layouts_in_radians_are_refused():
         cf.EngineCylinder(0.13, 3.0, rod, crank_angle_deg=angle, position=0.1 * place)
         for place, angle in enumerate((0.0, 2.09, 4.19))
     ]
-    with pytest.raises(InputError, match=r"^crank_angle_deg: given 3 angles from 0 to 4\.19 "):
+    with pytest.raises(InputError, match=r"^crank_angle_deg: given 3 angles from 0 to 4\.19, "):
         cf.EngineLayout(0.07, cylinders, [1, 3, 2])
 
 
