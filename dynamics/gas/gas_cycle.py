@@ -115,7 +115,9 @@ class GasCycleResult:
         if show == "pressure":
             return self.pressure.plot(axes)
         axes = new_axes(axes)
-        angles = np.append(self.pressure.angles, self.pressure.angles[0])
+        angles = np.append(
+            np.radians(self.pressure.angles_deg), np.radians(self.pressure.angles_deg[0])
+        )
         pressure = np.append(self.pressure.pressure, self.pressure.pressure[0])
         axes.plot(1e3 * self.volume.at(angles), MEGA * pressure, color=BLUE, linewidth=1.4)
         axes.set_xlim(left=0.0)
@@ -140,8 +142,8 @@ class GasCycleResult:
         """
         return table(
             {
-                "crank_angle": (self.pressure.angles, "rad"),
-                "volume": (self.volume.at(self.pressure.angles), "m^3"),
+                "crank_angle": (self.pressure.angles_deg, "deg"),
+                "volume": (self.volume.at(np.radians(self.pressure.angles_deg)), "m^3"),
                 "pressure": (self.pressure.pressure, "Pa"),
             }
         )
@@ -251,11 +253,11 @@ def gas_cycle(
     work = state.work(released)
     return GasCycleResult(
         pressure=gas_pressure(
-            angles,
             state.pressure(released),
             cycle.strokes,
             source="cycle model",
             remarks=(*remarks, *assumption_remarks(cycle)),
+            angles_deg=np.degrees(angles),
         ),
         cycle=cycle,
         volume=volume,

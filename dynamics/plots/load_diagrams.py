@@ -34,8 +34,8 @@ class Load(Protocol):
     """The force on a bearing; `dynamics.engine.loads.LoadDiagram` is one."""
 
     @property
-    def angles(self) -> FloatArray:
-        """Shaft angles over one cycle [rad]."""
+    def angles_deg(self) -> FloatArray:
+        """Shaft angles over one cycle [deg]."""
 
     @property
     def force(self) -> ComplexArray:
@@ -58,8 +58,8 @@ class Load(Protocol):
         """Largest size [N]."""
 
     @property
-    def maximum_angle(self) -> float:
-        """Where it is largest [rad]."""
+    def maximum_angle_deg(self) -> float:
+        """Where it is largest [deg]."""
 
 
 def check_polar(frame: str, mark_step_deg: float) -> None:
@@ -105,7 +105,13 @@ def draw_polar_loads(
         color = COLORS[number % len(COLORS)]
         closed = np.append(curve, curve[:1])
         axes.plot(closed.real, closed.imag, color=color, linewidth=1.3, label=name)
-    _marks(axes, loads[0][1].angles, curves[0], mark_step_deg, LABEL_ROOM * (high[0] - low[0]))
+    _marks(
+        axes,
+        loads[0][1].angles_deg,
+        curves[0],
+        mark_step_deg,
+        LABEL_ROOM * (high[0] - low[0]),
+    )
     axes.set_xlim(low[0], high[0])
     axes.set_ylim(low[1], high[1])
     across, up = AXIS_LABELS[frame]
@@ -126,7 +132,7 @@ def draw_developed_loads(axes: Axes, loads: Sequence[tuple[str, Load]]) -> None:
     """
     for number, (name, load) in enumerate(loads):
         color = COLORS[number % len(COLORS)]
-        degrees = np.degrees(load.angles)
+        degrees = load.angles_deg
         mean, most = KILO * load.mean, KILO * load.maximum
         axes.plot(
             np.append(degrees, 2.0 * degrees[-1] - degrees[-2]),
@@ -136,9 +142,9 @@ def draw_developed_loads(axes: Axes, loads: Sequence[tuple[str, Load]]) -> None:
             label=f"{name}: mean {mean:.4g} kN, maximum {most:.4g} kN",
         )
         axes.axhline(mean, color=color, linewidth=0.9, linestyle="--")
-        axes.plot(np.degrees(load.maximum_angle), most, "o", color=color, markersize=5)
+        axes.plot(load.maximum_angle_deg, most, "o", color=color, markersize=5)
     axes.set_ylim(bottom=0.0)
-    span = np.degrees(loads[0][1].angles)
+    span = loads[0][1].angles_deg
     axes.set_xticks(np.arange(np.ceil(span[0] / 90.0) * 90.0, span[-1] + 90.0, 90.0))
     axes.set_xlabel("shaft angle [deg]")
     axes.set_ylabel("force [kN] (dashed: mean)")
@@ -178,10 +184,9 @@ def _outline(axes: Axes, frame: Frame, radius: float) -> None:
 
 
 def _marks(
-    axes: Axes, angles: FloatArray, curve: NDArray[np.complex128], step: float, room: float
+    axes: Axes, degrees: FloatArray, curve: NDArray[np.complex128], step: float, room: float
 ) -> None:
     """Put dots at whole steps of shaft angle, between samples by interpolation."""
-    degrees = np.degrees(angles)
     wanted = np.arange(np.ceil(degrees[0] / step - 1e-9) * step, degrees[-1] + 1e-6, step)
     points = np.interp(wanted, degrees, curve.real) + 1j * np.interp(wanted, degrees, curve.imag)
     axes.plot(points.real, points.imag, "o", color=COLORS[0], markersize=3.5)

@@ -434,7 +434,7 @@ def test_formulas_over_the_angle(tmp_path, strict):
 def load():
     angles = np.linspace(0.0, 4.0 * np.pi, 720, endpoint=False)
     force = 1e4 * (2.0 + np.exp(1j * angles) + 0.3 * np.exp(-0.5j * angles))
-    return LoadDiagram("crankpin 1", angles, force, 0.4)
+    return LoadDiagram("crankpin 1", np.degrees(angles), force, np.degrees(0.4))
 
 
 @pytest.mark.parametrize("frame", ["crank", "engine"])
@@ -463,7 +463,7 @@ def test_developed_load(load):
     assert layout["yaxis"]["title"]["text"] == "force [kN]"
     assert max(traces[0]["y"]) == close(1e-3 * load.maximum, rel=FIVE_DIGITS)
     assert traces[1]["y"][0] == close(1e-3 * load.mean, rel=FIVE_DIGITS)
-    assert traces[2]["x"] == [close(np.degrees(load.maximum_angle), rel=FIVE_DIGITS)]
+    assert traces[2]["x"] == [close(load.maximum_angle_deg, rel=FIVE_DIGITS)]
     assert traces[0]["x"][-1] == 720
 
 
@@ -477,9 +477,12 @@ def test_forces_of_a_mechanism(load, tmp_path, strict):
         crankpins=(load,),
         bearings=(load,),
         forces=SimpleNamespace(
-            shaft_angles=load.angles, gas=values, tangential=-values, side=0.1 * values
+            shaft_angles_deg=load.angles_deg,
+            gas=values,
+            tangential=-values,
+            side=0.1 * values,
         ),
-        layout=SimpleNamespace(firing=np.array([math.pi, 0.0]), cycle=4.0 * math.pi),
+        layout=SimpleNamespace(firing_deg=(180.0, 0.0), strokes=4),
     )
     made = written(MECHANISM, tmp_path, run)
     assert [path.stem for path in made] == [
@@ -763,7 +766,7 @@ def test_vibration_of_an_engine(tmp_path, strict, coupled_vibration):
     drawn = figures["torsional_modes"]["data"][0]
     ends = run.torsional.chosen.chain.chain.connections[0]
     assert drawn["y"][:2] == rounded(shape[list(ends)])
-    split = run.comparison.coupled.split("section 0 uz")
+    split = run.comparison.coupled.split("main bearing 1 uz")
     both = named(figures["axial_split"]["data"], "all forces")
     assert max(both["y"]) == close(1e6 * split.both_sum.max(), rel=FIVE_DIGITS)
 

@@ -532,9 +532,12 @@ AS_STORED = [
     ("campbell", "torsional 435 431 435 435 12 1 1.00 1.42 mrad 1.25 inside major"),
     (
         "response",
-        "load [kN] at [1/min] plain sum [kN] section 0 - section 1 85.7 575 138 section 1",
+        "load [kN] at [1/min] plain sum [kN] main bearing 1 - main bearing 2 85.7 575 138 main bearing 2",
     ),
-    ("response", "section 2 - section 3 214 575 315 section 3 - section 4 208 509 323"),
+    (
+        "response",
+        "main bearing 3 - main bearing 4 214 575 315 main bearing 4 - main bearing 5 208 509 323",
+    ),
     (
         "response",
         "stress [MPa] free end - cylinder 1 2.48 575 2.90 2.16 cylinder 1 - cylinder 2 25.9 575",
@@ -548,10 +551,10 @@ AS_STORED = [
     ("limits", "free end - cylinder 1 575 2.16 MPa 53.1 MPa 4.07 Limit"),
     ("campbell", "1.00 to 1.02 times the value used. First natural frequency 76.5 to 76.8 Hz."),
     ("campbell", "axial 542 540 542 none 8.5 1 none none none 4.9 outside"),
-    ("modes", "0 is section 0, 6 is section 6"),
+    ("modes", "1 is main bearing 1, 7 is main bearing 7"),
     (
         "modes",
-        "mode frequency [Hz] [1/min] nodes at 1 76.8 4606 none 2 162 9712 4.58 3 335 20095 1.79, 5.82",
+        "mode frequency [Hz] [1/min] nodes at 1 76.8 4606 none 2 162 9712 5.58 3 335 20095 2.79, 6.82",
     ),
     ("modes", "rigid body 0.00 0 moves as one 1 87.0 5218 6.60 2 250 14975 2.33, 6.95"),
     ("modes", "finite elements 0.750 76.8, 162, 335 1.00 superelements"),

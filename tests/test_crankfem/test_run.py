@@ -362,7 +362,7 @@ def one_cylinder(six_cylinders, edit, tmp_path):
         "engine.cylinders": "1",
         "engine.crank_angles": '["0 deg"]',
         "engine.firing_order": "[1]",
-        "thrust_bearing.bearing": "1",
+        "thrust_bearing.main_bearing": "2",
     }
 
     def write(name):

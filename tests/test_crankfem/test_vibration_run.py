@@ -292,7 +292,9 @@ def test_axial_force_over_the_cycle_in_the_record(run):
     assert worst["amplitude"] >= 0.5 * np.ptp(found.thrust_bearing) * (1.0 - 1e-3)
     response = run.forced_axial.response
     place = int(np.argmin(np.abs(response.speeds - worst["speed_rpm"] * np.pi / 30.0)))
-    moved = response.nodes.at_angle(place, np.linspace(0.0, 4.0 * np.pi, 20_000))[:, 6]
+    moved = response.nodes.at_angle(
+        place, shaft_angle_deg=np.degrees(np.linspace(0.0, 4.0 * np.pi, 20_000))
+    )[:, 6]
     assert worst["amplitude"] == close(0.5 * 8e8 * np.ptp(moved), rel=1e-5)
     assert f"{worst['amplitude'] / 1e3:.3g} kN by the chain, at {worst['speed_rpm']:.4g}" in said
     assert record["running_whole"] is None

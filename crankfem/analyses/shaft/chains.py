@@ -36,7 +36,7 @@ def engine_axial_chain(
         compliances,
         np.broadcast_to(throw_masses, len(compliances)),
         engine_file.flywheel.mass,
-        thrust.bearing,
+        thrust.section_index,
         thrust.stiffness,
         {0: at_free_end},
         damper=None if damper is None else damper.damper(),

@@ -40,13 +40,13 @@ def shaft_surroundings(
     remarks : tuple of str
         What was assumed.
     """
-    throws, per_throw = len(engine_file.throw_angles), len(engine_file.throw.parts.pins)
+    throws, per_throw = len(engine_file.throw_angles_deg), len(engine_file.throw.parts.pins)
     each = crank_analyses(engine_file, analysis)
     solids = np.array([own.masses.inertia_about_shaft for own in each])
     rods = engine_throw_inertias(engine_file, solids) - solids
     at_each = np.repeat(rods / per_throw, per_throw) / engine_file.throw.crank_radius**2
     thrust, damper = engine_file.thrust_bearing, engine_file.axial_damper
-    supports = [AxialSupport(thrust.bearing, thrust.stiffness)]
+    supports = [AxialSupport(thrust.section_index, thrust.stiffness)]
     if damper is not None:
         supports.append(AxialSupport(0, damper.stiffness, damper.damping))
     held, first = (bearings, ()) if bearings is not None else _bearings(engine_file, throws)

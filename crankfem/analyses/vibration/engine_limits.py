@@ -212,7 +212,7 @@ def refuse_limits(engine_file: EngineFile) -> None:
     ------
     InputError
     """
-    compliances = np.full(len(engine_file.throw_angles), ANY_COMPLIANCE)
+    compliances = np.full(len(engine_file.throw_angles_deg), ANY_COMPLIANCE)
     inertias = engine_throw_inertias(engine_file, ANY_INERTIA)
     named = engine_torsional_chain(engine_file, compliances, inertias)
     if engine_file.limits is None:

@@ -123,7 +123,7 @@ def short_name(name: str) -> str:
     """Return a node's name as it stands below an axis."""
     return (
         name.replace("cylinder ", "cyl. ")
-        .replace("section ", "")
+        .replace("main bearing ", "")
         .replace(", flywheel", "\nflywheel")
         .replace(", thrust bearing", "\nthrust")
         .replace("driven machine", "driven\nmachine")

@@ -10,6 +10,7 @@ from crankbase.units.number_formats import UNBOUNDED
 from crankbase.units.units import RPM
 from crankfem.analyses.record import Record
 from crankfem.analyses.shaft.motion import MOTION
+from dynamics.chains.engine_chains import FREE_END
 
 # What a table shows; files hold everything.
 ROWS_SHOWN = 12
@@ -23,6 +24,9 @@ FREQUENCY = Column("frequency", "Hz", decimals=2)
 
 def mode_table(record: Record) -> Table:
     """Return the natural modes of one kind, from its `vibration_record`."""
+    names = record["nodes"]
+    # Points have the numbers of their names: throws and main bearings count from 1.
+    first = 0 if names[0].startswith(FREE_END) else 1
     return Table(
         f"{record['kind'].capitalize()} modes (compliances: {record['source']})",
         [
@@ -36,12 +40,14 @@ def mode_table(record: Record) -> Table:
                 "rigid body" if one["rigid"] else f"{one['number']}{_beside_crankshaft(one)}",
                 one["frequency"],
                 60.0 * one["frequency"],
-                "moves as one" if one["rigid"] else one["node_positions"] or None,
+                "moves as one"
+                if one["rigid"]
+                else [first + place for place in one["node_positions"]] or None,
             ]
             for one in record["modes"]
         ],
-        note=f"Nodes count the chain's points: 0 is {record['nodes'][0]}, {len(record['nodes']) - 1} is "
-        f"{record['nodes'][-1]}.",
+        note=f"Nodes count the chain's points: {first} is {names[0]}, {first + len(names) - 1} is "
+        f"{names[-1]}.",
     )
 
 

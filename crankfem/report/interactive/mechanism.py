@@ -18,6 +18,7 @@ from crankfem.report.interactive.style import (
     line,
     number,
 )
+from dynamics.cycle import cycle_radians
 from dynamics.engine.loads import LoadDiagram
 from dynamics.plots.load_diagrams import OUTLINE, Frame, on_paper, square_round
 from dynamics.plots.quantities import KILO
@@ -56,7 +57,7 @@ def polar_load(load: LoadDiagram, frame: Frame, title: str) -> Figure:
     layout : dict
     """
     force = on_paper(load, frame)
-    degrees = degrees_of(load.angles)
+    degrees = load.angles_deg
     step = degrees[1] - degrees[0]
     kept = np.arange(0, len(degrees), max(1, round(POINT_STEP / step)))
     closed = np.append(kept, 0)
@@ -111,7 +112,7 @@ def polar_load(load: LoadDiagram, frame: Frame, title: str) -> Figure:
 
 def developed_load(load: LoadDiagram) -> Curves:
     """Describe the size of a bearing's force over the shaft angle, with its mean and maximum."""
-    degrees, size = degrees_of(load.angles), KILO * load.magnitude
+    degrees, size = load.angles_deg, KILO * load.magnitude
     mean, most = KILO * load.mean, KILO * load.maximum
     x = np.append(degrees, 2.0 * degrees[-1] - degrees[-2])
     level = np.full(len(x), mean)
@@ -126,7 +127,7 @@ def developed_load(load: LoadDiagram) -> Curves:
         x_step=90.0,
         dots=(
             Dots(
-                degrees_of([load.maximum_angle]),
+                np.array([load.maximum_angle_deg]),
                 np.array([most]),
                 f"maximum {number(most)} kN",
                 ORANGE,
@@ -137,8 +138,10 @@ def developed_load(load: LoadDiagram) -> Curves:
 
 def piston_forces(run: MechanismRun, cylinder: int) -> Curves:
     """Describe gas force, side force and tangential force of a cylinder over the cycle."""
-    forces, firing = run.forces, run.layout.firing[cylinder - 1]
-    degrees = degrees_of((forces.shaft_angles - firing) % run.layout.cycle)
+    forces, firing = run.forces, np.radians(run.layout.firing_deg[cylinder - 1])
+    degrees = degrees_of(
+        (np.radians(forces.shaft_angles_deg) - firing) % cycle_radians(run.layout.strokes)
+    )
     order = np.argsort(degrees)
     looks: tuple[tuple[Array, str, Dash, str], ...] = (
         (forces.gas, BLUE, "solid", "gas, towards the shaft"),

@@ -172,7 +172,7 @@ def _axial_split(run: EngineVibration) -> Curves:
 
 def axial_split(response: CoupledResponse) -> Curves:
     """Describe the axial amplitude of the free end, all orders together, by what excites it."""
-    split = response.split("section 0 uz")
+    split = response.split("main bearing 1 uz")
     return split_curves(
         response.speeds,
         (split.both_sum, split.tangential_sum, split.radial_sum),

@@ -72,7 +72,7 @@ def plot_hinged_rods(
         As `hinged_rod_effects`.
     """
     effects = hinged_rod_effects(engine, speed, orders, cylinders)
-    banks = [cylinder.bank_angle for cylinder in engine.cylinders]
+    banks = [math.radians(cylinder.bank_angle_deg) for cylinder in engine.cylinders]
     with figure(path, len(effects), width=4.6 * len(effects), height=5.6) as panels:
         for axes, effect in zip(np.atleast_1d(panels), effects, strict=True):
             draw_hodographs(axes, effect.curves, FORCE_LABELS, banks=banks)
@@ -116,7 +116,7 @@ def plot_accelerations(
     wholes: list[FloatArray] = []
     for cylinder, name in cylinders.items():
         checked_cylinder(engine, cylinder)
-        wholes.append(piston_acceleration(engine, cylinder, angles, speed))
+        wholes.append(piston_acceleration(engine, cylinder, speed, angles_deg=np.degrees(angles)))
         found = acceleration_orders(engine, cylinder, speed, max(orders))
         parts = {f"order {order}": order_part(found, order, angles) for order in orders}
         left = wholes[-1] - sum(parts.values())
