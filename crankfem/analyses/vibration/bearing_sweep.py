@@ -18,6 +18,7 @@ from crankfem.analyses.shaft.whole_shaft import WholeShaft, unmodeled_sections
 from crankfem.analyses.vibration.engine_excitation import calculated_range
 from crankfem.analyses.vibration.engine_limits import (
     assessment_end_speeds,
+    bending_speeds,
     engine_limits,
     engine_verdict,
     limit_findings,
@@ -316,7 +317,8 @@ def _verdict(
 
 def _coarse_speeds(engine_file: EngineFile, orders: FloatArray, held: HeldChains) -> FloatArray:
     low, high = calculated_range(engine_file)
-    found = [np.linspace(low, high, POINTS), np.clip(assessment_end_speeds(engine_file), low, high)]
+    marked = (*assessment_end_speeds(engine_file), *bending_speeds(engine_file))
+    found = [np.linspace(low, high, POINTS), np.clip(marked, low, high)]
     limits, _ = engine_limits(engine_file)
     judged = ("torsional", *(["axial"] if any(name.startswith("axial") for name in limits) else []))
     for kind in judged:

@@ -16,7 +16,6 @@ from crankfem.analyses.vibration.engine_excitation import (
     calculated_speeds,
     failing_harmonics,
     forces_over_speeds,
-    merged_speeds,
 )
 from crankfem.analyses.vibration.engine_limits import (
     compared_quantities,
@@ -30,7 +29,6 @@ from crankfem.analyses.vibration.firing_check import (
     weights,
     worst_of,
 )
-from crankfem.files.engine.engine_file import EngineFile
 from crankfem.files.engine.mechanism_file import MechanismFile
 from dynamics.assessment.largest_amplitude import speeds_above
 from dynamics.assessment.limit_sentences import shown_range
@@ -40,8 +38,6 @@ from dynamics.excitation.cylinders import CylinderForces, forces_at_speeds
 from dynamics.response.series import OrderSeries
 from dynamics.running_limits import within
 
-# Just beyond the speed at which a limit ends, as a share of it.
-BEYOND = 1e-6
 # By the key of `compared_quantities`.
 Series = dict[str, OrderSeries]
 Found = dict[str, dict[Cylinders, Reached]]
@@ -155,19 +151,9 @@ def misfiring_or_reason(
             raise
         return None, f"misfiring is not calculated: {error}"
     engine = file.engine
-    speeds = merged_speeds(
-        calculated_speeds(file, harmonics.orders, chains.damped), _limits_bend_at(file)
-    )
+    speeds = calculated_speeds(file, harmonics.orders, chains.damped)
     running = speeds[within(speeds, engine.lowest_speed, engine.highest_speed)]
     return _misfiring(_Superposition(chains, harmonics, failing), running), ""
-
-
-def _limits_bend_at(engine_file: EngineFile) -> list[float]:
-    """Return speeds at which a limit may bend or jump: the rated one, and where passing ends [rad/s]."""
-    limits = [one.limit for one in compared_quantities(engine_file).values()]
-    ends = [one.passing.high for one in limits if one is not None and one.passing is not None]
-    finite = [end for end in ends if np.isfinite(end)]
-    return [engine_file.engine.rated_speed, *finite, *(end * (1.0 + BEYOND) for end in finite)]
 
 
 @dataclass(frozen=True, eq=False)
