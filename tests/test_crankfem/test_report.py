@@ -540,7 +540,10 @@ AS_STORED = [
     ),
     ("limits", "cylinder 4 - cylinder 5 498 24.5 MPa 21.2 MPa 115 torsional"),
     ("limits", "free end - cylinder 1 575 2.16 MPa 53.1 MPa 4.07 Limit"),
-    ("campbell", "1.00 to 1.02 times the value used. First natural frequency of the crankshaft 76.5 to 76.8 Hz."),
+    (
+        "campbell",
+        "1.00 to 1.02 times the value used. First natural frequency of the crankshaft 76.5 to 76.8 Hz.",
+    ),
     ("campbell", "axial 542 540 542 - 8.5 1 - - - 4.9 outside"),
     ("modes", "0 is section 0, 6 is section 6"),
     (

@@ -72,7 +72,9 @@ def test_own_damping_stays_and_needs_no_default():
     own = Chain([1.0, 1.0], [2e4], loss_factor=0.01, damping=0.5)
     found = damped(own)
     (said,) = found.record
-    assert said.startswith("damping of the chain itself: loss factor 0.01 of node 0 - node 1; 0.5 N m")
+    assert said.startswith(
+        "damping of the chain itself: loss factor 0.01 of node 0 - node 1; 0.5 N m"
+    )
     np.testing.assert_array_equal(found.system.damping, damped(own).chain.damping_matrix())
     more = damped(own, relative=[1.0], loss_factor=[0.02])
     assert more.chain.damping[0] == 1.5

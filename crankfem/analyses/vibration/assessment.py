@@ -12,7 +12,7 @@ from crankbase.tables.frames import table
 from crankfem.analyses.shaft.chains import damped_engine_chain
 from crankfem.analyses.shaft.sources import FE, FE_PINNED
 from crankfem.analyses.shaft.throw_analyses import Analyses, analyses_by_name
-from crankfem.analyses.vibration.bearing_sweep import HeldChains, other_chains
+from crankfem.analyses.vibration.bearing_sweep import HeldChains, answers_by_chain
 from crankfem.analyses.vibration.decision import engine_decision
 from crankfem.analyses.vibration.engine_limits import (
     engine_limits,
@@ -159,7 +159,8 @@ def assess(
     analysis : ThrowAnalysis or mapping
         Of the throw, or of each throw by its name, for the largest error of their compliances.
     held : sequence of HeldChains, optional
-        The chains over the range of the bearings' stiffness, all of which frequencies' bounds hold for.
+        The chains over the range of the bearings' stiffness with their answers, for all of which the bounds
+        of frequencies and critical speeds hold.
     again : callable, optional
         Forced vibration, axial and torsional, of an engine with other damping, to find out whether the
         verdict holds; without it other damping is not tried.
@@ -232,7 +233,8 @@ def _uncertainty(
     chain, running = forced.engine_chain.chain, (engine.lowest_speed, engine.highest_speed)
     spreads = _spreads(engine_file, forced, error_estimate)
     rigid = chain.modes().rigid
-    others = other_chains(held, forced.kind)
+    each = answers_by_chain(held, forced)
+    others = tuple(each)[1:]
     low, high = frequency_bounds(chain, spreads, others)
     orders = engine_orders(engine.strokes, engine_file.vibration.highest_order)
     margin = USUAL_MARGIN if given is None else given.separation_margin
@@ -257,7 +259,7 @@ def _uncertainty(
             orders,
             running,
             within=margin,
-            damped=forced.damped_shift,
+            damped=lambda own, mode, order: each[own].damped_shifts(mode, order),
             others=others,
         ),
         amplitudes=amplitudes,

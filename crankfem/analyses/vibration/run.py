@@ -29,6 +29,7 @@ from crankfem.analyses.vibration.bearing_sweep import (
     bearing_sweep,
     chains_over_bearings,
     held_chains,
+    with_answers,
 )
 from crankfem.analyses.vibration.chain_answers import EngineChains
 from crankfem.analyses.vibration.engine_excitation import engine_harmonics
@@ -306,6 +307,9 @@ def engine_vibration(
         misfiring, note = misfiring_or_reason(
             EngineChains.of(read, axial, torsional, shaft), mechanism, harmonics
         )
+        if held:
+            tell("Varying the main bearings")
+            held = with_answers(read, held, analyses, harmonics)
         if read.ranges is not None:
             tell("Sampling what is uncertain")
         assessment = assess(
@@ -339,7 +343,6 @@ def engine_vibration(
         )
     sweep = None
     if held:
-        tell("Varying the main bearings")
         verdict = None if assessment is None else assessment.verdict
         sweep = bearing_sweep(read, held, analyses, whole, harmonics, verdict)
     if assessment is not None:
