@@ -167,7 +167,7 @@ def _compute(
     study = None
     if engine_file.study is not None:
         told.step("Running the study")
-        study = fitted(run_plan(engine_file.study, store, workers, told.design, note=told.note))
+        study = fitted(run_plan(engine_file.study, store, workers, told.design, note=told.warn))
     vibration = engine_vibration(
         engine_file,
         analysis=analyses,

@@ -140,7 +140,7 @@ def test_critical_ranges_take_each_chains_own_peaks_and_tell_every_peak():
         [],
         [1.0],
         (50.0, 100.0),
-        damped=lambda own, mode, order: peaks[own],
+        damped=lambda own, _mode, _order: peaks[own],
         others=(soft, stiff),
     )
     # 100 rad/s times the factors of stiffness and of damping, peak by peak the nearest one.

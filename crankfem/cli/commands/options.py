@@ -66,7 +66,10 @@ JsonOption = Annotated[
     ),
 ]
 QuietOption = Annotated[
-    bool, typer.Option("--quiet", "-q", help="Nothing on standard error but errors.")
+    bool,
+    typer.Option(
+        "--quiet", "-q", help="Nothing on standard error but errors, and warnings of lost data."
+    ),
 ]
 ForceOption = Annotated[
     bool,
