@@ -271,6 +271,7 @@ def test_records_pictures_and_columns(run, tmp_path):
         "axial_amplitude",
         "torsional_amplitude",
         "torsional_stress",
+        "misfiring_stress",
     }
     assert all(path.read_text(encoding="utf-8").startswith("<?xml") for path in made)
     write_columns(tmp_path / "torsional.csv", *forced_columns(run.forced_torsional))

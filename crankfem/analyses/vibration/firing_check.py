@@ -72,6 +72,9 @@ class FiringCheck:
         In the worst case, held against the limit while misfiring, `VibrationLimit.misfiring`.
     each : dict
         Cylinders that fail to the worst then.
+    over_speed : tuple of three (S,) arrays, or None
+        Running speeds [rad/s], and at the place of `misfiring` the amplitude with all cylinders firing
+        and in the worst case; of the crankshaft's stress alone.
     """
 
     quantity: str
@@ -81,6 +84,7 @@ class FiringCheck:
     cylinders: Cylinders
     misfiring: Reached
     each: Mapping[Cylinders, Reached]
+    over_speed: tuple[FloatArray, FloatArray, FloatArray] | None = None
 
     @property
     def passed(self) -> bool:

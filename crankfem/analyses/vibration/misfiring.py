@@ -38,6 +38,7 @@ from dynamics.excitation.cylinders import CylinderForces, forces_at_speeds
 from dynamics.response.series import OrderSeries
 from dynamics.running_limits import within
 
+STRESS = "crankshaft_stress"
 # By the key of `compared_quantities`.
 Series = dict[str, OrderSeries]
 Found = dict[str, dict[Cylinders, Reached]]
@@ -73,6 +74,11 @@ class Misfiring:
     def worst(self) -> FiringCheck:
         """The quantity of which most of the limit while misfiring is used."""
         return self.checks[0]
+
+    @property
+    def of_stress(self) -> FiringCheck | None:
+        """That of the crankshaft's stress."""
+        return next((one for one in self.checks if one.over_speed is not None), None)
 
     @property
     def passed(self) -> bool:
@@ -210,6 +216,9 @@ def _misfiring(added: _Superposition, speeds: FloatArray) -> Misfiring:
             cylinders=worst[key],
             misfiring=own[worst[key]],
             each=own,
+            over_speed=_over_speed(added, speeds, key, worst[key], own[worst[key]].place)
+            if key == STRESS
+            else None,
         )
         for key, own in each.items()
     ]
@@ -220,6 +229,17 @@ def _misfiring(added: _Superposition, speeds: FloatArray) -> Misfiring:
         checks=tuple(sorted(checks, key=lambda one: (one.limit is None, -one.misfiring.used))),
         exceeded=_ranges(speeds, exceeded),
     )
+
+
+def _over_speed(
+    added: _Superposition, speeds: FloatArray, key: str, case: Cylinders, place: str
+) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Return speeds, and the amplitude at a place in normal firing and in one case of misfiring."""
+    normal, failing = (
+        _at_place(found[key], place).synthesis.amplitude[:, 0]
+        for _, found in added.at(speeds, [(), case])
+    )
+    return speeds, normal, failing
 
 
 def _ranges(speeds: FloatArray, flags: NDArray[np.bool_]) -> tuple[tuple[float, float], ...]:
