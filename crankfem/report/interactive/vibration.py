@@ -250,7 +250,7 @@ VIBRATION: Plots[EngineVibration] = Plots(
         plot_of_curves(
             "misfiring_stress",
             "Nominal torsional stress over the speed, all cylinders firing and one misfiring",
-            "Nominal torsional stress at running speeds, all orders over the cycle: all cylinders firing, and "
+            "Nominal torsional stress at running speeds, all orders over the cycle: all cylinders firing and "
             "the worst case of misfiring, at its worst place.",
             _misfiring_stress,
             lambda run: _title(f"misfiring, {_stress_check(run).misfiring.place}")(run),
