@@ -297,9 +297,7 @@ def test_a_node_on_a_branch_is_told_by_its_branch():
         "source": "fe",
         "nodes": ["end", "a", "wheel", "ring"],
         "connections": [[0, 1], [1, 2], [0, 3]],
-        "modes": [
-            {"number": 1, "frequency": 30.0, "rigid": False, "node_positions": [1.25, 2.4]}
-        ],
+        "modes": [{"number": 1, "frequency": 30.0, "rigid": False, "node_positions": [1.25, 2.4]}],
     }
     (row,) = mode_table(record).texts()
     assert row[-1] == "1.25, 0.40 of the way from end to ring"

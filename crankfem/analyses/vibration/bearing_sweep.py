@@ -123,16 +123,19 @@ class BearingSweep:
         held = self.bearings
         over = f"Main bearings of {_stiffness(held.lowest)} to {_stiffness(held.highest)} N/m"
         over += " (assumed)" if held.assumed else ""
-        moved = [
-            f"{kind} {_range(own, '.1f')} Hz by the {by}"
-            for kind in KINDS[::-1]
-            for by, own in (
-                ("chain", self.chains.get(kind)),
-                ("whole crankshaft", self.shaft.get(kind)),
-            )
-            if own is not None and np.any(np.isfinite(own))
-        ]
-        found = [f"{over}: first frequency of the crankshaft {', '.join(moved)}."]
+        found = []
+        for kind in KINDS[::-1]:
+            moved = [
+                f"{_range(own, '.1f')} Hz by the {by}"
+                for by, own in (
+                    ("chain", self.chains.get(kind)),
+                    ("whole crankshaft", self.shaft.get(kind)),
+                )
+                if own is not None and np.any(np.isfinite(own))
+            ]
+            if moved:
+                found.append(f"first {kind} frequency of the crankshaft {', '.join(moved)}")
+        found = [f"{over}: {'; '.join(found)}."]
         if self.used:
             uses = ", ".join(
                 f"{_range(100.0 * own, '.0f')} % of the limit on {name}"
@@ -141,7 +144,7 @@ class BearingSweep:
             said = (
                 f"the verdict changes within this range: {self.status_by_stiffness}"
                 if self.flips
-                else f'the verdict is "{self.statuses[0]}" over the whole range'
+                else f'the verdict, all else as taken, is "{self.statuses[0]}" over the whole range'
             )
             found.append(f"Over that range {uses} are used, and {said}.")
         return tuple(found)

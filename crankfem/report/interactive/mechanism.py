@@ -123,7 +123,7 @@ def developed_load(load: LoadDiagram) -> Curves:
         x,
         (
             Series("force", np.append(size, size[0]), color=BLUE),
-            Series(f"mean {number(mean)} kN", level, color=BLUE, dash="dash"),
+            Series(f"mean {number(mean, 3)} kN", level, color=BLUE, dash="dash"),
         ),
         "shaft angle [deg]",
         "force [kN]",
@@ -132,7 +132,7 @@ def developed_load(load: LoadDiagram) -> Curves:
             Dots(
                 degrees_of([load.maximum_angle]),
                 np.array([most]),
-                f"maximum {number(most)} kN",
+                f"maximum {number(most, 3)} kN",
                 ORANGE,
             ),
         ),
