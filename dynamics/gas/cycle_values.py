@@ -294,7 +294,7 @@ def _format_parameter(name: str, value: float) -> str:
         return f"{value / 1e6:.4g} MPa"
     if name.startswith(("heat_", "wiebe_", "compression_")):
         return f"{value:g}"
-    return f"{value / DEGREE:.4g} deg"
+    return f"{value / DEGREE:.6g} deg"
 
 
 def _check_finite(name: str, value: object) -> None:

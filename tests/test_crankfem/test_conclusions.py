@@ -8,6 +8,7 @@ from pathlib import Path
 import pytest
 from rich.console import Console
 
+from comparing import close
 from crankfem.analyses.vibration.speed_table import speed_table
 from crankfem.analyses.vibration.tables import mode_table
 from crankfem.cli import console
@@ -282,7 +283,7 @@ def test_what_is_uncertain_names_the_bearings_and_the_crankshafts_own_first_mode
     said = uncertain_sentence(vibration, "torsional")
     assert "stiffness of the main bearings 2.2e+08 to 2.2e+10 N/m each" in said
     ends = said.rpartition("crankshaft ")[2].removesuffix(" Hz.").split(" to ")
-    assert [float(end) for end in ends] == pytest.approx([bounds["low"], bounds["high"]], rel=5e-3)
+    assert [float(end) for end in ends] == close([bounds["low"], bounds["high"]], rel=5e-3)
 
 
 def test_bearings_that_are_alike_are_counted():

@@ -488,3 +488,9 @@ def test_an_engine_of_two_throws_runs_to_a_report(coarsely, call, tmp_path):
     assert {"drawing", "drawing-plain"} <= set(results["pictures"])
     report = (tmp_path / "out" / "report.html").read_text(encoding="utf-8")
     assert "Throw plain, cranks 2, 3" in report
+
+
+def test_help_says_which_sections_throws_are(call):
+    """Square brackets would be read as markup, and vanish."""
+    answer = call("throw", "--help")
+    assert "each a section throws.NAME;" in " ".join(answer.out.replace("│", " ").split())

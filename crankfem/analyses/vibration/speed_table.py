@@ -143,7 +143,7 @@ def _row(record: Record, units: OutputUnits) -> dict[str, Cell]:
         "phase sum": critical.get("phase_sum"),
         "amplitude": _amplitude(peak, kind, units),
         "damping": peak.get("damping_ratio"),
-        "margin": (margin["margin"] or None) if margin else ABSENT,
+        "margin": (margin["margin"] or None) if margin else ABSENT if peak else None,
         "kind": f"{named}{', ' if named else ''}outside" if above else named or None,
     }
 

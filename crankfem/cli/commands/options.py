@@ -100,7 +100,7 @@ ThrowOption = Annotated[
     typer.Option(
         "--throw",
         metavar="NAME",
-        help="Which of several throws, each a section [throws.NAME]; that at the free end by default.",
+        help="Which of several throws, each a section throws.NAME; that at the free end by default.",
         show_default=False,
     ),
 ]
