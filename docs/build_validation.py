@@ -96,6 +96,7 @@ GROUPS: dict[str, tuple[str, dict[str, str]]] = {
             "test_yamz5340": "Makushev, Polyakova 2024",
             "test_excitation_yamz": "Makushev, Polyakova 2024",
             "test_rod_models_paper": "Yamanin, Zhukov, Baryshnikov 2018",
+            "test_rod_models_figure": "Yamanin, Zhukov, Baryshnikov 2018",
             "test_articulated_v8": "Mikhina, Vyalkov 2024",
             "test_hinge_paper": "Zotov, Imaeva 2024",
             "test_published_table": "Yamanin, Zhukov 2021",

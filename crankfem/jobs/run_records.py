@@ -9,7 +9,7 @@ from crankbase.errors import InputError
 from crankbase.units.units import RPM
 from crankfem.analyses.assumptions import input_values
 from crankfem.analyses.checks import run_checks, throw_checks
-from crankfem.analyses.mechanism.balance_records import balance_record
+from crankfem.analyses.mechanism.balanced_masses import mechanism_balance_record
 from crankfem.analyses.mechanism.harmonics_record import harmonics_record, two_mass_record
 from crankfem.analyses.mechanism.mechanism_records import mechanism_record
 from crankfem.analyses.mechanism.mechanism_run import MechanismRun
@@ -144,7 +144,7 @@ def _regression(study: Record, model: ComplianceModel, throw: CrankThrow) -> Rec
 def _mechanism_record(run: MechanismRun | None) -> Record | None:
     if run is None:
         return None
-    return mechanism_record(run) | {"balance": balance_record(run.balance)}
+    return mechanism_record(run) | {"balance": mechanism_balance_record(run)}
 
 
 def _radial_force(inputs: RunInputs) -> float:

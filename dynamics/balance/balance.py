@@ -112,7 +112,7 @@ class OrderBalance:
         return self.moment.major <= BALANCED * self.moment_scale
 
 
-@summarized("speed [rad/s]", "model", "rows", "about [m]")
+@summarized("speed [rad/s]", "model", "rows", "about [m]", "rotating: engine.rotating")
 @dataclass(frozen=True)
 class Balance:
     """The balance of an engine at one speed.

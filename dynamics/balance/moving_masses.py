@@ -101,8 +101,8 @@ def balancing_masses(
         What it has as `rotating` is not counted.
     reciprocating_share : float, optional
         Share of the reciprocating masses of the throw that is balanced, too. With 0.5 nothing of
-        the first order is left that turns with the shaft: in a V engine of 90 deg nothing at all,
-        in others what turns against it.
+        the first order is left that turns with the shaft, but for what lies beside the rods' axes:
+        in a V engine of 90 deg nothing at all, in others what turns against it.
 
     Returns
     -------
@@ -117,7 +117,9 @@ def balancing_masses(
     Notes
     -----
     The first order of one cylinder is m R w^2 cos(alpha) along its axis: half of it turns with the
-    crankpin whatever the axis, half against it.
+    crankpin whatever the axis, half against it. A static moment S beside a rod's axis adds
+    S lambda w^2 sin(alpha), lambda = R/L, along the axis, half of which turns 90 deg behind the
+    crankpin and is not balanced here.
     """
     share = nonnegative_number(
         "reciprocating_share", reciprocating_share, "", "the weights stand opposite to the crank"

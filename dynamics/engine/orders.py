@@ -175,3 +175,11 @@ def acceleration_orders(
     )
     angles = even_angles(TURN, spectrum.shape[-1])
     return harmonics(piston_acceleration(engine, number, angles, speed), strokes=2)
+
+
+def order_part(found: Harmonics, order: int, angles: FloatArray) -> FloatArray:
+    """Return one order of an acceleration at crank angles (m,) [rad], shape (m,) [m/s^2]."""
+    place = found.index_of(order)
+    return np.asarray(
+        found.cosine[place] * np.cos(order * angles) + found.sine[place] * np.sin(order * angles)
+    )

@@ -22,6 +22,7 @@ import numpy as np
 import pytest
 
 from comparing import close
+from crankfem.analyses.mechanism.acceleration_records import acceleration_record
 from dynamics.balance.balance import balance
 from dynamics.balance.hinged_rods import hinged_rod_effects, hodograph_change
 from dynamics.balance.moving_masses import moving_masses
@@ -140,6 +141,64 @@ def test_orders_of_the_accelerations():
     assert percent_of_mean(main.amplitude[1], hinged.amplitude[1]) == close(12.0, abs=0.05)
     # The phase of a sine of second order against the main rod's: 8.11 deg of it.
     assert math.degrees(main.phase[1] - hinged.phase[1]) == close(8.11, abs=0.005)
+
+
+def test_accelerations_as_mechanism_tells_them(figure):
+    """Against (1) to (4), differentiated numerically and summed by quadrature, as the paper did."""
+    record = acceleration_record(eight_cylinders(), SPEED, (1, 5))
+    step, count = 1e-2, 720
+    alpha = np.arange(count) * 2.0 * np.pi / count
+    weights = np.array([1 / 90, -3 / 20, 3 / 2, -49 / 18, 3 / 2, -3 / 20, 1 / 90]) / step**2
+
+    def way(angle, turn):
+        """(1) for turn 0, (2) for the angle between the banks; alpha counts from the own top."""
+        beta = np.arcsin(RADIUS / LENGTH * np.sin(angle + turn))
+        if not turn:
+            return RADIUS * (1 - np.cos(angle)) + LENGTH * (1 - np.cos(beta))
+        lean = RADIUS * np.sin(angle) - PIN_RADIUS * np.sin(beta)
+        beta_1 = np.arcsin(lean / HINGED_LENGTH)
+        return (
+            RADIUS * (1 - np.cos(angle))
+            + HINGED_LENGTH * (1 - np.cos(beta_1))
+            + PIN_RADIUS * (1 - np.cos(beta))
+        )
+
+    curves = []
+    for piston, turn in zip(record["pistons"], (0.0, BETWEEN_BANKS), strict=True):
+        steps = zip(weights, np.arange(-3, 4), strict=True)
+        curve = SPEED**2 * sum(w * way(alpha + place * step, turn) for w, place in steps)
+        curves.append(curve)
+        left = curve.copy()
+        for order in (1, 2, 4):
+            phasor = 2.0 * np.mean(curve * np.exp(1j * order * alpha))
+            own = piston["amplitude"][order - 1]
+            told = own * np.exp(1j * math.radians(piston["phase_deg"][order - 1]))
+            what = f"accelerations as (1) to (4) have them: order {order}, {piston['rod']} rod"
+            figure(what, told, phasor, 1e-8, "m/s^2", scale=RADIUS * SPEED**2)
+            if order < 4:
+                left -= (phasor * np.exp(-1j * order * alpha)).real
+        assert piston["left"] == close(np.max(np.abs(left)), rel=1e-3)
+        assert piston["largest"] == close(np.max(curve), rel=1e-5)
+    (apart,), curve = record["differences"], curves[0] - curves[1]
+    assert apart["largest"] == close(np.max(curve), rel=1e-4)
+    assert apart["least"] == close(np.min(curve), rel=1e-4)
+    assert apart["mean_largest"] == close(0.5 * (np.max(curves[0]) + np.max(curves[1])), rel=1e-5)
+    shares = [100 * apart[name] / apart["mean_largest"] for name in ("least", "largest")]
+    assert shares == close([-3.1, 2.8], abs=0.05)
+
+
+def test_the_last_column_of_table_2_is_that_of_a_larger_piston(figure):
+    """kg/m^2: 799.2, 1195.8, 998.1 and 2417.5 in print; table 1 has a piston of 0.26 m."""
+    masses = np.array([PISTON, RECIPROCATING, RECIPROCATING_HINGED, ROTATING])
+    printed = np.array([799.2, 1195.8, 998.1, 2417.5])
+    per_area = masses / (0.25 * math.pi * 0.26**2)
+    assert per_area == close([830.6, 1243.1, 1037.8, 2510.7], abs=0.05)
+    assert printed / per_area == close([0.962] * 4, abs=0.001)
+    # Masses are printed to 0.1 kg: their halves of the last digit leave diameters of 264.99 to 265.02 mm.
+    least, most = (masses - 0.05) / (printed + 0.05), (masses + 0.05) / (printed - 0.05)
+    diameters = np.sqrt(4.0 / math.pi * np.array([np.max(least), np.min(most)]))
+    assert diameters[0] < diameters[1]
+    figure("piston that table 2 goes by", diameters, 0.265, 2e-5, "m", "absolute")
 
 
 def test_what_is_left_beyond_the_second_order(figure):

@@ -235,6 +235,30 @@ def test_vee_of_90_degrees(figure):
     assert fourth.angle == close(0.0, abs=1e-12)
 
 
+def test_a_rod_beside_its_axis_leaves_some_of_the_turning_first_order(figure):
+    """M l_d across a rod acts along the cylinder with -M l_d (sin b)'' = M l_d lambda w^2 sin a, no more.
+
+    Half of that turns with the crank, 90 deg behind it; two cylinders at 90 deg add their halves.
+    Counterweights opposite to the crank, with half of the reciprocating masses, leave it.
+    """
+    rod = replace(ROD, center_offset=0.004)
+    wanted = rod.mass * rod.center_offset * RADIUS / LENGTH * SPEED**2
+    for banks, share, backward in (((0.0,), 0.5, UNIT / 2), ((-45.0, 45.0), 1.0, 0.0)):
+        plain = engine([0.0], banks)
+        cylinders = [replace(cylinder, rod=rod) for cylinder in plain.cylinders]
+        plain = replace(plain, cylinders=cylinders)
+        weights = balancing_masses(plain, 0.5)
+        left = balance(replace(plain, rotating=weights), SPEED).of(1).force
+        what = f"lateral offset, share 0.5, {len(banks)} cylinders: what turns with the shaft"
+        figure(what, left.forward, -1j * share * wanted, 1e-10, "N", scale=wanted)
+        assert left.backward.real == close(backward, abs=EXACT * UNIT)
+        # A weight 90 deg ahead of the crank takes it away.
+        moment = share * rod.mass * rod.center_offset * RADIUS / LENGTH
+        more = (*weights, RotatingMass(moment, angle_deg=90.0))
+        gone = balance(replace(plain, rotating=more), SPEED).of(1).force
+        assert abs(gone.forward) < 1e-10 * wanted
+
+
 def test_cross_plane_v8(figure):
     """Cranks 0-90-270-180: the moment sqrt(10) h_1 a turns with the shaft, counterweights cancel it."""
     cranks, banks = [0.0, 90.0, 270.0, 180.0], (-45.0, 45.0)

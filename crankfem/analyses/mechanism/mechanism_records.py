@@ -9,8 +9,9 @@ from crankbase.checks.arrays import FloatArray
 from crankbase.tables.table import format_names
 from crankbase.units.units import RPM
 from crankfem.analyses.assumptions import input_values
-from crankfem.analyses.mechanism.mechanism_run import MechanismRun
-from crankfem.analyses.mechanism.rod_comparison import compare_rod_models
+from crankfem.analyses.mechanism.acceleration_records import acceleration_columns
+from crankfem.analyses.mechanism.mechanism_run import MechanismRun, hinged_group
+from crankfem.analyses.mechanism.rod_comparison import ModelDifference, compare_rod_models
 from crankfem.analyses.record import Record, assumed_values, attributes
 from crankfem.files.engine.mechanism_file import MechanismFile
 from crankfem.files.engine.rated_power import EnginePower, indicated_power
@@ -175,8 +176,14 @@ def _load_record(load: LoadDiagram, size: Size) -> Record:
     }
 
 
-def force_columns(run: MechanismRun) -> tuple[dict[str, FloatArray], str]:
-    """Return the forces over the shaft angle by name with unit, and what they are of."""
+def force_columns(
+    run: MechanismRun, compared: ModelDifference | None = None
+) -> tuple[dict[str, FloatArray], str]:
+    """Return the forces over the shaft angle by name with unit, and what they are of.
+
+    With accelerations of the pistons on the first crankpin that has hinged rods, and the load of the first
+    crankpin by two rod models, if they are compared.
+    """
     columns = {
         "shaft_angle_deg": np.degrees(run.forces.shaft_angles),
         "torque_Nm": run.torque.total,
@@ -193,5 +200,12 @@ def force_columns(run: MechanismRun) -> tuple[dict[str, FloatArray], str]:
     for load in (*run.crankpins, *run.bearings):
         name = load.name.replace(", ", "_").replace(" ", "_")
         columns |= {f"{name}_{key}": load.columns()[key] for key in ("force_x_N", "force_y_N")}
+    angles, group = run.forces.shaft_angles, hinged_group(run.layout)
+    columns |= acceleration_columns(run.layout, run.speed, group, angles)
+    if compared is not None:
+        for model, load in zip(compared.models, (compared.first, compared.second), strict=True):
+            columns[f"{load.name.replace(', ', '_').replace(' ', '_')}_{model}_N"] = load.magnitude
+        columns["difference_of_same_angle"] = compared.of_same_angle
+        columns["difference_of_mean"] = compared.of_mean
     heading = f"{run.mechanism.name}, {run.speed * RPM:.10g} 1/min, rods as {run.forces.model}"
     return columns, heading
