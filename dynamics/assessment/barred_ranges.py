@@ -186,10 +186,9 @@ def exceeded_ranges(
 
     Notes
     -----
-    Between two speeds calculated the amplitude is taken as straight, and the limit as it is, so that a
-    range ends where the limit jumps. On the flank of a resonance the amplitude is hollow, so that the
-    chord lies above it and the range comes out a little too wide; beside an unbounded value the range
-    reaches to the next speed calculated.
+    Between two speeds calculated the amplitude is straight, and the limit as it is: a range ends where it
+    jumps. On the flank of a resonance the amplitude is hollow, so that the chord lies above it and the range
+    comes out a little too wide; beside an unbounded value it reaches to the next speed calculated.
     """
     speeds, used = curve.speeds, usage(limit, curve)
     found = []
