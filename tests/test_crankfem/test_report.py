@@ -533,7 +533,7 @@ AS_STORED = [
         "response",
         "stress [MPa] free end - cylinder 1 2.48 575 2.90 2.16 cylinder 1 - cylinder 2 25.9 575",
     ),
-    ("response", "the shaft's [%] 0.5 25.3 39.3 39 1 25.7 18.8 74"),
+    ("response", "difference [%] 0.5 25.3 39.3 39 1 25.7 18.8 74"),
     (
         "limits",
         "limit where at [1/min] reached permitted used [%] torsional stress of crankshaft cylinder",

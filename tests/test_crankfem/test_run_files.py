@@ -198,7 +198,7 @@ def test_report_says_what_it_leaves_out(reported, call):
     put_results(reported, results | {"pictures": {"drawing": "drawing.svg"}})
     answer = call("report", reported)
     assert answer.code == 0
-    assert answer.err == "Warning: Left out, because they cannot be read: drawing.svg.\n"
+    assert answer.err == "Note: Left out, because they cannot be read: drawing.svg.\n"
     assert answer.out.startswith("Report: ")
     assert call("report", reported, "--quiet").err == ""
 

@@ -132,7 +132,7 @@ def report(
         ) from None
     made = write_report_text(folder / REPORT, text)
     if unread is not None:
-        console.print_warning(unread)
+        console.print_note(f"Note: {unread}", out.quiet)
     if out.json:
         print_json({"report": str(made)})
     else:
