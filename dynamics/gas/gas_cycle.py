@@ -232,8 +232,8 @@ def gas_cycle(
             cycle, volume, angles, peak_pressure, mean_effective_pressure, solve_for
         )
         remarks.append(
-            f"Solved: {solve_for} {getattr(cycle, solve_for) / DEGREE:.6g} deg in place of "
-            f"{getattr(given, solve_for) / DEGREE:.6g} deg."
+            f"Solved: {solve_for} {getattr(cycle, solve_for) / DEGREE:.4g} deg in place of "
+            f"{getattr(given, solve_for) / DEGREE:.4g} deg."
         )
     _check_resolved(cycle, angles)
     state = cycle_samples(cycle, volume, angles)
@@ -249,7 +249,7 @@ def gas_cycle(
             "of them, or both pressures, because they set the load."
         )
     if heat is None:
-        remarks.append(f"Solved: heat {released:.6g} J per cycle.")
+        remarks.append(f"Solved: heat {released / 1e3:.4g} kJ per cycle.")
     work = state.work(released)
     return GasCycleResult(
         pressure=gas_pressure(

@@ -7,7 +7,9 @@ import pytest
 
 from comparing import close
 from crankbase.errors import InputError
+from crankfem.analyses.assumptions import assumed_values
 from crankfem.analyses.shaft.chains import engine_throw_inertias
+from crankfem.analyses.vibration.engine_limits import rule_of
 from crankfem.analyses.vibration.run import engine_vibration
 from crankfem.files.engine.engine_file import load_engine
 from crankfem.files.engine.mechanism_file import load_mechanism, mechanism_of
@@ -105,3 +107,12 @@ def test_a_strength_beyond_the_rule_is_refused_when_read(engine):
         InputError, match=r"limits\.tensile_strength: given 850 MPa; .* set alloy to true"
     ):
         engine.changed(limits=limits | {"tensile_strength": 850e6})
+
+
+@pytest.mark.parametrize(
+    ("driven", "rule"), [("generator", "KR generator set"), ("propeller", "KR main engine")]
+)
+def test_the_rule_that_is_listed_as_assumed_is_the_one_that_is_taken(driven, rule):
+    engine = load_engine("6chn25-34").changed(engine={"drives": driven})
+    (listed,) = (one for one in assumed_values(engine) if one.field == "limits.crankshaft_rule")
+    assert listed.given == rule == rule_of(engine.engine)

@@ -227,12 +227,12 @@ def test_difference_of_the_whole_shaft_is_told_beside_the_verdict():
     )
     bad = ShaftComparison(None, good, verdict("torsional", 13.1e-3, 8.752e-3, (118.5, 126.4)))
     assert whole_shaft_remark(bad) == (
-        "Judged with chains; lumped model inadequate, the whole crankshaft differs: torsional amplitude "
-        "of the free end 8.75 instead of 13.1 mrad.",
+        "Judged with chains; lumped model inadequate, the whole crankshaft differs: largest "
+        "torsional amplitude of the free end, over all speeds calculated, 8.75 instead of 13.1 mrad.",
     )
     other = verdict("axial", 1.266e-3, 1.27e-3, (105.6, 115.0))
     mixed = verdict("torsional", 1e-2, 1e-2, share=0.48)
     (said,) = whole_shaft_remark(ShaftComparison(None, other, mixed))
-    assert "torsional mode 1 is torsional by 48 % only; axial mode 1 at 115.0 instead of" in said
+    assert "Hz is torsional by 48 % only; axial mode 1 at 115.0 instead of" in said
     (said,) = whole_shaft_remark(ShaftComparison(None, verdict("axial", 1.266e-3, np.inf)))
-    assert "axial amplitude of the free end unbounded instead of 1266 um" in said
+    assert "over all speeds calculated, unbounded instead of 1266 um" in said

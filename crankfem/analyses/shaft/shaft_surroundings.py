@@ -124,11 +124,11 @@ def _free_end(engine_file: EngineFile) -> tuple[EndBody | None, Remarks]:
     if given is not None:
         across, missing = given.diametral_inertia, []
         if given.mass == 0.0:
-            missing.append("it has no mass of its own (free_end.mass)")
+            missing.append("has no mass of its own (free_end.mass)")
         if across is None:
-            missing.append("half of it is taken about a diameter (free_end.diametral_inertia)")
+            missing.append("has half its inertia about a diameter (free_end.diametral_inertia)")
         if missing:
-            remarks = (f"of the free end's inertia: {', '.join(missing)}",)
+            remarks = (f"assumed: what turns at the free end {' and '.join(missing)}",)
         mass += given.mass
         polar += given.inertia
         diametral += 0.5 * given.inertia if across is None else across
