@@ -4,6 +4,7 @@ from crankfem.analyses.study.model_comparison import ModelComparison as ModelCom
 from crankfem.analyses.study.model_comparison import compare_models as compare_models
 from crankfem.analyses.study.response_fits import ResponseFits as ResponseFits
 from regression.fits.fits import Fit as Fit
+from regression.models.lookup import Lookups as Lookups
 from regression.models.optimum import Optimum as Optimum
 from regression.models.optimum_limits import Limit as Limit
 from regression.models.optimum_search import find_optimum as find_optimum

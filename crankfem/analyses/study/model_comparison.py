@@ -13,9 +13,7 @@ from crankbase.summaries import summarized
 from crankbase.tables.frames import table_of
 from regression.models.compliance_model import ComplianceModel
 from regression.models.lookup import Lookup
-from regression.models.optimum_limits import Points
 from regression.models.optimum_space import SearchSpace, search_space
-from regression.plans.constraints import EQUAL_WITHIN
 from regression.plans.designs_space import sobol_points, with_points_at_ends
 from regression.response_kinds import is_positive_response
 
@@ -242,15 +240,7 @@ def _answers(
             )
         except InputError as error:
             reasons.setdefault(name, str(error).rstrip("."))
-    if found and not all(map(_keeps_constraints, spaces, asked)):
-        reasons.setdefault("throw", "no throw keeps the constraints of both")
-        return {}
     return found
-
-
-def _keeps_constraints(space: SearchSpace, dimensions: Mapping[str, Any]) -> bool:
-    points = Points(space.model, dimensions)
-    return all(float(excess) <= EQUAL_WITHIN for excess in space.excess(points))
 
 
 def _compared(

@@ -60,6 +60,10 @@ def throw_record(
         "radial_force": -acting[1],
         "pin_force": list(acting),
         **attributes(analysis, "mass", "center_of_mass", "inertia", "stiffness"),
+        "stiffness_units": {
+            "row": (["N"] * 3 + ["N m"] * 3) * 2,
+            "per_column": (["m"] * 3 + ["rad"] * 3) * 2,
+        },
         "inertia_about_shaft": analysis.masses.inertia_about_shaft,
         "unbalance": attributes(
             unbalance(analysis.masses, analysis.throw.length / 2.0), "static", "dynamic"

@@ -39,7 +39,7 @@ def compare(
     models = _model(first), _model(second)
     found = compare_models(*models)
     if out.json:
-        print_json(asdict(found))
+        print_json(asdict(found), "comparison")
     else:
         _print_comparison(models[0], found)
 

@@ -96,7 +96,7 @@ def harmonics(
     if csv is not None:
         write_table(csv, record)
     if out.json:
-        print_json(record)
+        print_json(record, "torque")
         return
     _print(record, out.units)
     for path, kind in ((csv, "Table"), (pictures, "Pictures")):

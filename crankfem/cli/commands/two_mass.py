@@ -43,6 +43,6 @@ def two_mass(
         raise InputError(f"{engine}: is no TOML file; allowed is an engine file.")
     record = two_mass_run_record(read_two_masses(content), order)
     if out.json:
-        print_json(record)
+        print_json(record, "two_mass")
     else:
         print_two_masses(record, out.units)

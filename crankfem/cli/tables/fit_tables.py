@@ -98,13 +98,15 @@ def _print_overview(fits: Mapping[str, Record], form: str | None = None) -> None
     equations = "their chosen equations" if form is None else f"the form {form}, as given"
     print_table(
         Table.of_records(
-            f"All responses by {equations}: largest and mean error held out, estimated error of FE",
+            f"All responses by {equations}: largest and mean error held out, error that 95 % of new throws "
+            "keep to, estimated error of FE",
             [f | {"name": name, "fe_error": fits[name]["fe_error"]} for name, f in chosen.items()],
             (Column("response", words=True), lambda f: _form_label(f["name"])),
             (Column("form", words=True), "form"),
             (Column("Q2", decimals=5), "q_squared"),
             (Column("held out"), lambda f: _percent(f["largest_error_held_out"])),
             (Column("mean"), lambda f: _percent(f["mean_error_held_out"])),
+            (Column("95 %"), lambda f: _percent(f["band_error"])),
             (Column("FE"), lambda f: _percent(f["fe_error"])),
         )
     )
