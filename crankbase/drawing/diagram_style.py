@@ -66,6 +66,9 @@ def figure(
         FigureCanvasSVG(made)
         axes = made.subplots(rows or 1, columns, squeeze=rows is None)
         yield axes
+        # Laid out once; `savefig` would draw everything another time for it.
+        made.get_layout_engine().execute(made)
+        made.set_layout_engine("none")
         with atomic_file(path, "picture") as part:
             made.savefig(part, metadata={"Date": None})
 
