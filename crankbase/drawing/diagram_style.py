@@ -68,7 +68,7 @@ def figure(
         yield axes
         # Laid out once; `savefig` would draw everything another time for it.
         made.get_layout_engine().execute(made)
-        made.set_layout_engine("none")
+        made.set_layout_engine(None)
         with atomic_file(path, "picture") as part:
             made.savefig(part, metadata={"Date": None})
 
