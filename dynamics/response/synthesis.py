@@ -21,9 +21,8 @@ MOST_CYCLES = 20_000
 SAMPLES_PER_CYCLE = 32
 # No sampled peak is lower than its true one by more than this share: see `synthesis`.
 PEAK_ERROR_BOUND = 1.0 - float(np.cos(np.pi / SAMPLES_PER_CYCLE))
-# Newton steps from a sample to the peak beside it, each within one step of the samples; a last one that
-# turns the highest order by no more than this [rad] changes the value by its square.
-NEWTON_STEPS, LAST_TURN = 6, 1e-8
+# Newton steps from a sample to the peak beside it, each within one step of the samples.
+NEWTON_STEPS = 6
 # Values sampled at once; bounds the memory.
 BATCH = 2**22
 
@@ -199,18 +198,15 @@ def _peaks(
     step = 2.0 * np.pi / size
     start = step * column
     angle = start.copy()
+    waves = phasors[:, row]
     found = samples[row, column].copy()
-    moving, waves = np.arange(row.size), phasors[:, row]
     for _ in range(NEWTON_STEPS + 1):
-        here = angle[moving]
-        terms = waves * np.exp(1j * np.outer(multiples, here))
-        found[moving] = np.maximum(found[moving], terms.real.sum(axis=0))
+        terms = waves * np.exp(1j * np.outer(multiples, angle))
+        found = np.maximum(found, terms.real.sum(axis=0))
         slope = -(multiples @ terms.imag)
         bend = -(multiples.astype(np.float64) ** 2 @ terms.real)
         move = np.divide(slope, -bend, out=np.zeros_like(slope), where=bend < 0.0)
-        angle[moving] = np.clip(here + move, start[moving] - step, start[moving] + step)
-        far = multiples[-1] * np.abs(angle[moving] - here) > LAST_TURN
-        moving, waves = moving[far], waves[:, far]
+        angle = np.clip(angle + move, start - step, start + step)
     highest, angles = top.copy(), step * np.argmax(samples, axis=1)
     rising = np.argsort(found)  # so that the highest of each sum is the one that stays
     highest[row[rising]], angles[row[rising]] = found[rising], angle[rising]
