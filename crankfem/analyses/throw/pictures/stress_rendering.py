@@ -26,7 +26,8 @@ CUT = ((-1.0, 0.22, -0.36), (-1.0, 0.22, 0.36), (-1.0, -0.3, -0.36), (-1.0, -0.3
 OTHER_SIDE = ((1.0, 0.45, 0.6), (1.0, -0.5, 0.6), (1.0, -0.5, -0.6))
 PIXELS = 900  # along the longer side of each view
 VIEWS_HEIGHT, DOTS = 6.0, 110  # of the sheet [inch, 1/inch]
-SUBDIVISIONS = 1  # a curved facet is drawn as four to this power flat ones
+# A curved facet is drawn as four to this power flat ones; where there are many, the smaller number does.
+SUBDIVISIONS, MANY = (2, 1), 20_000
 HIDDEN_BY = 0.01  # what covers a mark is nearer to the eye by this share of the throw's size
 
 
@@ -55,7 +56,7 @@ class _Solid:
         for number, limit in enumerate(arrays["largest"]):
             grid.point_data[_field(number)] = arrays["stress"][number] / limit
         surface = grid.extract_surface(
-            nonlinear_subdivision=SUBDIVISIONS, algorithm="dataset_surface"
+            nonlinear_subdivision=SUBDIVISIONS[len(facets) > MANY], algorithm="dataset_surface"
         )
         return cls(name, eyes, surface.triangulate().clean())
 
