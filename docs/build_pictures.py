@@ -7,9 +7,11 @@ from tempfile import TemporaryDirectory
 import crankfem as cf
 from crankfem.analyses.mechanism.acceleration_records import piston_names
 from crankfem.analyses.mechanism.plots.load_plots import plot_model_difference
+from crankfem.analyses.mechanism.plots.torque_plots import picture_torque_table
 from crankfem.analyses.mechanism.rod_comparison import model_difference
 from crankfem.analyses.throw.pictures.drawing import write_drawing
 from crankfem.files.engine.mechanism_file import load_mechanism
+from crankfem.report.interactive.vibration import VIBRATION
 
 HERE = Path(__file__).parent
 ENGINE = "8chn26-26"
@@ -51,8 +53,19 @@ def draw_accelerations(path: Path) -> None:
     cf.pictures.plot_accelerations(path, engine, 1000 * math.pi / 30, cylinders)
 
 
+def draw_papers_figures() -> None:
+    """Write what docs/torque.md and docs/excitation.md show beside the figures of papers."""
+    table = cf.load_torque_table("yamz5340_torque_one_throw.csv")
+    with TemporaryDirectory() as folder:
+        _, curves, _ = picture_torque_table(Path(folder), table, table.harmonics().up_to(2.0))
+        (HERE / "harmonics_yamz-5340.svg").write_bytes(curves.read_bytes())
+        VIBRATION.draw(Path(folder), cf.engine_vibration("6chn25-34"))
+        force = Path(folder) / "axial_force.svg"
+        (HERE / "axial_force_6chn25-34.svg").write_bytes(force.read_bytes())
+
+
 def main() -> None:
-    """Write the drawing of a throw, the picture of a whole crankshaft, loads and hodographs."""
+    """Write the drawing of a throw, a whole crankshaft, loads, hodographs, and figures of papers."""
     throw, _ = cf.load_throw(ENGINE)
     write_drawing(throw, HERE / "drawing.svg", "8ChN 26/26")
     cf.pictures.picture_shaft(cf.load_crankshaft(ENGINE), HERE / "crankshaft.png")
@@ -62,6 +75,7 @@ def main() -> None:
         draw_rod_models(HERE / "rod_models_13_14_short.svg", short, motored=True)
     draw_hodographs()
     draw_accelerations(HERE / "accelerations_8chn26-26.svg")
+    draw_papers_figures()
 
 
 if __name__ == "__main__":

@@ -67,6 +67,9 @@ GROUPS: dict[str, tuple[str, dict[str, str]]] = {
             "test_elastic_bearings": "matrices put together by hand",
             "test_misfiring": "chains solved cylinder by cylinder",
             "test_assumptions": "a class rule turned round by hand",
+            "test_hinge_given": "slider-crank by hand, distances found by search",
+            "test_compliance_sources": "eigenproblems scaled by hand, calculations at both ends",
+            "test_axial_force_over_cycle": "matrices put together by hand",
             "test_bearing_range": "the same engine in bearings of one stiffness each",
             "test_chain_difference": "matrices put together by hand",
             "test_first_modes": "two inertias on a spring",
@@ -74,6 +77,7 @@ GROUPS: dict[str, tuple[str, dict[str, str]]] = {
             "test_power_and_load": "integral over the volume; MAN B&W 6S50MC-C, 9480 kW",
             "test_known_balance": "series of the slider-crank, handbooks",
             "test_named_throws": "sums and matrices by hand",
+            "test_study_limits": "comparisons of the throws' own dimensions",
         },
     ),
     "Outside programs": (

@@ -8,7 +8,7 @@ import time
 import traceback
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import ExitStack, contextmanager, suppress
-from typing import NoReturn, TypeVar
+from typing import Any, NoReturn, TypeVar
 
 from rich import box
 from rich.console import Console
@@ -36,9 +36,14 @@ errors = Console(stderr=True)
 output = Console(markup=False)
 
 
-def print_json(content: object) -> None:
-    """Print JSON content, and nothing else, on standard output."""
-    sys.stdout.write(json.dumps(content, indent=1, allow_nan=False) + "\n")
+def print_json(content: dict[str, Any], within: str = "") -> None:
+    """Print JSON content with the units of its numbers, and nothing else, on standard output.
+
+    `within` is the name under which such content stands in other documents, "torque" or "axial".
+    """
+    from crankfem.analyses.record_units import with_units
+
+    sys.stdout.write(json.dumps(with_units(content, within), indent=1, allow_nan=False) + "\n")
 
 
 def print_line(text: str) -> None:

@@ -116,7 +116,7 @@ def _reached(assessment: Record) -> str:
     failed = sum(not one["passed"] for one in assessment["checks"])
     others = failed - 1
     more = f"; {others} more {'place exceeds' if others == 1 else 'places exceed'} a limit"
-    condition = "With the values assumed: " if undecided(assessment) else ""
+    condition = "With the values used: " if undecided(assessment) else ""
     limit = worst["limit"] if condition else worst["limit"].capitalize()
     return f"{condition}{limit}, {worst['place']}: {shown}{more if others > 0 else ''}."
 

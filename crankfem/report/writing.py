@@ -23,6 +23,7 @@ from crankfem.analyses.throw.stress import mirrored, stress_tables
 from crankfem.analyses.throw.throw_tables import reaction_table, support_table
 from crankfem.analyses.vibration.speed_table import speed_table
 from crankfem.analyses.vibration.tables import (
+    barred_within_error,
     element_table,
     limit_table,
     load_table,
@@ -58,6 +59,7 @@ LATER_ABOUT: dict[str, Any] = {"python": None, "platform": None, "processors": N
 TABLES = (
     balance_contents,
     balance_table,
+    barred_within_error,
     bearing_table,
     element_table,
     limit_table,

@@ -292,6 +292,11 @@ class HingeProfile:
         ):
             closed = MILLI * np.append(curve, curve[0])
             axes.plot(closed.real, closed.imag, color=color, linewidth=1.4, label=name)
+        if self.roller_radius > 0.0:
+            roller = path[0] + self.roller_radius * np.exp(1j * np.linspace(0.0, TURN, 181))
+            axes.plot(
+                MILLI * roller.real, MILLI * roller.imag, color=GRAY, linewidth=1.0, label="roller"
+            )
         axes.plot([0.0], [0.0], "+", color=GRAY)
         axes.set_aspect("equal")
         axes.set_xlabel("$\\rho\\,\\cos\\,\\varphi$ [mm]")

@@ -154,7 +154,7 @@ def test_a_verdict_that_hangs_on_assumptions_is_undecided(results):
         "Verdict: Undecided: torsional stress of crankshaft 115 %"
     )
     found = conclusions(results)
-    assert found[0].startswith("With the values assumed: torsional stress of crankshaft")
+    assert found[0].startswith("With the values used: torsional stress of crankshaft")
     assert any("Acceptable with a tensile strength of 590 MPa." in line for line in found)
 
 

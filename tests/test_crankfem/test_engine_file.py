@@ -264,7 +264,7 @@ REFUSED = {
     ),
     "torque table that is nowhere": (
         {"torque.table": '"nowhere.csv"'},
-        ["torque.table", "'nowhere.csv'", "beside the engine file"],
+        ["torque.table", "'nowhere.csv'", "neither beside", "nor a shipped table"],
     ),
     "unknown source of compliances": (
         {"vibration.axial_source": '"guess"'},
@@ -375,7 +375,7 @@ def test_a_hinge_is_no_engine(tmp_path, monkeypatch, call, command):
     [
         ("check",),
         ("mechanism",),
-        ("vibration",),
+        pytest.param(("vibration",), marks=pytest.mark.slow),
         ("draw", "--output", "a.svg"),
         ("export", "a.step", "--shaft"),
     ],

@@ -732,6 +732,7 @@ def test_vibration_of_an_engine(tmp_path, strict, coupled_vibration):
         "torsional_modes",
         "torsional_campbell",
         "torsional_amplitude",
+        "axial_force",
         "torsional_stress",
         "shaft_modes",
         "axial_split",

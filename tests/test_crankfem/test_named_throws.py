@@ -376,13 +376,20 @@ def test_a_regression_that_does_not_know_a_throw_is_left_out():
     class Model:
         """Knows 1e-9 m/N of throws without a counterweight, or of all."""
 
+        responses = ("axial_compliance",)
+
         def __init__(self, family):
             self.family = family
+            self.material = {}
 
-        def of_throw(self, throw):
+        def dimensions_of(self, throw):
             if throw not in self.family:
                 raise InputError("counterweight: given one; allowed is none.")
-            return {"axial_compliance": SimpleNamespace(value=1e-9 * (1 + throw.pin_length))}
+            return {"pin_length": throw.pin_length}
+
+        def lookup(self, _, *, pin_length):
+            value = 1e-9 * (1 + pin_length)
+            return SimpleNamespace(value=value, inside=True, lower=0.9 * value, upper=1.1 * value)
 
     known = axial_vibration(engine, analyses, shaft, Model(engine.crank_throws))
     found = next(own for own in known.others if own.source == "regression")
@@ -392,9 +399,7 @@ def test_a_regression_that_does_not_know_a_throw_is_left_out():
     plain = Model([engine.named_throws["plain"]])
     unknown = axial_vibration(engine, analyses, shaft, plain)
     assert "regression" not in [own.source for own in unknown.others]
-    assert unknown.unusable[0].startswith(
-        "regression: says nothing of the throw heavy: counterweight"
-    )
+    assert unknown.unusable[0].startswith("regression: says nothing of throw heavy: counterweight")
     formulas = next(own for own in unknown.others if own.source == "Dorey").compliances
     assert formulas[0] != close(formulas[1], rel=1e-3)
 

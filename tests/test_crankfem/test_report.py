@@ -24,6 +24,7 @@ from crankfem.report import text_filters
 from crankfem.report.figures import load_figures, script_text
 from crankfem.report.summary import summary
 from crankfem.report.writing import render_report, script, write_report
+from regression.models.compliance_model import ComplianceModel
 
 STORED = Path(__file__).with_name("report_results.json")
 VOID = {"meta", "img", "br", "link", "input", "hr"}
@@ -217,7 +218,7 @@ def test_an_undecided_verdict_says_first_what_decides(results):
     results["vibration"]["assessment"]["decision"] = {"status": "undecided", "sentence": said}
     found = summary(results)
     assert (found["status"], found["headline"]) == ("barred", "Undecided")
-    assert found["sentences"][0].startswith("With the values assumed: torsional stress")
+    assert found["sentences"][0].startswith("With the values used: torsional stress")
     assert any(one.startswith(f"A{said[1:]}.") for one in found["sentences"])
 
 
@@ -254,13 +255,18 @@ def test_compliances_of_all_sources_stand_side_by_side(results):
     assert found["range"]["axial"] == (min(applying), max(applying))
 
 
-def test_the_regression_answers_with_the_chosen_form(results):
-    found = regression_record(results["study"], {"axial_compliance": 1.3e-9})
+def test_the_regression_answers_with_the_chosen_form(model_file):
+    fit = ComplianceModel.load(model_file).responses["axial_compliance"]
+    found = regression_record({"axial": (1.3e-9, fit)}, "the saved model six.json")
     assert set(found) == {"axial"}
-    fits = results["study"]["fits"]["axial_compliance"]
-    (chosen,) = [form for form in fits["forms"] if form["form"] == fits["chosen"]]
-    assert found["axial"]["largest_error_held_out"] == chosen["largest_error_held_out"]
-    assert regression_record(None, {}) is None
+    assert found["axial"]["largest_error_held_out"] == fit.largest_heldout_error
+    assert found["axial"]["of"] == "the saved model six.json"
+    assert found["axial"]["remarks"][0].startswith(
+        "Quadratic equation fitted to 9 designs; its largest"
+    )
+    unjudged = fit.model_copy(update={"largest_heldout_error": None})
+    (said,) = regression_record({"axial": (1.3e-9, unjudged)})["axial"]["remarks"]
+    assert said.endswith("none was held out to judge it.")
 
 
 def test_a_plot_goes_with_its_picture(results, page, tmp_path):

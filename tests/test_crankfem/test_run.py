@@ -446,7 +446,7 @@ def test_vibration_without_the_study(lightly, call):
     content = answer.json()
     assert set(content) == {
         *("axial", "torsional", "forced", "assumed", "assessment", "whole", "bearings", "files"),
-        *("load", "misfiring", "misfiring_note"),
+        *("load", "misfiring", "misfiring_note", "axial_force", "units"),
     }
     assert content["torsional"]["modes"][0]["rigid"] is True
     assert content["torsional"]["modes"][0]["frequency"] == close(0.0, abs=1e-2)

@@ -25,6 +25,7 @@ from crankfem.analyses.shaft.whole_shaft import (
     shaft_response,
     whole_shaft,
 )
+from crankfem.analyses.vibration.records import run_record
 from crankfem.analyses.vibration.run import engine_vibration
 from crankfem.files.engine.mechanism_file import load_mechanism
 from dynamics.chains.chain import Chain
@@ -165,6 +166,15 @@ def test_an_engine_that_turns_the_other_way_vibrates_the_same(six, coupled_vibra
     assert senses[0] == -senses[1]
     for peaks in zip(*(_peaks(run) for run in runs), strict=True):
         assert peaks[1] == close(peaks[0], rel=1e-6)
+    # The thrust bearing, here at the flywheel, by the whole shaft.
+    told = run_record(runs[0])["axial_force"]["running_whole"]
+    speeds, moved = (
+        getattr(runs[0].comparison.coupled.split("section 6 uz"), name)
+        for name in ("speeds", "both_sum")
+    )
+    engine = runs[0].engine_file.engine
+    running = (speeds >= engine.lowest_speed - 1e-9) & (speeds <= engine.highest_speed + 1e-9)
+    assert told["amplitude"] == close(8e8 * moved[running].max())
 
 
 def _peaks(run):
@@ -176,6 +186,8 @@ def _peaks(run):
         split.tangential_sum.max(),
         split.radial_sum.max(),
         split.both_sum.max(),
+        run.axial_force.held.max(),
+        run.axial_force.thrust_bearing.max(),
     )
 
 
@@ -189,6 +201,7 @@ def test_chains_with_more_behind_the_flywheel_are_not_compared(six, monkeypatch)
     monkeypatch.setattr("crankfem.analyses.vibration.run.whole_shaft", lambda *_: whole)
     run = engine_vibration(longer, analysis=analysis, coupled=True)
     assert (run.comparison.axial, run.comparison.torsional) == (None, None)
+    assert run_record(run)["axial_force"]["running_whole"] is None
     record = whole_record(run.whole, run.comparison)
     assert record["chains"] == {}
     assert record["axial_split"]["both"] > 1e-6

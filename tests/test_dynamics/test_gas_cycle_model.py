@@ -105,6 +105,7 @@ def burnt_share(cycle, angles):
 
 
 @given(st.floats(0.0, 5.0), st.floats(0.6, 0.9999), st.floats(-40.0, 10.0), st.floats(5.0, 110.0))
+@settings(max_examples=40)
 def test_burnt_share_rises_from_nothing_to_all(shape, completeness, start, duration):
     cycle = replace(
         FOUR,

@@ -268,3 +268,15 @@ def test_an_order_beyond_the_samples_would_appear_as_a_lower_one():
     assert found.amplitude[4] == close(1.0)
     with pytest.raises(InputError, match="order: given 7; allowed are 1 to 6"):
         found.index_of(7)
+
+
+def test_each_harmonic_by_itself_and_their_partial_sums():
+    rng = np.random.default_rng(3)
+    samples = rng.normal(size=(12))
+    found = harmonics(samples, 2)
+    angles = sample_angles(12, 2)
+    each = found.each_at(angles)
+    assert each.shape == (6, 12)
+    assert found.mean + np.cumsum(each, axis=0)[-1] == close(samples, abs=1e-12)
+    assert each[1] == close(found.amplitude[1] * np.sin(2.0 * angles + found.phase[1]), abs=1e-12)
+    assert found.each_at(0.3) == close(found.amplitude * np.sin(found.orders * 0.3 + found.phase))

@@ -39,6 +39,7 @@ from dynamics.engine.forces import mechanism_forces
 from dynamics.engine.layout import EngineLayout
 from dynamics.engine.loads import LoadDiagram
 from dynamics.excitation.axial_comparison import AxialForceComparison
+from dynamics.excitation.axial_cycle import axial_force_over_cycle
 from dynamics.excitation.cylinders import CylinderForces
 from dynamics.excitation.pressure_map import pressure_map
 from dynamics.gas.gas_cycle import GasCycleResult
@@ -310,6 +311,17 @@ def closed(values):
     return np.append(values, values[0])
 
 
+def axial_cycle():
+    return axial_force_over_cycle(
+        0.5 * np.pi * np.arange(4.0),
+        50.0,
+        rising(16).reshape(4, 2, 2),
+        [1e-9, 2e-9],
+        1e-10 * rising(8).reshape(2, 2, 2),
+        thrust_bearing=np.array([1e3, 3e3, -2e3, 0.5e3]),
+    )
+
+
 def over_cycle(angles, values):
     """Degrees and values with the closing sample, which the object leaves out."""
     degrees = np.degrees(angles)
@@ -401,12 +413,36 @@ CASES = {
         lambda o: {"954.9 1/min": over_cycle(o.diagrams[1].angles, 1e-6 * o.diagrams[1].pressure)},
     ),
     "PressureMap, at": (pressures, {"speed": 100.0, "load": 0.75}, 1, 0, None),
+    "AxialForceOverCycle": (
+        axial_cycle,
+        {},
+        3,
+        0,
+        lambda o: {
+            "on the thrust bearing, vibrating": (
+                [0.0, 90.0, 180.0, 270.0, 360.0],
+                1e-3 * np.append(o.thrust_bearing, o.thrust_bearing[0]),
+            )
+        },
+    ),
     "Harmonics": (
         lambda: harmonics([0.0, 1.0, 0.0, -1.0, 2.0, 0.0], 4),
         {"unit": "N m", "highest_order": 1.0},
         0,
         2,
         None,
+    ),
+    "Harmonics, curves": (
+        lambda: harmonics([0.0, 1.0, 0.0, -1.0, 2.0, 0.0], 4),
+        {"unit": "N m", "show": "curves", "highest_order": 1.0},
+        2,
+        0,
+        lambda o: {
+            f"order 0.5: {o.amplitude[0]:.4g} N m, {np.degrees(o.phase[0]):.1f} deg": (
+                np.linspace(0.0, 720.0, 721),
+                o.amplitude[0] * np.sin(0.5 * np.radians(np.arange(721.0)) + o.phase[0]),
+            )
+        },
     ),
     "PinForceHarmonics": (pin_harmonics, {"highest_order": 2.0}, 0, 12, None),
     "TorqueTable": (
@@ -844,6 +880,10 @@ TABLES = {
     "ComplexModes": (
         lambda: complex_modes(response()),
         lambda o: {"frequency": (o.frequencies, "Hz"), "damping_ratio": (o.damping_ratios, "1")},
+    ),
+    "AxialForceOverCycle": (
+        axial_cycle,
+        lambda o: {"held": (o.held, "N"), "throw_2": (o.throws[:, 1], "N")},
     ),
     "Harmonics": (
         lambda: harmonics([0.0, 1.0, 0.0, -1.0], 4),

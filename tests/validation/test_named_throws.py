@@ -139,6 +139,7 @@ def in_a_row(analyses):
     return np.diff(motions[2::6, 0]), np.diff(motions[5::6, 1])
 
 
+@pytest.mark.slow
 def test_the_axial_chain(run, analyses, figure):
     lengthening, _ = in_a_row(analyses)
     halves = np.array([analyses[name].mass for name in NAMES]) / 2.0
@@ -158,6 +159,7 @@ def test_the_axial_chain(run, analyses, figure):
     figure("natural frequencies", run.axial.chosen.elastic_frequencies, frequencies, SOLVED, "Hz")
 
 
+@pytest.mark.slow
 def test_the_torsional_chain(run, analyses, figure):
     _, twist = in_a_row(analyses)
     moving = (ROD - ROTATING + PISTON) / 2.0
@@ -170,6 +172,7 @@ def test_the_torsional_chain(run, analyses, figure):
     figure("stiffness between the cranks", chain.stiffness, 1.0 / joined, SOLVED, "N m/rad")
 
 
+@pytest.mark.slow
 def test_the_whole_crankshaft(engine, analyses, figure):
     """Sections stand where throws end; moved along itself it has the mass of throws and flywheel."""
     shaft = whole_shaft(engine, analyses).crankshaft.shaft

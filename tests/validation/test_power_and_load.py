@@ -62,6 +62,7 @@ def test_published_power_and_mean_effective_pressure(figure):
     figure("mechanical efficiency", power.mechanical_efficiency, 19.0 / 20.0, 3e-3)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", OWN)
 def test_a_propeller_takes_the_cube_of_the_speed(name, figure):
     """In what is told, in the torque of the mechanism and in the forces that excite vibration."""

@@ -12,6 +12,7 @@ from crankfem.analyses.record import ASSUMED, Record, assumed_values, attributes
 from crankfem.analyses.shaft.motion import MOTION
 from crankfem.analyses.shaft.whole_records import whole_record
 from crankfem.analyses.vibration.assessment_records import assessment_record
+from crankfem.analyses.vibration.axial_cycle import axial_cycle_record
 from crankfem.analyses.vibration.bearing_sweep import BearingSweep
 from crankfem.analyses.vibration.engine_load import EngineLoad
 from crankfem.analyses.vibration.forced import ForcedVibration
@@ -42,6 +43,7 @@ def run_record(run: EngineVibration) -> Record:
     return {
         **{own.kind: vibration_record(own) for own in (run.axial, run.torsional)},
         "forced": {own.kind: forced_record(own) for own in forced if own is not None} or None,
+        "axial_force": _axial_force(run),
         "load": None if run.load is None else load_record(run.load),
         "assumed": assumed_values(input_values(run.engine_file)),
         "assessment": None if run.assessment is None else assessment_record(run.assessment),
@@ -50,6 +52,15 @@ def run_record(run: EngineVibration) -> Record:
         "whole": None if run.whole is None else whole_record(run.whole, run.comparison),
         "bearings": None if run.bearings is None else sweep_record(run.bearings),
     }
+
+
+def _axial_force(run: EngineVibration) -> Record | None:
+    if run.axial_force is None or run.forced_axial is None:
+        return None
+    compared = run.comparison
+    # Without a chain to compare with, the whole crankshaft lacks what follows the flywheel.
+    coupled = None if compared is None or compared.axial is None else compared.coupled
+    return axial_cycle_record(run.axial_force, run.forced_axial, run.engine_file, coupled)
 
 
 def load_record(load: EngineLoad) -> Record:

@@ -125,6 +125,12 @@ def source_table(record: Record, said: Callable[[str], str] = str) -> Table:
     )
 
 
+def barred_within_error(ranges: list[Record]) -> str:
+    """Say which speeds have to be barred over the range of the compliances."""
+    shown = ", ".join(f"{one['low_rpm']:.0f} to {one['high_rpm']:.0f}" for one in ranges)
+    return f"over that range of the compliances, speeds to be barred lie within {shown} 1/min"
+
+
 def resonance_table(record: Record, units: OutputUnits = SI) -> Table:
     """Return the most severe resonances of a `forced_record`, by speed."""
     kind, found = record["kind"], record["resonances"]

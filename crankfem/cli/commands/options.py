@@ -44,6 +44,15 @@ ModelArgument = Annotated[
         metavar="MODEL.json", help="Model file.", autocompletion=completion.files(".json")
     ),
 ]
+SavedModelOption = Annotated[
+    Path | None,
+    typer.Option(
+        "--model",
+        metavar="MODEL.json",
+        help="Take the compliances that this saved model holds from it, in place of the file's sources.",
+        autocompletion=completion.files(".json"),
+    ),
+]
 SpeedOption = Annotated[
     str | None,
     typer.Option(metavar='"1000 1/min"', help="Speed of an engine; its rated speed by default."),

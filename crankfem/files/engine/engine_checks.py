@@ -104,10 +104,11 @@ def check_sources(vibration: VibrationSettings, study: StudyPlan | None) -> None
         ("axial", vibration.axial_source, AXIAL_FORMULA_NAMES),
         ("torsional", vibration.torsional_source, TORSIONAL_FORMULA_NAMES),
     ):
-        allowed = ["fe", "fe pinned", *(["regression"] if study is not None else []), *formulas]
+        fitted = study is not None or vibration.model is not None
+        allowed = ["fe", "fe pinned", *(["regression"] if fitted else []), *formulas]
         if given.casefold() not in [name.casefold() for name in allowed]:
             reason = (
-                ", because the file has no section [study] to fit"
+                ", because the file has neither a section [study] to fit nor a vibration.model"
                 if given.casefold() == "regression"
                 else ""
             )

@@ -229,6 +229,12 @@ load, gas_map, misfire, propeller_forces, limits, ranges, torque_table, two_mass
         return tuple(throws[name] for name in self.throw_names)
 
     @property
+    def model_path(self) -> Path | None:
+        """The saved compliance model that the file names, if any."""
+        name = self.vibration.model
+        return None if name is None else self.path.parent / name
+
+    @property
     def pins(self) -> tuple[int, ...]:
         """Pin that each cylinder works on, from 0, counted along the shaft."""
         return pins_of(self.engine, self.throw, self.throws, self.hinged_rods)
@@ -369,7 +375,7 @@ def _read_engine(content: TomlFile) -> EngineFile:
         if own.name == "throw":
             throws = read_throws(content)
         elif own.name == "torque_table":
-            sections[own.name] = _torque_table(content)
+            sections[own.name] = torque_table_path(content)
         elif own.name == "shaft_lines":
             sections[own.name] = read_shaft_lines(content)
         elif own.name in kinds:
@@ -388,6 +394,7 @@ def _read_engine(content: TomlFile) -> EngineFile:
     )
 
 
-def _torque_table(content: TomlFile) -> Path | None:
+def torque_table_path(content: TomlFile) -> Path | None:
+    """Return the torque table that a file names, if it names one."""
     given = content.model("torque", TorqueTable)
     return None if given is None else find_table("torque.table", content.path, given.table)

@@ -314,13 +314,19 @@ class VibrationSettings(InputModel):
     """Choices for the vibration calculation."""
 
     section: ClassVar[str] = "vibration"
-    choices = frozenset({"axial_source", "torsional_source", "reciprocating", "highest_order"})
+    choices = frozenset(
+        {"axial_source", "torsional_source", "model", "reciprocating", "highest_order"}
+    )
 
     axial_source: str = Field(
         "fe", description="source of axial compliances: fe, regression or a formula"
     )
     torsional_source: str = Field(
         "fe", description="source of torsional compliances: fe, regression or a formula"
+    )
+    model: str | None = Field(
+        None,
+        description="saved compliance model, a file beside the engine file, as the source regression",
     )
     reciprocating: Literal["half", "mean"] = Field(
         "half",

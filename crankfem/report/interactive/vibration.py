@@ -7,6 +7,7 @@ import numpy as np
 from crankbase.drawing.curves import Curves
 from crankfem.analyses.shaft.motion import MOTION
 from crankfem.analyses.shaft.plots.shaft_mode_plots import plot_shaft_modes
+from crankfem.analyses.titles import at_speed
 from crankfem.analyses.vibration.modes import Vibration
 from crankfem.analyses.vibration.run import EngineVibration, Kind
 from crankfem.report.interactive.campbell import campbell
@@ -158,6 +159,11 @@ def amplitudes_over_speed(
     )
 
 
+def _axial_force(run: EngineVibration) -> Curves:
+    assert run.axial_force is not None
+    return run.axial_force.curves()
+
+
 def _axial_split(run: EngineVibration) -> Curves:
     assert run.comparison is not None
     assert run.comparison.coupled is not None
@@ -198,6 +204,15 @@ VIBRATION: Plots[EngineVibration] = Plots(
     (
         *_of_kind("axial"),
         *_of_kind("torsional"),
+        plot_of_curves(
+            "axial_force",
+            "Axial force over the cycle, on the thrust bearing and on held ends",
+            "Axial force at rated speed: on the thrust bearing as the shaft vibrates, and with which the "
+            "shaft would press on its ends, were both held.",
+            _axial_force,
+            lambda run: at_speed(run.engine_file.engine.name, run.engine_file.engine.rated_speed),
+            needs="forced",
+        ),
         plot_of_curves(
             "torsional_stress",
             "Nominal torsional stress by order over the speed",
