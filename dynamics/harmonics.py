@@ -6,9 +6,9 @@ from typing import Literal, get_args
 import numpy as np
 from numpy.typing import ArrayLike
 
+from crankbase.checks.angles import radians_of
 from crankbase.checks.arrays import (
     FloatArray,
-    finite_array,
     finite_vector,
     positive_number,
     read_only,
@@ -133,13 +133,13 @@ class Harmonics:
             return f"those above {self.orders[-1]:g} were left out"
         return f"{self.samples} samples over one cycle resolve no others"
 
-    def at(self, crank_angle: ArrayLike) -> FloatArray:
+    def at(self, *, crank_angle_deg: ArrayLike) -> FloatArray:
         """Sum the series at crank angles; at the sample points all orders give the samples.
 
         Parameters
         ----------
-        crank_angle : array_like of any shape
-            Crank angle x [rad].
+        crank_angle_deg : array_like of any shape
+            Crank angle x [deg].
 
         Returns
         -------
@@ -149,17 +149,17 @@ class Harmonics:
         Raises
         ------
         InputError
-            If an angle is not a finite number.
+            If an angle is not a finite number, or they are radians.
         """
-        return np.asarray(self.each_at(crank_angle).sum(axis=0) + self.mean)
+        return np.asarray(self.each_at(crank_angle_deg=crank_angle_deg).sum(axis=0) + self.mean)
 
-    def each_at(self, crank_angle: ArrayLike) -> FloatArray:
+    def each_at(self, *, crank_angle_deg: ArrayLike) -> FloatArray:
         """Return each harmonic by itself; mean and running sum of them are the partial sums.
 
         Parameters
         ----------
-        crank_angle : array_like of any shape
-            Crank angle x [rad].
+        crank_angle_deg : array_like of any shape
+            Crank angle x [deg].
 
         Returns
         -------
@@ -169,9 +169,9 @@ class Harmonics:
         Raises
         ------
         InputError
-            If an angle is not a finite number.
+            If an angle is not a finite number, or they are radians.
         """
-        arguments = np.multiply.outer(self.orders, finite_array("crank_angle", crank_angle))
+        arguments = np.multiply.outer(self.orders, radians_of("crank_angle_deg", crank_angle_deg))
         cosine, sine = (
             part.reshape(-1, *(1,) * (arguments.ndim - 1)) for part in (self.cosine, self.sine)
         )

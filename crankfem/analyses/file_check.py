@@ -256,12 +256,9 @@ def excluded_designs(planned: PlannedStudy) -> tuple[str, ...]:
 
 
 def _thrust_bearing(read: EngineFile) -> str:
-    """Say which bearing is meant: the file counts from 0, tables of loads from 1."""
-    place, count = read.thrust_bearing.bearing, len(read.throw_angles) + 1
-    return (
-        f"thrust bearing at main bearing {place + 1} of {count}, counted from 1 at the free end "
-        f"(bearing = {place} in the file, which counts from 0)"
-    )
+    """Say which bearing is meant."""
+    place, count = read.thrust_bearing.main_bearing, len(read.throw_angles_deg) + 1
+    return f"thrust bearing at main bearing {place} of {count}, counted from 1 at the free end"
 
 
 def _checked_mechanism(read: EngineFile) -> Iterable[str]:

@@ -15,7 +15,7 @@ from geometry.throw import CrankThrow
 
 # Of names, and of names that end so: "largest_side_force" is a force. Plain numbers have the unit "1".
 _WORDS = {
-    "1": "count error errors estimate factor inflation margin number order orders ratio share",
+    "1": "count error errors estimate factor inflation margin number order orders ratio residual share",
     "m": "diameter diameters height length radius",
     "m^2": "area",
     "deg": "deg",
@@ -36,7 +36,7 @@ _NAMES = {
     "crankpin_beside_mean cranks cylinder cylinders detuning elements elements_across_fillets "
     "evaluations exponent f_value fe_scatter figure fluctuation held_out largest_error_at_runs "
     "largest_error_held_out largest_leverage largest_of_mean largest_of_same_angle likeness magnifier "
-    "mean_error_at_runs mean_error_held_out mechanical_efficiency mended_elements mode moment_residual "
+    "mean_error_at_runs mean_error_held_out mechanical_efficiency mended_elements mode "
     "node_positions nodes nonuniformity of_mean of_same_angle overlap_per_radius phase_sum pins points "
     "processors q_squared r_squared resultant rho runs same_stars samples sense severity shape "
     "side_force_beside_largest strokes t throw torsional_beside_pinned unknowns used written",

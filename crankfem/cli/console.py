@@ -65,6 +65,11 @@ def print_path(text: str) -> None:
     output.print(text, soft_wrap=True, highlight=False)
 
 
+def print_warning(text: str) -> None:
+    """Print on standard error that data are lost or damaged, which --quiet does not hide."""
+    print_note(f"Warning: {text}")
+
+
 def print_note(text: str, quiet: bool = False) -> None:
     """Print a note on standard error, unless --quiet is given."""
     if not quiet:
@@ -179,7 +184,7 @@ def _stop(message: str, code: int) -> NoReturn:
 
 
 class RunProgress:
-    """Steps of a run and a bar for its study, on standard error; with `quiet` nothing is shown."""
+    """Steps of a run and a bar for its study, on standard error; with `quiet` warnings alone are shown."""
 
     def __init__(self, quiet: bool = False) -> None:
         self._quiet = quiet
@@ -234,7 +239,8 @@ class RunProgress:
             self._bar.update(self._task, completed=finished, total=total, pace=shown, refresh=True)
         if newest is not None and newest.reason is not None:
             fate = "lost, to be tried again by the next run" if newest.lost else "failed"
-            self.note(f"design {newest.key[:6]} {fate}: {newest.reason}")
+            tell = self.warn if newest.lost else self.note
+            tell(f"design {newest.key[:6]} {fate}: {newest.reason}")
         if not self._quiet and not errors.is_terminal and now - self._said >= LINE_EVERY:
             self._said = now
             errors.print(f"{finished} of {total} designs, {shown}", soft_wrap=True)
@@ -242,6 +248,10 @@ class RunProgress:
     def note(self, text: str) -> None:
         """Print a remark above the bar."""
         print_note(f"Note: {text}", self._quiet)
+
+    def warn(self, text: str) -> None:
+        """Print above the bar that data are lost or damaged, with `quiet` too."""
+        print_warning(text)
 
     def finish(self) -> None:
         """Take the last step for done."""

@@ -169,7 +169,7 @@ def _compute(
     study = None
     if inputs.study is not None:
         told.step("Running the study")
-        study = fitted(run_plan(inputs.study, store, workers, told.design, note=told.note))
+        study = fitted(run_plan(inputs.study, store, workers, told.design, note=told.warn))
     elif engine_file.study is not None:
         told.note(f"The study is not run: the saved model {inputs.saved_path} stands in its place.")
     model = inputs.model if study is None else study.model

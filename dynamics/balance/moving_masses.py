@@ -12,7 +12,7 @@ from crankbase.summaries import summarized
 from dynamics.balance.hodograph import Hodograph
 from dynamics.engine.cylinder import RotatingMass
 from dynamics.engine.layout import EngineLayout
-from dynamics.engine.motions import cylinder_motion
+from dynamics.engine.motions import parts_motion
 from dynamics.engine.orders import turn_spectrum
 
 # A force and where along the shaft it acts [m].
@@ -132,7 +132,9 @@ def balancing_masses(
     return tuple(
         RotatingMass(
             mass * engine.crank_radius,
-            angle_deg=math.degrees(_opposite(engine.cylinders[main - 1].crank_angle)),
+            angle_deg=math.degrees(
+                _opposite(math.radians(engine.cylinders[main - 1].crank_angle_deg))
+            ),
             position=engine.cylinders[main - 1].position,
         )
         for main, mass in pins.items()
@@ -167,7 +169,7 @@ def reciprocating_forces(
     numbers = range(1, len(engine.cylinders) + 1)
 
     def forces(angles: FloatArray) -> ComplexArray:
-        motions = (cylinder_motion(engine, number, angles).piston for number in numbers)
+        motions = (parts_motion(engine, number, angles).piston for number in numbers)
         return np.array(
             [
                 -mass * motion.acceleration(speed).real
@@ -203,7 +205,9 @@ def cylinder_forces(
         found[order] = [
             (
                 cylinder.position,
-                Hodograph(order, forward, backward).times(cmath.exp(1j * cylinder.bank_angle)),
+                Hodograph(order, forward, backward).times(
+                    cmath.exp(1j * math.radians(cylinder.bank_angle_deg))
+                ),
             )
             for cylinder, forward, backward in zip(engine.cylinders, ahead, back, strict=True)
         ]

@@ -5,7 +5,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from crankbase.checks.arrays import FloatArray, finite_array, finite_vector, positive_vector
+from crankbase.checks.angles import checked_degrees
+from crankbase.checks.arrays import FloatArray, finite_array, positive_vector
 from crankbase.drawing.curves import Curves, Series, draw_curves
 from crankbase.drawing.diagram_style import BLUE, GRAY, new_axes
 from crankbase.drawing.legends import legend_below, write_title
@@ -16,15 +17,17 @@ from crankbase.tables.frames import table
 from dynamics.plots.quantities import KILO
 
 
-@summarized("shaft_angles [rad]", "speed [rad/s]", "throws [N]", "held [N]", "thrust_bearing [N]")
+@summarized(
+    "shaft_angles_deg [deg]", "speed [rad/s]", "throws [N]", "held [N]", "thrust_bearing [N]"
+)
 @dataclass(frozen=True, eq=False)
 class AxialForceOverCycle:
     """Axial forces over one cycle at constant speed, under the forces of all cylinders.
 
     Parameters
     ----------
-    shaft_angles : ndarray of shape (m,)
-        Even over the cycle, the closing one left out [rad].
+    shaft_angles_deg : ndarray of shape (m,)
+        Even over the cycle, the closing one left out [deg].
     speed : float
         [rad/s].
     throws : ndarray of shape (m, n)
@@ -42,7 +45,7 @@ class AxialForceOverCycle:
     none of them, but for what moves the masses: its force is that of the vibration.
     """
 
-    shaft_angles: FloatArray
+    shaft_angles_deg: FloatArray
     speed: float
     throws: FloatArray
     held: FloatArray
@@ -50,7 +53,7 @@ class AxialForceOverCycle:
 
     def curves(self) -> Curves:
         """Describe both forces over the shaft angle, the cycle closed."""
-        degrees, held = np.degrees(self.shaft_angles), KILO * self.held
+        degrees, held = self.shaft_angles_deg, KILO * self.held
         series = [
             Series(
                 "both ends held, no vibration", np.append(held, held[0]), color=GRAY, dash="dash"
@@ -89,7 +92,7 @@ class AxialForceOverCycle:
 
     def columns(self) -> dict[str, FloatArray]:
         """Return all forces over the shaft angle, units in the names, each (m,)."""
-        found = {"shaft_angle_deg": np.degrees(self.shaft_angles)}
+        found = {"shaft_angle_deg": self.shaft_angles_deg}
         if self.thrust_bearing is not None:
             found["thrust_bearing_N"] = self.thrust_bearing
         found["held_N"] = self.held
@@ -112,23 +115,24 @@ class AxialForceOverCycle:
         """
         angles, *forces = self.columns().items()
         named = {name.removesuffix("_N"): (own, "N") for name, own in forces}
-        return table({"shaft_angle": (np.radians(angles[1]), "rad")} | named)
+        return table({"shaft_angle": (angles[1], "deg")} | named)
 
 
 def axial_force_over_cycle(
-    shaft_angles: ArrayLike,
     speed: float,
     pin_forces: ArrayLike,
     compliances: ArrayLike,
     influence: ArrayLike,
     thrust_bearing: FloatArray | None = None,
+    *,
+    shaft_angles_deg: ArrayLike,
 ) -> AxialForceOverCycle:
     """Find the axial forces of a shaft from the forces on its pins at every angle.
 
     Parameters
     ----------
-    shaft_angles : array_like of shape (m,)
-        [rad].
+    shaft_angles_deg : array_like of shape (m,)
+        [deg].
     speed : float
         [rad/s].
     pin_forces : array_like of shape (m, p, 2)
@@ -154,7 +158,7 @@ def axial_force_over_cycle(
     Throw i would lengthen by d_i = sum over j of c_ij F_j. Held at both ends, the shaft presses on
     them with (sum of d_i) / (sum of e_i): a pull of 1 N lengthens it by the sum of e_i.
     """
-    angles = finite_vector("shaft_angles", shaft_angles)
+    angles = checked_degrees("shaft_angles_deg", shaft_angles_deg, vector=True)
     forces, c = finite_array("pin_forces", pin_forces), finite_array("influence", influence)
     e = positive_vector("compliances", compliances, "m/N", "every throw yields under load")
     if c.ndim != 3 or c.shape[::2] != (e.size, 2) or forces.shape != (angles.size, c.shape[1], 2):
@@ -165,7 +169,7 @@ def axial_force_over_cycle(
         )
     lengthening = np.einsum("npx,mpx->mn", c, forces)
     return AxialForceOverCycle(
-        shaft_angles=angles,
+        shaft_angles_deg=angles,
         speed=speed,
         throws=lengthening / e,
         held=lengthening.sum(axis=1) / e.sum(),

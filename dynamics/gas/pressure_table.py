@@ -102,7 +102,7 @@ def read_pressure_table(path: str | Path, strokes: int | None = None) -> GasPres
     _check_pressure(rows, pressure)
     _check_peak_angle(rows, pressure, cycle)
     return gas_pressure(
-        np.radians(rows.angles), pressure, found, source=rows.source, remarks=tuple(remarks)
+        pressure, found, source=rows.source, remarks=tuple(remarks), angles_deg=rows.angles
     )
 
 

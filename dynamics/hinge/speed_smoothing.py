@@ -150,7 +150,7 @@ def best_pressure(
 
     def fluctuation(logarithm: float) -> float:
         pressure = math.exp(logarithm) * hinge.spring.pressure
-        moment = driving + hinge.moment_at(angles, pressure)
+        moment = driving + hinge.moment_at(pressure, angles_deg=np.degrees(angles))
         energy = integrated(angles, reduced.inertia, moment)
         try:
             return steady_at(energy, flywheel, point.speed).fluctuation
@@ -175,8 +175,8 @@ def best_pressure(
         )
     unchanged = fluctuation(0.0)
     ratio = math.exp(float(found.x))
-    wanted, given = point.moment, hinge.moment_at(point.angles)
-    residual = wanted - hinge.moment_at(point.angles, ratio * hinge.spring.pressure)
+    wanted, given = point.moment, hinge.moment_at(angles_deg=point.angles_deg)
+    residual = wanted - hinge.moment_at(ratio * hinge.spring.pressure, angles_deg=point.angles_deg)
     return BestPressure(
         pressure=ratio * hinge.spring.pressure,
         ratio=ratio,

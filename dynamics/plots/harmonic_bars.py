@@ -74,8 +74,8 @@ class Sum(Protocol):
     def strokes(self) -> int:
         """Strokes per cycle."""
 
-    def at(self, crank_angle: FloatArray) -> FloatArray:
-        """Return the sum at crank angles [rad]."""
+    def at(self, *, crank_angle_deg: FloatArray) -> FloatArray:
+        """Return the sum at crank angles [deg]."""
 
 
 def over_cycle(samples: FloatArray, found: Sum) -> tuple[FloatArray, FloatArray, FloatArray]:
@@ -94,7 +94,11 @@ def over_cycle(samples: FloatArray, found: Sum) -> tuple[FloatArray, FloatArray,
     """
     cycle = 180.0 * found.strokes
     degrees = np.linspace(0.0, cycle, POINTS)
-    return degrees, found.at(np.radians(degrees)), np.arange(len(samples)) * cycle / len(samples)
+    return (
+        degrees,
+        found.at(crank_angle_deg=degrees),
+        np.arange(len(samples)) * cycle / len(samples),
+    )
 
 
 def draw_samples(

@@ -33,8 +33,8 @@ class Series(Protocol):
     def strokes(self) -> int:
         """Strokes per cycle."""
 
-    def each_at(self, crank_angle: FloatArray) -> FloatArray:
-        """Return each harmonic at crank angles [rad], (K, m)."""
+    def each_at(self, *, crank_angle_deg: FloatArray) -> FloatArray:
+        """Return each harmonic at crank angles [deg], (K, m)."""
 
 
 def harmonic_words(found: Series, place: int, unit: str) -> str:
@@ -63,7 +63,7 @@ def draw_single_harmonics(
     """
     axes = new_axes(axes)
     degrees = _cycle(found)
-    curves = found.each_at(np.radians(degrees))
+    curves = found.each_at(crank_angle_deg=degrees)
     strongest = np.sort(np.argsort(-found.amplitude, kind="stable")[: len(COLORS)])
     if samples is not None:
         step = degrees[-1] / len(samples)

@@ -236,7 +236,7 @@ def least_engine(six_cylinders):
         "engine.cylinders": "1",
         "engine.crank_angles": '["0 deg"]',
         "engine.firing_order": "[1]",
-        "thrust_bearing.bearing": "1",
+        "thrust_bearing.main_bearing": "2",
     }
     return edited(six_cylinders, changes)
 

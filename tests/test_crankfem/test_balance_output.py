@@ -60,7 +60,7 @@ def test_records_are_json_and_hold_the_numbers():
     assert (first["force_balanced"], first["moment_balanced"]) == (True, False)
     assert (second["force_balanced"], second["moment_balanced"]) == (False, True)
     assert second["force"]["major"] == found.of(2).force.major
-    assert second["force"]["angle_deg"] == math.degrees(found.of(2).force.angle)
+    assert second["force"]["angle_deg"] == found.of(2).force.angle_deg
     parts = [second["parts"][name]["force"] for name in ("reciprocating", "rotating", "lateral")]
     for place in (0, 1):
         total = sum(part["forward"][place] for part in parts)

@@ -2,6 +2,7 @@
 
 import itertools
 import json
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -11,6 +12,7 @@ from typer.testing import CliRunner
 import crankfem.analyses.study.frequency_limits
 from comparing import close
 from crankbase.errors import InputError
+from crankfem.analyses.shaft.chains import engine_torsional_chain
 from crankfem.analyses.study.frequency_limits import EngineFrequencies, frequency_limit
 from crankfem.cli.commands import optimum as optimum_command
 from crankfem.cli.commands.lookup import lookup
@@ -334,13 +336,25 @@ def test_frequencies_fall_as_throws_soften(frequencies):
         1e-9 * frequencies.axial_shares,
         np.full(6, 110.0),
         frequencies.engine_file.flywheel.mass,
-        frequencies.engine_file.thrust_bearing.bearing,
+        frequencies.engine_file.thrust_bearing.section_index,
         frequencies.engine_file.thrust_bearing.stiffness,
     )
     modes = chain.chain.modes()
     assert frequencies.axial(1e-9) == close(modes.frequencies[modes.rigid], rel=1e-9)
     # Without a stiffness to ground the frequency goes with the root of the stiffness.
     assert twist[0] / twist[1] == close((4.0 / 3.0) ** 0.5, rel=1e-9)
+
+
+def test_the_first_torsional_frequency_is_no_couplings():
+    engine = load_engine(Path(__file__).parents[1] / "data/engines/8l32-42-damper.toml")
+    shares = np.full(8, 1.0)
+    frequencies = EngineFrequencies(engine, shares, shares, 110.0, throw_inertias=np.full(8, 8.0))
+    chain = engine_torsional_chain(engine, 2e-8 * shares, frequencies.throw_inertias)
+    coupling, first = chain.chain.modes().elastic_frequencies[:2]
+    assert frequencies.torsional(2e-8) == close(first, rel=1e-9)
+    assert first > 3.0 * coupling
+    # The coupling stays as it is while the throws become softer.
+    assert frequencies.torsional(8e-8) < 0.7 * first
 
 
 def test_frequency_limits(run, path, frequencies, short_search, monkeypatch):

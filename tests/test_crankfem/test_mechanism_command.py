@@ -223,7 +223,7 @@ def test_refused_options(call, arguments, message):
 def test_refused_files(call):
     answer = call("mechanism", "8chn14-14")
     assert answer.code == 2
-    assert "the section [engine] is missing" in answer.err
+    assert "the sections [engine], [rod], [piston] are missing" in answer.err
 
 
 @pytest.mark.slow

@@ -334,7 +334,7 @@ def test_a_v_engine_with_split_pins_has_throws_by_name_too(tmp_path):
     )
     plain, found = load_mechanism("buick-3800"), load_mechanism(path)
     assert found.layout == plain.layout
-    assert found.throw_angles == plain.throw_angles
+    assert found.throw_angles_deg == plain.throw_angles_deg
     assert with_throws(found) == with_throws(plain)
     assert load_crankshaft(path) == load_crankshaft("buick-3800")
 
@@ -473,7 +473,7 @@ def test_a_report_shows_each_throw(tmp_path):
         "plain": {"cranks": list(range(2, count + 1))} | lighter | {"fillet_note": "it is sharp."},
     }
     named, _ = render_report(results | {"throws": throws}, tmp_path)
-    for text in ("Throw plain, cranks 2, 3", "123.5 kg", "Axial compliance of throw heavy,"):
+    for text in ("Throw plain, cranks 2, 3", "123 kg", "Axial compliance of throw heavy,"):
         assert text in named
         assert text not in plain
 
@@ -493,3 +493,9 @@ def test_an_engine_of_two_throws_runs_to_a_report(coarsely, call, tmp_path):
     assert {"drawing", "drawing-plain"} <= set(results["pictures"])
     report = (tmp_path / "out" / "report.html").read_text(encoding="utf-8")
     assert "Throw plain, cranks 2, 3" in report
+
+
+def test_help_says_which_sections_throws_are(call):
+    """Square brackets would be read as markup, and vanish."""
+    answer = call("throw", "--help")
+    assert "each a section throws.NAME;" in " ".join(answer.out.replace("│", " ").split())

@@ -122,10 +122,13 @@ def test_damping_of_its_own_takes_the_magnifiers_place(tmp_path):
     (assumed,) = record("[gas]\n")
     assert "magnifier 40 of every elastic mode: assumed" in assumed
     assert record('[damping]\ncylinder_damping = "20 N m s/rad"\n\n[gas]\n') == (
-        "damping of the chain itself, as its description gives it",
+        "damping of the chain itself: 20 N m s/rad to ground at 6 nodes",
     )
     (given,) = record("[damping]\ntorsional_magnifier = 25\n\n[gas]\n")
     assert given == "magnifier 25 of every elastic mode: engine file"
+    guess = 'torsional_magnifier = { value = 25, assumed = "of a like engine" }'
+    (guessed,) = record(f"[damping]\n{guess}\n\n[gas]\n")
+    assert guessed == "magnifier 25 of every elastic mode: assumed: of a like engine"
 
 
 @pytest.mark.slow
@@ -269,6 +272,7 @@ def test_records_pictures_and_columns(run, tmp_path):
         "axial_force",
         "torsional_amplitude",
         "torsional_stress",
+        "misfiring_stress",
     }
     assert all(path.read_text(encoding="utf-8").startswith("<?xml") for path in made)
     write_columns(tmp_path / "torsional.csv", *forced_columns(run.forced_torsional))
@@ -292,7 +296,9 @@ def test_axial_force_over_the_cycle_in_the_record(run):
     assert worst["amplitude"] >= 0.5 * np.ptp(found.thrust_bearing) * (1.0 - 1e-3)
     response = run.forced_axial.response
     place = int(np.argmin(np.abs(response.speeds - worst["speed_rpm"] * np.pi / 30.0)))
-    moved = response.nodes.at_angle(place, np.linspace(0.0, 4.0 * np.pi, 20_000))[:, 6]
+    moved = response.nodes.at_angle(
+        place, shaft_angle_deg=np.degrees(np.linspace(0.0, 4.0 * np.pi, 20_000))
+    )[:, 6]
     assert worst["amplitude"] == close(0.5 * 8e8 * np.ptp(moved), rel=1e-5)
     assert f"{worst['amplitude'] / 1e3:.3g} kN by the chain, at {worst['speed_rpm']:.4g}" in said
     assert record["running_whole"] is None

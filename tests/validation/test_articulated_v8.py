@@ -121,7 +121,9 @@ def test_pistons_move_as_equations_1_to_4_say(figure):
         (1, main, RADIUS + LENGTH),
         (5, hinged, RADIUS + HINGED_LENGTH + PIN_RADIUS),
     ):
-        place = cylinder_motion(engine, number, shaft).piston.place.real
+        place = cylinder_motion(
+            engine, number, shaft_angles_deg=np.degrees(shaft)
+        ).piston.place.real
         rod = "main rod" if number == 1 else "hinged rod"
         figure(f"way of the piston over a turn, {rod}", top - place, wanted, 1e-15, "m", "absolute")
 
@@ -205,7 +207,7 @@ def test_what_is_left_beyond_the_second_order(figure):
     engine = eight_cylinders()
     angles = np.linspace(0.0, 2.0 * np.pi, 3601)
     found = acceleration_orders(engine, 5, SPEED)
-    whole = piston_acceleration(engine, 5, angles, SPEED)
+    whole = piston_acceleration(engine, 5, SPEED, angles_deg=np.degrees(angles))
     left = whole - sum(
         found.cosine[place] * np.cos((place + 1) * angles)
         + found.sine[place] * np.sin((place + 1) * angles)
@@ -214,7 +216,7 @@ def test_what_is_left_beyond_the_second_order(figure):
     # Print: 0.17 % of the whole acceleration.
     assert 100 * np.max(np.abs(left)) / np.max(whole) == close(0.18, abs=0.005)
     # Of the main rod's, the amplitude of the fourth order alone comes to that.
-    largest = np.max(piston_acceleration(engine, 1, angles, SPEED))
+    largest = np.max(piston_acceleration(engine, 1, SPEED, angles_deg=np.degrees(angles)))
     share = 100 * found.amplitude[3] / largest
     figure("fourth order, of the main rod's acceleration", share, 0.17, 0.005, "%", "absolute")
 
@@ -224,7 +226,8 @@ def test_largest_differences_of_the_accelerations():
     # As in the paper's figure 4 the top is at 45 deg.
     angles = np.radians(np.arange(0.0, 360.0, 0.25))
     main, hinged = (
-        piston_acceleration(engine, number, angles - BETWEEN_BANKS, SPEED) for number in (1, 5)
+        piston_acceleration(engine, number, SPEED, angles_deg=np.degrees(angles - BETWEEN_BANKS))
+        for number in (1, 5)
     )
     apart = main - hinged
     largest, least = np.max(apart), np.min(apart)
@@ -253,7 +256,7 @@ def test_first_order_of_a_section(figure):
     assert 100 * change.major == close(-8.1, abs=0.05)
     assert 100 * change.minor == close(-9.2, abs=0.05)
     # Towards the bank with the main rods, at -22.5 deg.
-    assert math.degrees(change.turn) == close(-2.57, abs=0.005)
+    assert change.turn_deg == close(-2.57, abs=0.005)
 
 
 @pytest.mark.parametrize(
@@ -270,8 +273,8 @@ def test_second_order_of_a_section(case, major, minor, turn):
     assert 100 * change.major == close(major, abs=0.05)
     assert 100 * change.minor == close(minor, abs=0.05)
     # Print: about 5, 5 and 10 deg.
-    assert math.degrees(change.turn) == close(turn, abs=0.05)
-    assert abs(math.degrees(change.turn) + {"hinged": 10.0}.get(case, 5.0)) < 1.0
+    assert change.turn_deg == close(turn, abs=0.05)
+    assert abs(change.turn_deg + {"hinged": 10.0}.get(case, 5.0)) < 1.0
 
 
 def test_the_paper_refers_its_percentages_to_the_mean(figure):
@@ -294,8 +297,8 @@ def test_lengths_that_give_the_print(figure):
     figure("major axis by the kinematics, other lengths", change, -14.4, 0.05, "%", "absolute")
     change = percent_of_mean(found.kinematics.minor, plain.minor)
     figure("minor axis by the kinematics, other lengths", change, -0.08, 0.005, "%", "absolute")
-    turn = hodograph_change(found.kinematics, plain).turn
-    assert math.degrees(turn) == close(-5.0, abs=0.5)
+    turn = hodograph_change(found.kinematics, plain).turn_deg
+    assert turn == close(-5.0, abs=0.5)
     printed = section(2)
     made = percent_of_mean(printed.kinematics.major, printed.side_by_side.major)
     assert made == close(-13.0, abs=0.05)
@@ -329,4 +332,4 @@ def test_what_the_slave_pin_beside_the_main_rod_adds():
     change = hodograph_change(exact, plain)
     assert 100 * change.major == close(0.6, abs=0.05)
     assert 100 * change.minor == close(-3.8, abs=0.05)
-    assert math.degrees(change.turn) == close(1.5, abs=0.05)
+    assert change.turn_deg == close(1.5, abs=0.05)

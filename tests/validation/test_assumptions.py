@@ -9,7 +9,6 @@ import math
 import re
 from pathlib import Path
 
-import numpy as np
 import pytest
 
 import crankfem as cf
@@ -56,7 +55,7 @@ class File:
         text = f"[{shown}]" if number and "," in shown else shown if number else f'"{shown}"'
         if field == "gas.pressure_table":
             pressure = cf.engines.mechanism_of(self.engine).pressure[0]
-            rows = zip(np.degrees(pressure.angles), pressure.pressure / 1e5, strict=True)
+            rows = zip(pressure.angles_deg, pressure.pressure / 1e5, strict=True)
             (self.path.parent / "measured.csv").write_text(
                 "crank_angle_deg,absolute_pressure_bar\n"
                 + "".join(f"{angle:.6f},{value:.6f}\n" for angle, value in rows),

@@ -71,7 +71,8 @@ def test_a_table_gives_the_moments_of_its_law(given, figure, step, unit, start):
     found = file.moment()
     work = quad(lambda angle: law(angle) * travel_rate(angle), 0.0, 2.0 * np.pi, epsrel=1e-12)[0]
     figure("load of constant torque", found.load, work / (2.0 * np.pi), 1e-6, "N m")
-    torque = law(found.angles) * travel_rate(found.angles)
+    angles = np.radians(found.angles_deg)
+    torque = law(angles) * travel_rate(angles)
     largest = np.abs(torque).max()
     figure("torque of the gas", found.gas_moment, torque, 1e-6, "N m", scale=largest)
     exact = hinge_moment(file.engine, law, SPEED)
@@ -133,7 +134,7 @@ def test_the_surface_lies_at_the_rollers_radius_from_their_path(rolled, figure):
 
     distances, slopes = [], []
     for place in range(0, surface.size, 36):
-        point, angle = surface[place], rolled.profile.angles[place]
+        point, angle = surface[place], np.radians(rolled.profile.angles_deg[place])
         # The nearest center of all: by search over the whole turn, then closely.
         turn = np.linspace(0.0, 2.0 * np.pi, 721)
         near = turn[np.argmin(np.abs(point - center(turn)))]

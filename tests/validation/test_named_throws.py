@@ -110,7 +110,7 @@ def test_balance_of_the_mechanism(engine, solids, figure):
     layout, sense = with_throws(mechanism), mechanism.turning_sense
     sizes = np.array([own.static_moment for own in layout.rotating])
     places = np.array([own.position for own in layout.rotating])
-    turned = sizes * np.exp(1j * np.array([own.angle for own in layout.rotating]))
+    turned = sizes * np.exp(1j * np.array([math.radians(own.angle_deg) for own in layout.rotating]))
     wanted = static[1] - 1j * sense * static[0]
     figure("static unbalance of its rotating masses", turned.sum(), wanted, EXACT, "kg m")
     about = np.sum(turned * (places - STARTS[-1] / 2.0))

@@ -58,7 +58,9 @@ def profile_record(profile: HingeProfile) -> Record:
         "lowest_pressure": float(profile.pressure.min()),
         "largest_spring_force": float(profile.spring_force.max()),
         "largest_normal_force": float(profile.normal_force.max()),
-        "largest_force_angle_deg": float(np.degrees(np.abs(profile.force_angle).max())),
+        "largest_force_angle_deg": float(
+            np.degrees(np.abs(np.radians(profile.force_angle_deg)).max())
+        ),
         "checks": [
             {**attributes(check, "name", "met", "value", "limit", "unit"), "meaning": check.reason}
             for check in profile.checks
@@ -76,7 +78,7 @@ def _surface_record(surface: ComplexArray | None) -> Record | None:
 
 
 def _moment_record(moment: HingeMoment) -> Record:
-    degrees = np.degrees(moment.angles)
+    degrees = moment.angles_deg
     highest, lowest = int(np.argmax(moment.moment)), int(np.argmin(moment.moment))
     return {
         "load": moment.load,
@@ -123,7 +125,7 @@ def hinge_columns(run: HingeRun) -> dict[str, FloatArray]:
     surface = run.surface
     guides = {} if surface is None else {"guide_x_m": surface.real, "guide_y_m": surface.imag}
     return {
-        "crank_angle_deg": np.degrees(moment.angles),
+        "crank_angle_deg": moment.angles_deg,
         "gas_force_N": moment.gas,
         "reduced_inertia_kg_m2": moment.reduced.inertia,
         "inertia_rate_kg_m2_per_rad": moment.reduced.inertia_rate,
@@ -136,11 +138,11 @@ def hinge_columns(run: HingeRun) -> dict[str, FloatArray]:
         "spring_force_N": profile.spring_force,
         "normal_force_N": profile.normal_force,
         **guides,
-        "speed_with_hinge_rad_per_s": _at(run.with_hinge, moment.angles),
-        "speed_without_rad_per_s": _at(run.without, moment.angles),
+        "speed_with_hinge_rad_per_s": _at(run.with_hinge, np.radians(moment.angles_deg)),
+        "speed_without_rad_per_s": _at(run.without, np.radians(moment.angles_deg)),
     }
 
 
 def _at(turn: SpeedOverAngle, angles: FloatArray) -> FloatArray:
     """Return the speed at angles, those of the integration lying close enough for straight lines."""
-    return np.interp(angles, turn.angle, turn.speed)
+    return np.interp(angles, np.radians(turn.angle_deg), turn.speed)

@@ -131,7 +131,10 @@ class HingeRun:
         points = [self.moment, *(other.point for other in self.others)]
         if show == "moment":
             given = [
-                (self.profile.moment_at(one.point.angles, one.best.pressure), one.best.pressure)
+                (
+                    self.profile.moment_at(one.best.pressure, angles_deg=one.point.angles_deg),
+                    one.best.pressure,
+                )
                 for one in self.others
             ]
             hinge_panels.draw_moments(axes, points, [None, *given])

@@ -35,9 +35,12 @@ def acceleration_columns(
     """Return the pistons' accelerations over shaft angles (m,) [rad] by name with unit: whole, by order."""
     columns = {}
     for number in cylinders:
-        alpha = shaft_angles - layout.cylinders[number - 1].top_shaft_angle
+        alpha = shaft_angles - math.radians(layout.cylinders[number - 1].top_shaft_angle_deg)
         found = acceleration_orders(layout, number, speed, max(ORDERS))
-        whole, name = piston_acceleration(layout, number, alpha, speed), f"cylinder_{number}_"
+        whole, name = (
+            piston_acceleration(layout, number, speed, angles_deg=np.degrees(alpha)),
+            f"cylinder_{number}_",
+        )
         columns[f"{name}acceleration_m_s2"] = whole
         for order in ORDERS:
             columns[f"{name}order_{order}_m_s2"] = order_part(found, order, alpha)
@@ -67,7 +70,10 @@ def acceleration_record(layout: EngineLayout, speed: float, cylinders: Sequence[
         "mean_largest", the mean of the largest accelerations of both [m/s^2].
     """
     alpha = np.radians(np.arange(0.0, 360.0, STEP))
-    curves = {number: piston_acceleration(layout, number, alpha, speed) for number in cylinders}
+    curves = {
+        number: piston_acceleration(layout, number, speed, angles_deg=np.degrees(alpha))
+        for number in cylinders
+    }
     main, *hinged = cylinders
     return {
         "speed": speed,

@@ -81,8 +81,8 @@ def hodograph_record(hodograph: Hodograph) -> Record:
     """
     return {
         **attributes(hodograph, "major", "minor", "sense", "x", "y"),
-        "angle_deg": _degrees(hodograph.angle),
-        "largest_at_deg": _degrees(hodograph.largest_at),
+        "angle_deg": hodograph.angle_deg,
+        "largest_at_deg": hodograph.largest_at_deg,
         "forward": [hodograph.forward.real, hodograph.forward.imag],
         "backward": [hodograph.backward.real, hodograph.backward.imag],
     }
@@ -110,7 +110,7 @@ def _case_record(hodograph: Hodograph, reference: Hodograph) -> Record:
     change = hodograph_change(hodograph, reference)
     return {
         **hodograph_record(hodograph),
-        "change": {**attributes(change, "major", "minor"), "turn_deg": _degrees(change.turn)},
+        "change": {**attributes(change, "major", "minor"), "turn_deg": change.turn_deg},
     }
 
 

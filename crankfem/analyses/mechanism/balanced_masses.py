@@ -44,9 +44,12 @@ def _throw_records(run: MechanismRun) -> Iterable[Record]:
     mechanism, layout = run.mechanism, run.layout
     masses = moving_masses(layout)
     for number, throw in enumerate(mechanism.crank_throws):
-        own = cmath.rect(1.0, -mechanism.throw_angles[number])
+        own = cmath.rect(1.0, -math.radians(mechanism.throw_angles_deg[number]))
         rods = sum(
-            mass.rotating * layout.crank_radius * own * cmath.rect(1.0, cylinder.crank_angle)
+            mass.rotating
+            * layout.crank_radius
+            * own
+            * cmath.rect(1.0, math.radians(cylinder.crank_angle_deg))
             for mass, cylinder, place in zip(
                 masses, layout.cylinders, mechanism.throws, strict=True
             )
@@ -54,7 +57,7 @@ def _throw_records(run: MechanismRun) -> Iterable[Record]:
         )
         # Each throw stands in the layout as two masses.
         solid = sum(
-            mass.static_moment * own * cmath.rect(1.0, mass.angle)
+            mass.static_moment * own * cmath.rect(1.0, math.radians(mass.angle_deg))
             for mass in layout.rotating[2 * number : 2 * number + 2]
         )
         x, y = mechanism.material.density * counterweight_moment(throw.parts)

@@ -27,7 +27,7 @@ def harmonics_record(found: Harmonics) -> Record:
 
 def left_record(found: Harmonics, table: TorqueTable) -> Record:
     """What the mean and the harmonics up to each order leave of a table's samples, in its unit."""
-    each = found.each_at(np.radians(table.crank_angle_deg))
+    each = found.each_at(crank_angle_deg=table.crank_angle_deg)
     left = table.torque - found.mean - np.cumsum(each, axis=0)
     return {
         "left_rms": np.sqrt(np.mean(left**2, axis=1)).tolist(),
@@ -41,7 +41,7 @@ def stars_record(stars: Sequence[Star]) -> Record:
         "stars": [
             {
                 **attributes(star, "order", "kind", "resultant", "share"),
-                "directions_deg": np.rad2deg(star.directions).tolist(),
+                "directions_deg": np.rad2deg(np.radians(star.directions_deg)).tolist(),
             }
             for star in stars
         ],
@@ -66,7 +66,7 @@ def fired_record(
     """Stars of cylinders with these harmonics each, phases from their firing tops, and their torque."""
     count = len(stars)
     sums = np.array([0.0 if star.kind == "balanced" else star.resultant for star in stars])
-    directions = np.array([star.resultant_direction for star in stars])
+    directions = np.array([math.radians(star.resultant_direction_deg) for star in stars])
     amplitude = sums * found.amplitude[:count]
     phase = np.where(amplitude > 0.0, (found.phase[:count] - directions) % (2.0 * np.pi), 0.0)
     left_out = [

@@ -49,7 +49,11 @@ def compare_rod_models(run: MechanismRun) -> tuple[ModelComparison, ...]:
 
 def _with_model(run: MechanismRun, model: RodModelName) -> MechanismForces:
     return mechanism_forces(
-        run.layout, run.forces.shaft_angles, run.speed, run.forces.gas, model=model
+        run.layout,
+        run.speed,
+        run.forces.gas,
+        model=model,
+        shaft_angles_deg=run.forces.shaft_angles_deg,
     )
 
 

@@ -103,7 +103,7 @@ def model_difference_record(found: ModelDifference) -> Record:
         "maximum" of the second model differ from those of the first, as shares.
     """
     first, second = found.first, found.second
-    degrees = np.degrees(first.angles)
+    degrees = first.angles_deg
     return {
         **attributes(found, "models", "piston_area", "of_same_angle", "of_mean"),
         "crankpin": first.name,

@@ -146,7 +146,7 @@ def _row(
 ) -> list[float]:
     """Compliances by a formula along the shaft, of these throws at the engine's cranks."""
     sources = (
-        axial_by_formulas(throws, engine_file.throw_angles, material)
+        axial_by_formulas(throws, engine_file.throw_angles_deg, material)
         if kind == "axial"
         else torsional_by_formulas(throws, material)
     )
@@ -156,7 +156,7 @@ def _row(
 
 def _elements(engine_file: EngineFile, kind: str, one: AnalyzedThrow) -> list[float]:
     """Compliances by finite elements of one throw at all cranks of an engine."""
-    sides = neighbor_angles(engine_file.throw_angles)
+    sides = neighbor_angles(engine_file.throw_angles_deg)
     if kind == "torsional":
         return [one.torsional] * len(sides)
     return [float(np.mean(between_values(np.array(beside), one.axial))) for beside in sides]

@@ -46,7 +46,7 @@ def compliances_in_shaft(
     held = bearing_stiffness(engine_file).nominal if stiffness is None else stiffness
     return shaft_compliances(
         throws,
-        crank_angles_deg=np.degrees(engine_file.throw_angles).tolist(),
+        crank_angles_deg=engine_file.throw_angles_deg,
         bearing_stiffness=held,
     )
 
@@ -60,7 +60,7 @@ def axial_sources(
     """Axial compliance of each throw [m/N] by source; see `crankfem.analyses.vibration.modes`."""
     fitted = _fitted_sources(engine_file, analysis, model, "axial_compliance", shaft.axial)
     return fitted | axial_by_formulas(
-        engine_file.crank_throws, engine_file.throw_angles, engine_file.material
+        engine_file.crank_throws, engine_file.throw_angles_deg, engine_file.material
     )
 
 
@@ -112,14 +112,14 @@ def _from_regression(
     )
 
 
-def neighbor_angles(throw_angles: Sequence[float]) -> list[tuple[float, float]]:
-    """Return the angles between each throw and its neighbors [deg] from the throws' angles [rad]."""
-    gaps = np.abs(np.diff(np.rad2deg(throw_angles))).tolist()
+def neighbor_angles(throw_angles_deg: Sequence[float]) -> list[tuple[float, float]]:
+    """Return the angles between each throw and its neighbors [deg] from the throws' angles [deg]."""
+    gaps = np.abs(np.diff(throw_angles_deg)).tolist()
     return list(zip((NO_NEIGHBOR_DEG, *gaps), (*gaps, NO_NEIGHBOR_DEG), strict=True))
 
 
 def axial_by_formulas(
-    throws: Sequence[CrankThrow], throw_angles: Sequence[float], material: Material
+    throws: Sequence[CrankThrow], throw_angles_deg: Sequence[float], material: Material
 ) -> Sources:
     """Formula values of each throw [m/N]: the mean of those at the angles to either neighbor.
 
@@ -127,8 +127,8 @@ def axial_by_formulas(
     ----------
     throws : sequence of CrankThrow
         Of the cranks, from the free end.
-    throw_angles : sequence of float
-        Theirs [rad].
+    throw_angles_deg : sequence of float
+        Theirs [deg].
     material : Material
     """
 
@@ -144,7 +144,7 @@ def axial_by_formulas(
     # Of each throw: the angles to its neighbors, and the formulas at both.
     sides = [
         [(gap, formulas(throw, gap)) for gap in beside]
-        for throw, beside in zip(throws, neighbor_angles(throw_angles), strict=True)
+        for throw, beside in zip(throws, neighbor_angles(throw_angles_deg), strict=True)
     ]
     sources: Sources = {}
     for name in sides[0][0][1]:

@@ -12,7 +12,7 @@ from crankbase.tables.frames import table
 from crankfem.analyses.shaft.chains import damped_engine_chain
 from crankfem.analyses.shaft.source_errors import source_spread
 from crankfem.analyses.shaft.throw_analyses import Analyses
-from crankfem.analyses.vibration.bearing_sweep import HeldChains, other_chains
+from crankfem.analyses.vibration.bearing_sweep import HeldChains, answers_by_chain
 from crankfem.analyses.vibration.decision import engine_decision
 from crankfem.analyses.vibration.engine_limits import (
     engine_limits,
@@ -161,7 +161,8 @@ def assess(
     errors : mapping of str to Spread
         Kind to the error of its compliances' source; see `crankfem.analyses.shaft.source_errors`.
     held : sequence of HeldChains, optional
-        The chains over the range of the bearings' stiffness, all of which frequencies' bounds hold for.
+        The chains over the range of the bearings' stiffness with their answers, for all of which the bounds
+        of frequencies and critical speeds hold.
     chains : pair of Vibration, optional
         The axial and the torsional one.
     again : callable, optional
@@ -292,7 +293,8 @@ def _uncertainty(
     engine, given = engine_file.engine, engine_file.ranges
     chain, running = forced.engine_chain.chain, (engine.lowest_speed, engine.highest_speed)
     rigid = chain.modes().rigid
-    others = other_chains(held, forced.kind)
+    each = answers_by_chain(held, forced)
+    others = tuple(each)[1:]
     low, high = frequency_bounds(chain, spreads, others)
     orders = engine_orders(engine.strokes, engine_file.vibration.highest_order)
     margin = USUAL_MARGIN if given is None else given.separation_margin
@@ -317,7 +319,7 @@ def _uncertainty(
             orders,
             running,
             within=margin,
-            damped=forced.damped_shift,
+            damped=lambda own, mode, order: each[own].damped_shifts(mode, order),
             others=others,
         ),
         amplitudes=amplitudes,

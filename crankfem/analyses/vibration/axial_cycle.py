@@ -36,8 +36,8 @@ def axial_cycle(chains: EngineChains, harmonics: CylinderHarmonics) -> AxialForc
     file, shaft = chains.engine_file, chains.shaft
     forces = forces_over_speeds(file, harmonics, np.array([file.engine.rated_speed]))
     degrees = cycle_degrees(file.engine.strokes)
-    angles = even_angles(np.radians(degrees), int(degrees))
-    tangential, radial = forces.at_angle(0, angles)
+    angles = even_angles(degrees, int(degrees))
+    tangential, radial = forces.at_angle(0, shaft_angle_deg=angles)
     on_pins = np.zeros((len(angles), shaft.influence.shape[1], 2))
     for cylinder, pin in enumerate(file.pins):
         on_pins[:, pin, 0] += radial[:, cylinder]
@@ -50,15 +50,15 @@ def axial_cycle(chains: EngineChains, harmonics: CylinderHarmonics) -> AxialForc
     pulled, _ = chains.answers(forces)
     moved = None
     if not np.any(pulled.response.unbounded):
-        node = pulled.engine_chain.sections[file.thrust_bearing.bearing]
-        moved = pulled.response.nodes.at_angle(0, angles)[:, node]
+        node = pulled.engine_chain.sections[file.thrust_bearing.section_index]
+        moved = pulled.response.nodes.at_angle(0, shaft_angle_deg=angles)[:, node]
     return axial_force_over_cycle(
-        angles,
         file.engine.rated_speed,
         on_pins,
         shaft.axial,
         influence,
         None if moved is None else file.thrust_bearing.stiffness * moved,
+        shaft_angles_deg=angles,
     )
 
 
@@ -81,11 +81,11 @@ def axial_cycle_record(
     """
     thrust = engine_file.thrust_bearing
     on_bearing, running = found.thrust_bearing, forced.running_range
-    node = forced.engine_chain.sections[thrust.bearing]
+    node = forced.engine_chain.sections[thrust.section_index]
     by_chain = thrust.stiffness * forced.response.synthesis.amplitude[:, node]
     whole = None
     if coupled is not None:
-        moved = coupled.split(f"section {thrust.bearing} uz").both_sum
+        moved = coupled.split(f"main bearing {thrust.main_bearing} uz").both_sum
         whole = _largest(coupled.speeds, thrust.stiffness * moved, running)
     record: Record = {
         "speed_rpm": found.speed * RPM,
@@ -110,7 +110,7 @@ def axial_cycle_columns(found: AxialForceOverCycle) -> tuple[dict[str, FloatArra
 def _extremes(found: AxialForceOverCycle, force: FloatArray) -> Record:
     """Lowest and highest value of a force [N], and where it has them."""
     low, high = int(np.argmin(force)), int(np.argmax(force))
-    degrees = np.degrees(found.shaft_angles)
+    degrees = found.shaft_angles_deg
     return {
         "lowest": float(force[low]),
         "lowest_angle_deg": float(degrees[low]),

@@ -125,15 +125,15 @@ class ForcedVibration:
         found[self.modes.numbers[numbered] - 1] = self.modes.frequencies[numbered]
         return found
 
-    def damped_shift(self, mode: int, order: float) -> float:
-        """Return the critical speed of an order and a mode with damping over that without.
+    def damped_shifts(self, mode: int, order: float) -> tuple[float, ...]:
+        """Return the critical speeds of an order and a mode with damping over that without, peak by peak.
 
         Beyond the speeds judged it is the ratio of the mode's frequencies.
         """
-        for one in self.resonances:
-            if (one.mode, one.order) == (mode, order):
-                return one.speed / one.undamped_speed
-        return float(self.frequencies[mode - 1] / self.modes.undamped[mode - 1])
+        met = [one for one in self.resonances if (one.mode, one.order) == (mode, order)]
+        if not met:
+            return (float(self.frequencies[mode - 1] / self.modes.undamped[mode - 1]),)
+        return tuple(one.speed / one.undamped_speed for one in met if one.has_peak)
 
     @property
     def peaks(self) -> tuple[DampedCritical, ...]:

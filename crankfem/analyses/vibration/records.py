@@ -96,6 +96,7 @@ def vibration_record(vibration: Vibration) -> Record:
         "source": chosen.source,
         "nodes": list(chosen.chain.nodes),
         **attributes(chosen.chain.chain, "inertia", "stiffness", "ground"),
+        "connections": [list(pair) for pair in chosen.chain.chain.connections],
         "modes": _mode_records(chosen),
         "criticals": [
             {
@@ -109,8 +110,8 @@ def vibration_record(vibration: Vibration) -> Record:
             {
                 "source": result.source,
                 "first_frequencies": result.elastic_frequencies[:3].tolist(),
-                "first_frequency": result.first_frequency,
-                "beside_chosen": _beside(result, chosen),
+                "first_frequency": _first(result, chosen),
+                "beside_chosen": _first(result, chosen) / _first(chosen, chosen),
                 "mean_compliance": float(result.compliances.mean()),
                 "remark": result.remark,
             }
@@ -120,11 +121,13 @@ def vibration_record(vibration: Vibration) -> Record:
     }
 
 
-def _beside(result: SourceResult, chosen: SourceResult) -> float:
-    """First frequency of the crankshaft itself beside that with the chosen source."""
-    if result.first_frequency is None or chosen.first_frequency is None:
-        return float(result.elastic_frequencies[0] / chosen.elastic_frequencies[0])
-    return result.first_frequency / chosen.first_frequency
+def _first(result: SourceResult, chosen: SourceResult) -> float:
+    """Frequency of the mode that is the crankshaft's first with the chosen source [Hz].
+
+    Another source changes the mode's frequency and what it is called, but hardly its number.
+    """
+    first = chosen.chain.first_mode(chosen.modes)
+    return float(result.modes.frequencies[chosen.modes.rigid if first is None else first])
 
 
 def _mode_records(result: SourceResult) -> list[Record]:

@@ -31,6 +31,7 @@ from crankfem.analyses.vibration.bearing_sweep import (
     bearing_sweep,
     chains_over_bearings,
     held_chains,
+    with_answers,
 )
 from crankfem.analyses.vibration.chain_answers import EngineChains
 from crankfem.analyses.vibration.engine_excitation import engine_harmonics
@@ -316,12 +317,13 @@ def engine_vibration(
         axial_force = axial_cycle(ready, harmonics)
         tell("Calculating misfiring")
         misfiring, note = misfiring_or_reason(ready, mechanism, harmonics)
+        if held:
+            tell("Varying the main bearings")
+            held = with_answers(read, held, analyses, harmonics)
         if read.ranges is not None:
             tell("Sampling what is uncertain")
-        forced = (lengthened, twisted)
-        assessment = assess_chains(
-            read, harmonics, (axial, torsional), forced, shaft, analyses, model, held
-        )
+        chains, forced = (axial, torsional), (lengthened, twisted)
+        assessment = assess_chains(read, harmonics, chains, forced, shaft, analyses, model, held)
     if whole is not None:
         answer = None if twisted is None else shaft_response(read, whole, twisted.forces)
         comparison = (
@@ -345,7 +347,6 @@ def engine_vibration(
         )
     sweep = None
     if held:
-        tell("Varying the main bearings")
         verdict = None if assessment is None else assessment.verdict
         sweep = bearing_sweep(read, held, analyses, whole, harmonics, verdict)
     if assessment is not None:

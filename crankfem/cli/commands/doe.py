@@ -89,6 +89,7 @@ def doe(
     from crankfem.files.reading.data_files import input_path
     from crankfem.jobs.outputs import check_distinct_files, check_writable
     from regression.runs.export_table import FORMATS, check_export, export_table
+    from regression.runs.store_rows import damaged_rows_warning
     from regression.runs.study import read_study
 
     limits = {
@@ -139,8 +140,14 @@ def doe(
             console.print_line(text)
 
     print_progress(_summary(table, store))
-    for text in _warnings(table, store):
-        print_progress(f"Note: {text}")
+    if table.damaged:
+        console.print_warning(f"{damaged_rows_warning(table.damaged, store)}; import them again.")
+    held_out = int(table.held_out.sum())
+    if 0 < held_out < FEW_HELD_OUT:
+        print_progress(
+            f"Note: only {held_out} held-out designs judge the fits; with fewer than {FEW_HELD_OUT} their "
+            "largest error says little of the space between the runs."
+        )
     if export is not None:
         count = export_table(table, export)
         print_progress(f"{count} rows written to {export}.")
@@ -161,23 +168,6 @@ def _summary(table: "StudyTable", store: Path) -> str:
     if table.extra:
         text += f", {len(table.extra)} imported rows"
     return f"{text}."
-
-
-def _warnings(table: "StudyTable", store: Path) -> list[str]:
-    """What makes the errors of a fit say less than they seem to."""
-    from regression.runs.store_rows import damaged_rows_warning
-
-    held_out = int(table.held_out.sum())
-    found = []
-    if table.damaged:
-        told = damaged_rows_warning(table.damaged, store)
-        found.append(f"{told}; import them again.")
-    if 0 < held_out < FEW_HELD_OUT:
-        found.append(
-            f"only {held_out} held-out designs judge the fits; with fewer than {FEW_HELD_OUT} their largest "
-            "error says little of the space between the runs."
-        )
-    return found
 
 
 def _show_fits(table: "StudyTable", json: bool) -> None:
@@ -255,7 +245,7 @@ def _import(plan: "StudyPlan", store: Path, file: Path, alone: bool, quiet: bool
         quiet,
     )
     if found.damaged:
-        console.print_note(f"Note: {found.damaged}.", quiet)
+        console.print_warning(f"{found.damaged}.")
 
 
 def _run(
@@ -270,7 +260,7 @@ def _run(
     with console.RunProgress(quiet) as progress:
         progress.step("Running the study")
         try:
-            table = run_grown(plan, store, workers, progress.design, note=progress.note, **options)
+            table = run_grown(plan, store, workers, progress.design, note=progress.warn, **options)
         except KeyboardInterrupt:
             if not progress.total:  # nothing of the store is known yet
                 raise

@@ -75,7 +75,10 @@ JsonOption = Annotated[
     ),
 ]
 QuietOption = Annotated[
-    bool, typer.Option("--quiet", "-q", help="Nothing on standard error but errors.")
+    bool,
+    typer.Option(
+        "--quiet", "-q", help="Nothing on standard error but errors, and warnings of lost data."
+    ),
 ]
 ForceOption = Annotated[
     bool,
@@ -106,7 +109,7 @@ ThrowOption = Annotated[
     typer.Option(
         "--throw",
         metavar="NAME",
-        help="Which of several throws, each a section [throws.NAME]; that at the free end by default.",
+        help="Which of several throws, each a section throws.NAME; that at the free end by default.",
         show_default=False,
     ),
 ]

@@ -3,8 +3,6 @@
 import math
 from pathlib import Path
 
-import numpy as np
-
 from crankbase.tables.output_units import SI, OutputUnits
 from crankbase.tables.table import Column, Table
 from crankbase.tables.table_units import table_unit
@@ -53,7 +51,7 @@ def engine_record(mechanism: MechanismFile, torque: EngineTorque, highest: float
             }
             for place, throw in enumerate(torque.throws, start=1)
         ],
-        "firing_angles_deg": np.rad2deg(engine.firing).tolist(),
+        "firing_angles_deg": list(engine.firing_deg),
         "hinged_rods": any(cylinder.slave_pin is not None for cylinder in engine.cylinders),
         **stars_record(stars),
         "remarks": remarks,
@@ -65,7 +63,7 @@ def pin_force_record(found: PinForceHarmonics) -> Record:
     fields = ("tangential", "radial")
     return {
         "number": found.number,
-        "firing_angle_deg": math.degrees(found.firing_angle),
+        "firing_angle_deg": found.firing_angle_deg,
         **{
             field: {
                 "gas": harmonics_record(getattr(found, f"{field}_gas")),

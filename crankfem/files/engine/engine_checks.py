@@ -139,9 +139,8 @@ def check_thrust_bearing(thrust: ThrustBearing, throws: int) -> None:
     ------
     InputError
     """
-    if thrust.bearing > throws:
+    if thrust.main_bearing > throws + 1:
         raise InputError(
-            f"thrust_bearing.bearing: given {thrust.bearing}, main bearing {thrust.bearing + 1} counted from "
-            f"1; allowed is 0 (main bearing 1, at the free end) to {throws} (main bearing {throws + 1}, at "
-            "the flywheel), because this field counts from 0."
+            f"thrust_bearing.main_bearing: given {thrust.main_bearing}; allowed is 1 (at the free end) to "
+            f"{throws + 1} (at the flywheel), because {throws} throws have {throws + 1} main bearings."
         )

@@ -16,6 +16,9 @@ from crankfem.report.interactive.plot import Plot, Plots, plot_of_curves
 from dynamics.engine.loads import LoadDiagram
 from dynamics.plots.load_diagrams import Frame
 
+# Loads that differ by a smaller share are alike.
+ALIKE = 1e-6
+
 
 def _engine(run: MechanismRun) -> str:
     return at_speed(run.mechanism.name, run.speed)
@@ -29,7 +32,9 @@ def _of_bearing(
     def load(run: MechanismRun) -> LoadDiagram:
         if name == "crankpin":
             return run.crankpins[0]
-        return max(run.bearings, key=lambda one: one.maximum)
+        most = max(one.maximum for one in run.bearings)
+        # The first of those that are alike but for round-off.
+        return next(one for one in run.bearings if one.maximum > (1.0 - ALIKE) * most)
 
     def title(run: MechanismRun, between: str = ", ") -> str:
         return f"{load(run).name}{between}{_engine(run)}"

@@ -3,6 +3,7 @@
 import math
 from collections.abc import Mapping, Sequence
 from pathlib import Path
+from typing import Literal
 
 import numpy as np
 
@@ -32,6 +33,8 @@ MOST_IN_A_ROW = 4
 def plot_balance(path: Path, found: Balance, *, title: str = "") -> None:
     """Plot the forces and moments that are left over, a curve for each order that is not balanced.
 
+    Where all forces are balanced, or all moments, they have no panel.
+
     Parameters
     ----------
     path : Path
@@ -40,10 +43,15 @@ def plot_balance(path: Path, found: Balance, *, title: str = "") -> None:
     title : str, optional
         Above both panels.
     """
-    with figure(path, 2, width=9.2, height=5.6) as (left, right):
-        found.plot(left, show="force")
-        found.plot(right, show="moment")
-        add_title((left, right), title)
+    shown: list[Literal["force", "moment"]] = []
+    if not all(row.force_balanced for row in found.rows):
+        shown.append("force")
+    if not all(row.moment_balanced for row in found.rows) or not shown:
+        shown.append("moment")
+    with figure(path, len(shown), width=4.6 * len(shown), height=5.6) as panels:
+        for axes, what in zip(np.atleast_1d(panels), shown, strict=True):
+            found.plot(axes, show=what)
+        add_title(panels, title)
 
 
 def plot_hinged_rods(
@@ -72,7 +80,7 @@ def plot_hinged_rods(
         As `hinged_rod_effects`.
     """
     effects = hinged_rod_effects(engine, speed, orders, cylinders)
-    banks = [cylinder.bank_angle for cylinder in engine.cylinders]
+    banks = [math.radians(cylinder.bank_angle_deg) for cylinder in engine.cylinders]
     with figure(path, len(effects), width=4.6 * len(effects), height=5.6) as panels:
         for axes, effect in zip(np.atleast_1d(panels), effects, strict=True):
             draw_hodographs(axes, effect.curves, FORCE_LABELS, banks=banks)
@@ -116,7 +124,7 @@ def plot_accelerations(
     wholes: list[FloatArray] = []
     for cylinder, name in cylinders.items():
         checked_cylinder(engine, cylinder)
-        wholes.append(piston_acceleration(engine, cylinder, angles, speed))
+        wholes.append(piston_acceleration(engine, cylinder, speed, angles_deg=np.degrees(angles)))
         found = acceleration_orders(engine, cylinder, speed, max(orders))
         parts = {f"order {order}": order_part(found, order, angles) for order in orders}
         left = wholes[-1] - sum(parts.values())

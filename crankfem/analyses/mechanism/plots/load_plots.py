@@ -84,7 +84,7 @@ def plot_model_difference(path: Path, found: ModelDifference, *, title: str = ""
         for side, axis in (("top", "xaxis"), ("right", "yaxis")):
             second = getattr(polar, f"secondary_{axis}")(side, functions=scale)
             second.set(**{f"{axis[0]}label": "force over piston area [MPa]"})
-        degrees = np.degrees(found.first.angles)
+        degrees = found.first.angles_deg
         for values, color, name in (
             (found.of_same_angle, RED, "of the size at the same angle"),
             (found.of_mean, GREEN, "of the mean size"),
