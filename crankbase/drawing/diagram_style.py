@@ -66,6 +66,11 @@ def figure(
         FigureCanvasSVG(made)
         axes = made.subplots(rows or 1, columns, squeeze=rows is None)
         yield axes
+        # Laid out once; `savefig` would draw everything another time for it.
+        layout = made.get_layout_engine()
+        assert layout is not None
+        layout.execute(made)
+        made.set_layout_engine(None)
         with atomic_file(path, "picture") as part:
             made.savefig(part, metadata={"Date": None})
 

@@ -110,10 +110,11 @@ def run_plan(
         from regression.runs.dask_cluster import check_address
 
         check_address(dask)
+    own = plan.planned  # a study that cannot be planned leaves no store behind
     with ResultStore(store) as results:
+        register_designs(results, plan, own)
         planned = with_added(results, plan)
         unique = {design.key: design.inputs for design in planned.designs}
-        register_designs(results, plan, planned)
         known = {k: found for k, found in results.outcomes(unique).items() if not found.lost}
         if results.damaged and note is not None:
             note(

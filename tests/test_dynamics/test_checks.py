@@ -203,7 +203,7 @@ def test_a_gas_pressure_is_checked_however_it_is_made(bad):
         (
             np.radians(GAS.angles_deg),
             4,
-            r"360 angles from 0 to 12\.53 .* radians; allowed are degrees",
+            r"360 angles from 0 to 12\.53, .* radians; allowed are degrees",
         ),
     ],
 )
