@@ -584,7 +584,7 @@ def test_throw_between_neighbors_under_a_pin_force(call):
     engine = cf.load_engine("6chn25-34")
     throw = cf.analyze_throw(engine.throw, engine.material, accuracy=0.1).superelement
     # 41 throws of a helix, assembled: all pulled, and all loaded by the radial force.
-    turned = [throw.turned(np.pi / 2.0 * place) for place in range(41)]
+    turned = [throw.turned(angle_deg=90.0 * place) for place in range(41)]
     loads = np.zeros((6 * 42, 2))
     loads[6 * 41 + 2, 0] = 1.0
     for place, own in enumerate(turned):
