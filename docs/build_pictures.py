@@ -1,8 +1,11 @@
 """Draw the pictures of these pages with the current code: ``python docs/build_pictures.py``."""
 
 import math
+import re
 from pathlib import Path
 from tempfile import TemporaryDirectory
+
+import matplotlib as mpl
 
 import crankfem as cf
 from crankfem.analyses.mechanism.acceleration_records import piston_names
@@ -15,6 +18,14 @@ from crankfem.report.interactive.vibration import VIBRATION
 
 HERE = Path(__file__).parent
 ENGINE = "8chn26-26"
+PICTURES = (
+    "accelerations_8chn26-26.svg",
+    "axial_force_6chn25-34.svg",
+    "harmonics_yamz-5340.svg",
+    "hodograph_8chn26-26.svg",
+    "rod_models_13_14.svg",
+    "rod_models_13_14_short.svg",
+)
 
 
 def draw_hodographs() -> None:
@@ -64,11 +75,21 @@ def draw_papers_figures() -> None:
         (HERE / "axial_force_6chn25-34.svg").write_bytes(force.read_bytes())
 
 
+def shorten(path: Path) -> None:
+    """Write numbers of an SVG file with two decimals of a point, each curve and each text in one line."""
+    text = path.read_text(encoding="utf-8")
+    # Scales of characters keep all their digits.
+    text = re.sub(r"scale\([^)]*\)|(\d+\.\d\d)\d+", lambda found: found[1] or found[0], text)
+    text = re.sub(r" *\n *(?=[LQCMz]|<use)", "", text)
+    text = re.sub(r"\n +", "\n", text)
+    path.write_text(text, encoding="utf-8")
+
+
 def main() -> None:
     """Write the drawing of a throw, a whole crankshaft, loads, hodographs, and figures of papers."""
     throw, _ = cf.load_throw(ENGINE)
     write_drawing(throw, HERE / "drawing.svg", "8ChN 26/26")
-    cf.pictures.picture_shaft(cf.load_crankshaft(ENGINE), HERE / "crankshaft.png")
+    cf.pictures.picture_shaft(cf.load_crankshaft("8chn13-14"), HERE / "crankshaft.png")
     draw_rod_models(HERE / "rod_models_13_14.svg", "8chn13-14")
     with TemporaryDirectory() as folder:
         short = short_rod(Path(folder))
@@ -76,8 +97,12 @@ def main() -> None:
     draw_hodographs()
     draw_accelerations(HERE / "accelerations_8chn26-26.svg")
     draw_papers_figures()
+    for name in PICTURES:
+        shorten(HERE / name)
 
 
 if __name__ == "__main__":
+    # Points of curves closer to a straight line than that are left out [1/72 in].
+    mpl.rcParams["path.simplify_threshold"] = 0.3
     with cf.replacing_files():
         main()

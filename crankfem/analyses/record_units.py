@@ -32,7 +32,7 @@ _WORDS = {
 # Of whole names.
 _NAMES = {
     "1": "accuracy added adjusted_r_squared aic allowed asymmetry axial_beside_pinned "
-    "axial_force_per_radial axial_reaction band_designs beside_chosen bic cases computed_now "
+    "axial_force_per_radial axial_reaction band_designs beside_chosen bic cases computed_now connections "
     "crankpin_beside_mean cranks cylinder cylinders detuning elements elements_across_fillets "
     "evaluations exponent f_value fe_scatter figure fluctuation held_out largest_error_at_runs "
     "largest_error_held_out largest_leverage largest_of_mean largest_of_same_angle likeness magnifier "
@@ -73,12 +73,12 @@ _PLACES = {
     "axial_forces.in_shaft crankpins.largest crankpins.mean main_bearings.largest main_bearings.mean "
     "model_difference.sizes",
     "N m": "elements.largest elements.steady hinge_moment.largest hinge_moment.least hinge_moment.load "
-    "shaft_torque.exciting shaft_torque.torque torque.largest torque.left_largest torque.left_rms "
+    "shaft_torque.exciting shaft_torque.torque torque.largest torque.residual_largest torque.residual_rms "
     "torque.smallest two_mass.resonances.amplitude",
     "N/m": "bearings.stiffness",
     "N m/rad": "two_mass.stiffness",
     "kg": "masses.reciprocating masses.rotating",
-    "kg m": "balance.static throws.counterweights throws.left throws.rods throws.solid unbalance.static",
+    "kg m": "balance.static throws.counterweights throws.rods throws.solid throws.sum unbalance.static",
     "kg m^2": "balance.dynamic unbalance.dynamic",
     "W": "dampers.* power.largest",
     "s": "seconds.*",

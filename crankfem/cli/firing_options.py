@@ -52,8 +52,8 @@ def _even_angles(order: str, cycle: float) -> list[float]:
     count = len(numbers)
     if count > MOST_CYLINDERS or sorted(numbers) != list(range(1, count + 1)):
         raise InputError(
-            f"--firing-order: given {order!r}; allowed is each of 1 to at most {MOST_CYLINDERS} once, like "
-            '"1-3-4-2", because each cylinder fires once in a cycle.'
+            f"--firing-order: given {order!r}; allowed is each number from 1 to that of the last cylinder, "
+            f'at most {MOST_CYLINDERS}, once, like "1-3-4-2", because each cylinder fires once in a cycle.'
         )
     return [cycle * numbers.index(number) / count for number in range(1, count + 1)]
 

@@ -1,5 +1,6 @@
 """Single harmonics over the crank angle, each with its amplitude and phase."""
 
+import math
 from typing import Protocol
 
 import numpy as np
@@ -38,8 +39,13 @@ class Series(Protocol):
 
 
 def harmonic_words(found: Series, place: int, unit: str) -> str:
-    """Say amplitude and phase of the harmonic at a place, such as "279.7 N m, 230.2 deg"."""
-    return f"{found.amplitude[place]:.4g} {unit}, {np.degrees(found.phase[place]):.1f} deg"
+    """Say amplitude and phase of the harmonic at a place, such as "279.7 N m, 230.2 deg".
+
+    Amplitudes have the decimals of the largest one.
+    """
+    whole = math.floor(math.log10(max(float(np.max(found.amplitude)), 1e-300)))
+    amplitude = f"{found.amplitude[place]:.{min(max(3 - whole, 0), 12)}f}"
+    return f"{amplitude} {unit}, {np.degrees(found.phase[place]):.1f} deg"
 
 
 def draw_single_harmonics(

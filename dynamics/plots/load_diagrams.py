@@ -106,7 +106,9 @@ def draw_polar_loads(
     for number, (curve, (name, _)) in enumerate(zip(curves, loads, strict=True)):
         color = COLORS[number % len(COLORS)]
         closed = np.append(curve, curve[:1])
-        axes.plot(closed.real, closed.imag, color=color, linewidth=1.3, label=name)
+        # Dashes, where one curve lies on another.
+        style = "--" if number % 2 else "-"
+        axes.plot(closed.real, closed.imag, style, color=color, linewidth=1.3, label=name)
     _marks(axes, loads[0][1].angles_deg, curves[0], mark_step_deg, high[0] - low[0])
     axes.set_xlim(low[0], high[0])
     axes.set_ylim(low[1], high[1])

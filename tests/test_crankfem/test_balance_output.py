@@ -88,7 +88,7 @@ def test_tables(capsys, monkeypatch):
     pistons = acceleration_record(vee(), SPEED, (1, 2))
     mechanism_tables.print_hinged_rods(balance_records.hinged_rods_record(effects), pistons)
     shown = capsys.readouterr().out
-    assert "less cylinder 2, at the same angle from their own tops: -52.8" in shown
+    assert "less cylinder 2, at the same alpha: -52.8" in shown
     assert "hinged: movement alone" in shown
     assert "-12.2 %" in shown
 

@@ -584,7 +584,7 @@ def test_throw_between_neighbors_under_a_pin_force(call):
     engine = cf.load_engine("6chn25-34")
     throw = cf.analyze_throw(engine.throw, engine.material, accuracy=0.1).superelement
     # 41 throws of a helix, assembled: all pulled, and all loaded by the radial force.
-    turned = [throw.turned(np.pi / 2.0 * place) for place in range(41)]
+    turned = [throw.turned(angle_deg=90.0 * place) for place in range(41)]
     loads = np.zeros((6 * 42, 2))
     loads[6 * 41 + 2, 0] = 1.0
     for place, own in enumerate(turned):
@@ -605,7 +605,9 @@ def test_a_pin_force_of_three_components(call):
     answer = call("throw", "yamz-5340", *arguments)
     out = " ".join(answer.out.split())
     assert "Reactions to a force of 4, -10, 1 kN (x, y, z) on the pin, length kept" in out
-    assert "P: force along the shaft that keeps the length under a force of 4, -10, 1 kN" in out
+    assert (
+        "P: axial force at the right end that keeps the length under a force of 4, -10, 1 kN" in out
+    )
     record = call("throw", "yamz-5340", *arguments, "--json").json()
     assert record["pin_force"] == [4e3, -1e4, 1e3]
     for own in record["supports"].values():

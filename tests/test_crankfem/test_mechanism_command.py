@@ -84,14 +84,14 @@ def test_the_balance_says_what_is_in_it(v8):
         assert row["rods"] == close([2 * 2.66264 * 0.07, 0.0])
         assert row["solid"] == close([moments[0], 0.0])
         assert row["counterweights"] == close([moments[0] - moments[1], 0.0])
-        assert row["left"] == close([row["rods"][0] + moments[0], 0.0])
+        assert row["sum"] == close([row["rods"][0] + moments[0], 0.0])
     # The halves of two reciprocating masses turn with the crank, and M l_d lambda behind it.
     one, pitch = found["masses"][0], 0.17
     turning = one["reciprocating"] * 0.07, one["lateral_static_moment"] * 0.07 / 0.265
     scale = math.sqrt(10.0) * pitch * v8.speed**2
     with_solids, bare_moment = (
         scale * math.hypot(found["throws"][0][name][0] + turning[0], turning[1])
-        for name in ("left", "rods")
+        for name in ("sum", "rods")
     )
     assert found["orders"][0]["moment"]["major"] == close(with_solids, rel=1e-9)
     assert found["without_throws"]["moment"] == close(bare_moment, rel=1e-9)
@@ -115,7 +115,7 @@ def test_split_pins_are_counted_where_they_are():
     assert split["counterweights"][0] < -0.05
     (row,) = throw_mass_table({"throws": [split]}).rows
     assert row[1] == split["rods"][0]
-    assert row[4] == close(math.hypot(*split["left"]))
+    assert row[4] == close(math.hypot(*split["sum"]))
     assert row[5] == close(math.radians(15.0), abs=0.01)
 
 
@@ -162,8 +162,9 @@ def test_two_models_of_the_rods(call, tmp_path):
     assert "rods as two-mass: indicated power" in shown
     assert "│ three-mass │ 2.28 │ 1.316 │ 0.6035 │ 0 │" in shown
     assert (
-        "as three-mass beside two-mass: at most -5.51 % of its size at the same angle (33 deg) and -2.29 % "
-        "of its mean (38 deg); its mean differs by -0.78 %, its maximum by -0.01 %." in shown
+        "from two-mass to three-mass: it changes by up to -5.51 % of its size at the same angle (at 33 "
+        "deg), or -2.29 % of its mean (at 38 deg); its mean changes by -0.78 %, its maximum by -0.01 %."
+        in shown
     )
     assert (tmp_path / "p" / "rod_models.svg").is_file()
     with (tmp_path / "f.csv").open(encoding="utf-8") as file:

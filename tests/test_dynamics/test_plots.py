@@ -451,7 +451,7 @@ CASES = {
         2,
         0,
         lambda o: {
-            f"order 0.5: {o.amplitude[0]:.4g} N m, {np.degrees(o.phase[0]):.1f} deg": (
+            f"order 0.5: {o.amplitude[0]:.3f} N m, {np.degrees(o.phase[0]):.1f} deg": (
                 np.linspace(0.0, 720.0, 721),
                 o.amplitude[0] * np.sin(0.5 * np.radians(np.arange(721.0)) + o.phase[0]),
             )

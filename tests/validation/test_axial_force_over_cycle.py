@@ -61,15 +61,17 @@ def solved_by_hand(matrix, loads, held):
 def test_against_a_shaft_assembled_by_hand(case, figure):
     chains, superelement, harmonics, found = case
     engine = chains.engine_file
-    throws = [superelement.turned(angle) for angle in engine.throw_angles]
+    throws = [superelement.turned(angle_deg=angle) for angle in engine.throw_angles_deg]
     size = 6 * (len(throws) + 1)
     matrix = np.zeros((size, size))
     for place, throw in enumerate(throws):
         matrix[6 * place : 6 * place + 12, 6 * place : 6 * place + 12] += throw.stiffness
     for across in (UX, UY):
         matrix[range(across, size, 6), range(across, size, 6)] += bearing_stiffness(engine).nominal
-    tangential, radial = harmonics.at(found.shaft_angles, engine.engine.rated_speed)
-    assert len(found.shaft_angles) == 720
+    tangential, radial = harmonics.at(
+        engine.engine.rated_speed, shaft_angle_deg=found.shaft_angles_deg
+    )
+    assert len(found.shaft_angles_deg) == 720
     loads = np.zeros((size, 720))
     for cylinder, place in enumerate(engine.throws):
         # In the frame of the crank: y away from the shaft, T along -x where the shaft turns about +z.
@@ -107,14 +109,14 @@ def test_thrust_bearing_against_a_chain_solved_by_hand(case, figure):
     squares, shapes = eigh(stiffness, mass)
     modal = np.diag(np.sqrt(squares) / magnifier_of(engine, "axial")[0])
     damping = mass @ shapes @ modal @ shapes.T @ mass
-    node = engine.thrust_bearing.bearing
+    node = engine.thrust_bearing.section_index
     assert chain.ground[node] == engine.thrust_bearing.stiffness
-    force = np.zeros(len(found.shaft_angles))
+    force = np.zeros(len(found.shaft_angles_deg))
     for order, acting in zip(harmonics.orders, forces, strict=True):
         w = order * engine.engine.rated_speed
         moved = np.linalg.solve(stiffness - w**2 * mass + 1j * w * damping, acting)
         assert moved.shape == (count,)
-        turned = np.exp(1j * order * found.shaft_angles)
+        turned = np.exp(1j * order * np.radians(found.shaft_angles_deg))
         force += engine.thrust_bearing.stiffness * (moved[node] * turned).real
     most = np.max(np.abs(force))
     figure("force on the thrust bearing", found.thrust_bearing, force, 1e-8, "N", scale=most)

@@ -63,7 +63,7 @@ def acceleration_record(layout: EngineLayout, speed: float, cylinders: Sequence[
     dict
         "pistons": for each "cylinder", its "rod" ("main" or "hinged"), the "largest" acceleration
         towards the shaft, "amplitude" [m/s^2] and "phase_deg" of "orders" a cos(k alpha - phase), alpha
-        from where the crank lies along the cylinder's own axis, and what is "left" beyond orders 1 and 2
+        from where the crank lies along the cylinder's own axis, and what is "left" above orders 1 and 2
         at most [m/s^2].
         "differences": for each hinged rod, by "cylinder", how far the piston of the main rod is ahead
         of its own at the same alpha: "largest", "least" [m/s^2] and where, "..._deg", and
@@ -141,7 +141,7 @@ def acceleration_table(record: Record, units: OutputUnits = SI) -> Table:
             )
     rows += [
         [
-            "beyond 2",
+            "above 2",
             str(one["cylinder"]),
             one["rod"],
             one["left"],
@@ -158,13 +158,13 @@ def acceleration_table(record: Record, units: OutputUnits = SI) -> Table:
             Column("cylinder", words=True),
             Column("rod", words=True),
             Column("amplitude", "m/s^2"),
-            Column("of the largest", "%", decimals=2),
-            Column("beside main", "%", decimals=2, missing=""),
+            Column("of largest", "%", decimals=2),
+            Column("against main rod", "%", decimals=2, missing=""),
             Column("phase", "deg", missing=""),
         ],
         rows,
-        note="Of the largest: of the piston's own acceleration. Phase: order k is a cos(k alpha - phase), "
-        "alpha from the piston's own top.",
+        note="Of largest: amplitude over the piston's largest acceleration. Against main rod: difference of "
+        "the amplitudes. Phase: order k is a cos(k alpha - phase), alpha 0 with crank along cylinder.",
     )
 
 
@@ -178,7 +178,8 @@ def acceleration_sentences(record: Record, units: OutputUnits = SI) -> list[str]
         return f"{value} at {angle} ({abs(100.0 * row[which] / row['mean_largest']):.2g} %)"
 
     return [
-        f"Acceleration, cylinder {main} less cylinder {row['cylinder']}, at the same angle from their own "
-        f"tops: {apart(row, 'least')} to {apart(row, 'largest')}; percent of the mean of both largest ones."
+        f"Acceleration, cylinder {main} less cylinder {row['cylinder']}, at the same alpha: "
+        f"{apart(row, 'least')} to {apart(row, 'largest')}; percent of the mean of both largest "
+        "accelerations."
         for row in record["differences"]
     ]

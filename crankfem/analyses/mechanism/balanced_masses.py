@@ -26,7 +26,7 @@ def mechanism_balance_record(run: MechanismRun) -> Record:
     dict
         As `balance_record` gives it, with "throws": of each "throw" the static moments of "rods" (what
         falls to the crankpins), "solid" (all of the throw), "counterweights" (that part of the solid)
-        and "left" (rods and solid), each as ["along" the first pin's crank, across it in the sense of
+        and "sum" (rods and solid), each as ["along" the first pin's crank, across it in the sense of
         rotation] [kg m]; and "without_throws": "force" [N] and "moment" [N m] of the first order
         without the throws' solids, the major axes.
     """
@@ -63,7 +63,7 @@ def _throw_records(run: MechanismRun) -> Iterable[Record]:
         x, y = mechanism.material.density * counterweight_moment(throw.parts)
         weights = complex(y, -mechanism.turning_sense * x)
         parts = dict(zip(PARTS, map(complex, (rods, solid, weights)), strict=True))
-        parts["left"] = parts["rods"] + parts["solid"]
+        parts["sum"] = parts["rods"] + parts["solid"]
         scale = sum(map(abs, parts.values()))
         yield {
             "throw": number + 1,
@@ -81,9 +81,9 @@ def moving_mass_table(record: Record) -> Table:
         "Masses in the balance: pistons and rods",
         [
             Column("cylinder", words=True),
-            Column("to and fro", "kg"),
-            Column("at the crankpin", "kg"),
-            Column("beside the rod's axis", "kg m"),
+            Column("reciprocating", "kg"),
+            Column("rotating, at the crankpin", "kg"),
+            Column("static moment beside the rod's axis", "kg m"),
         ],
         [
             [
@@ -99,28 +99,28 @@ def moving_mass_table(record: Record) -> Table:
 
 
 def throw_mass_table(record: Record) -> Table:
-    """Return what the balance has of each throw: mass times radius along the crank, and what is left."""
+    """Return what the balance has of each throw: mass times radius along the crank, and their sum."""
     return Table(
         "Masses in the balance: mass times radius at each throw, along its crank",
         [
             Column("throw", words=True),
             Column("rods", "kg m"),
-            Column("throw's solid", "kg m"),
+            Column("solid", "kg m"),
             Column("its counterweights", "kg m"),
-            Column("left", "kg m"),
+            Column("sum", "kg m"),
             Column("at", "deg", missing=""),
         ],
         [
             [
                 str(row["throw"]),
                 *(row[name][0] for name in PARTS),
-                math.hypot(*row["left"]),
-                math.atan2(*row["left"][::-1]) if any(row["left"]) else None,
+                math.hypot(*row["sum"]),
+                math.atan2(*row["sum"][::-1]) if any(row["sum"]) else None,
             ]
             for row in record["throws"]
         ],
-        note="The solid is all of the throw, counterweights included. Left: rods and solid, at an angle from "
-        "the crank.",
+        note="The solid is all of the throw, counterweights included. Sum: of rods and solid, at an angle "
+        "from the crank.",
         merged=True,
     )
 

@@ -15,8 +15,8 @@ from dynamics.torque.star import Star, leading_stars, same_stars, star_diagram
 from dynamics.torque_table import TorqueTable
 
 COLUMNS = ("orders", "cosine", "sine", "amplitude", "phase_deg")
-# What the sum up to an order leaves of the samples, and how a table calls it.
-LEFT = {"left_rms": "left, rms", "left_largest": "left, largest"}
+# How far the samples are from the sum up to an order, and how a table calls it.
+RESIDUALS = {"residual_rms": "residual rms", "residual_largest": "largest residual"}
 
 
 def harmonics_record(found: Harmonics) -> Record:
@@ -25,13 +25,13 @@ def harmonics_record(found: Harmonics) -> Record:
     return {**attributes(found, *names), "phase_deg": np.rad2deg(found.phase).tolist()}
 
 
-def left_record(found: Harmonics, table: TorqueTable) -> Record:
-    """What the mean and the harmonics up to each order leave of a table's samples, in its unit."""
+def residual_record(found: Harmonics, table: TorqueTable) -> Record:
+    """How far a table's samples are from mean and harmonics up to each order, in its unit."""
     each = found.each_at(crank_angle_deg=table.crank_angle_deg)
-    left = table.torque - found.mean - np.cumsum(each, axis=0)
+    residual = table.torque - found.mean - np.cumsum(each, axis=0)
     return {
-        "left_rms": np.sqrt(np.mean(left**2, axis=1)).tolist(),
-        "left_largest": np.max(np.abs(left), axis=1).tolist(),
+        "residual_rms": np.sqrt(np.mean(residual**2, axis=1)).tolist(),
+        "residual_largest": np.max(np.abs(residual), axis=1).tolist(),
     }
 
 
@@ -92,21 +92,21 @@ def harmonics_table(record: Record, title: str = "Harmonics", units: OutputUnits
     """Return orders, coefficients, amplitudes [N m] and phases of a `harmonics_record`."""
     shown = table_unit(record["amplitude"], "N m", units)
     orders, *coefficients, phases = (record[name] for name in COLUMNS)
-    left = [name for name in LEFT if name in record]
+    residuals = [name for name in RESIDUALS if name in record]
     return Table(
         title,
         [
             Column("order", digits=None),
             *(shown.column(symbol) for symbol in ("A_k", "B_k", "M_k")),
             Column("a_k", "deg", decimals=2),
-            *(shown.column(LEFT[name]) for name in left),
+            *(shown.column(RESIDUALS[name]) for name in residuals),
         ],
         list(
             zip(
                 orders,
                 *coefficients,
                 map(math.radians, phases),
-                *(record[name] for name in left),
+                *(record[name] for name in residuals),
                 strict=True,
             )
         ),

@@ -69,10 +69,10 @@ def rod_mass_table(records: list[Record]) -> Table:
         [
             *([Column("cylinders", words=True)] if several else []),
             Column("model", words=True),
-            Column("at its foot", "kg", missing=""),
-            Column("piston pin", "kg", missing=""),
-            Column("center of mass", "kg", missing=""),
-            Column("inertia beyond", "kg m^2"),
+            Column("at big end", "kg", missing=""),
+            Column("at piston pin", "kg", missing=""),
+            Column("at center of mass", "kg", missing=""),
+            Column("added inertia", "kg m^2"),
         ],
         [
             [
@@ -132,28 +132,26 @@ def model_difference_table(record: Record) -> Table | None:
     degrees = np.array(record["shaft_angles_deg"])
     wanted = np.arange(math.ceil(degrees[0] / ROW_STEP) * ROW_STEP, degrees[-1] + 1e-6, ROW_STEP)
     rows = [int(np.argmin(np.abs(degrees - angle))) for angle in wanted]
-    area, sizes = record["piston_area"], record["sizes"]
+    sizes, pressure = record["sizes"], 1e-3 / record["piston_area"]
     return Table(
-        f"Load of {record['crankpin']}, rods as {second} beside {first}",
+        f"Load of {record['crankpin']}, rods as {first} and as {second}",
         [
             Column("shaft angle", "deg"),
             *(Column(name, "kN") for name in record["models"]),
-            *(Column(name, "MPa") for name in record["models"]),
-            Column("differs by", "%", decimals=2),
+            Column("change", "%", decimals=2),
             Column("of mean", "%", decimals=2),
         ],
         [
             [
                 math.radians(degrees[row]),
                 *(own[row] for own in sizes),
-                *(own[row] / area for own in sizes),
                 record["of_same_angle"][row],
                 record["of_mean"][row],
             ]
             for row in rows
         ],
-        note=f"Pressures: force over the area of the piston. Difference: of {first} at the same angle, and "
-        "of its mean.",
+        note=f"1 kN over the area of the piston is {pressure:.4g} MPa. Change: from {first} to {second}, in "
+        f"percent of {first} at the same angle, and of its mean.",
     )
 
 
@@ -175,7 +173,7 @@ def model_difference_sentence(record: Record, units: OutputUnits = SI) -> str:
 
     same, mean = "largest_of_same_angle", "largest_of_mean"
     return (
-        f"Load of {record['crankpin']}, as {second} beside {first}: at most {share(same)} of its size at "
-        f"the same angle ({at(same)}) and {share(mean)} of its mean ({at(mean)}); its mean differs by "
-        f"{share('mean')}, its maximum by {share('maximum')}."
+        f"Load of {record['crankpin']}, from {first} to {second}: it changes by up to {share(same)} of its "
+        f"size at the same angle (at {at(same)}), or {share(mean)} of its mean (at {at(mean)}); its mean "
+        f"changes by {share('mean')}, its maximum by {share('maximum')}."
     )

@@ -73,7 +73,7 @@ class ModelComparison:
     Attributes
     ----------
     throws : int
-        How many were asked for.
+        How many different ones were asked for.
     ranges : dict
         Factor of the first model that is a number to the range that both know [SI].
     choices : dict
@@ -198,10 +198,10 @@ def _common_labels(model: ComplianceModel, name: str, labels: tuple[str, ...]) -
 def _drawn(
     ranges: Mapping[str, tuple[float, float]], choices: Mapping[str, tuple[str, ...]]
 ) -> list[dict[str, Any]]:
-    """Draw factors over ranges and choices, half of them at ends of ranges."""
+    """Draw different factors over ranges and choices, half of them at ends of ranges."""
     counts = [*(0 for _ in ranges), *map(len, choices.values())]
     points = with_points_at_ends(sobol_points(THROWS, counts, (SEED,)), counts)
-    return [
+    drawn = [
         {
             name: low + float(place) * (high - low)
             for (name, (low, high)), place in zip(ranges.items(), row, strict=False)
@@ -212,6 +212,7 @@ def _drawn(
         }
         for row in points
     ]
+    return list({tuple(factors.values()): factors for factors in drawn}.values())
 
 
 def _answers(

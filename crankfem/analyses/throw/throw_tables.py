@@ -40,7 +40,7 @@ def loaded_table(record: Record, units: OutputUnits = SI) -> Table:
             [*row, own["axial_force"]]
             for row, own in zip(table.rows, record["supports"].values(), strict=True)
         ],
-        note=f"P: force along the shaft that keeps the length under {pin_force_words(record, units)}.",
+        note=f"P: axial force at the right end that keeps the length under {pin_force_words(record, units)}.",
     )
 
 

@@ -134,8 +134,9 @@ def _sentences(record: Record, left_out: str) -> list[str]:
     found = []
     if record["thrust_bearing"] is not None:
         found.append(
-            f"Axial force on the thrust bearing over the cycle at {record['speed_rpm']:.4g} 1/min, by the "
-            f"axial chain: {_range(record['thrust_bearing'])}, positive towards the flywheel{left_out}."
+            f"Axial force on the thrust bearing at {record['speed_rpm']:.4g} 1/min, as the shaft vibrates: "
+            f"{_range(record['thrust_bearing'])} over the cycle by the axial chain, positive towards the "
+            f"flywheel{left_out}."
         )
     models = (("running", "by the chain"), ("running_whole", "by the whole crankshaft"))
     largest = [
@@ -144,11 +145,15 @@ def _sentences(record: Record, left_out: str) -> list[str]:
         if own is not None
     ]
     if largest:
-        found.append(f"Its largest amplitude at running speeds: {'; '.join(largest)}.")
+        found.append(
+            f"Its largest amplitude at running speeds, for which the bearing is to be checked: "
+            f"{'; '.join(largest)}."
+        )
     return [
         *found,
-        f"Held axially at both ends, the crankshaft would press on them with {_range(record['held'])} over "
-        f"the cycle at {record['speed_rpm']:.4g} 1/min, without any vibration.",
+        "To compare with static formulas only: were both ends of the crankshaft held and without vibration, "
+        f"these would take {_range(record['held'])} over the cycle at {record['speed_rpm']:.4g} 1/min, "
+        "positive where it presses them apart. One thrust bearing alone takes nothing of this force.",
     ]
 
 

@@ -70,7 +70,8 @@ def _print_comparison(model: "ComplianceModel", found: "ModelComparison") -> Non
         for name, (low, high) in found.ranges.items()
     ]
     common += [f"{name} {' or '.join(labels)}" for name, labels in found.choices.items()]
-    print_line(f"{found.throws} throws that both models know: {', '.join(common)}.")
+    count = "1 throw" if found.throws == 1 else f"{found.throws} throws"
+    print_line(f"{count} that both models know: {', '.join(common)}.")
     print_table(
         Table.of_records(
             "Second model less first, in % of the first",
@@ -79,18 +80,20 @@ def _print_comparison(model: "ComplianceModel", found: "ModelComparison") -> Non
             (Column("mean"), lambda r: _percent(r["mean"])),
             (Column("rms"), lambda r: _percent(r["rms"]).lstrip("+")),
             (Column("largest"), lambda r: _percent(r["largest"])),
-            (Column("by bands", digits=3, missing="open"), "by_bands"),
+            (Column("largest / bands", digits=3, missing="open"), "by_bands"),
             (Column("bands apart", missing="open"), lambda r: _share(r["apart"])),
         )
     )
     print_line(
-        "By bands: the largest difference, by what both error bands reach towards each other; above 1 they "
-        "do not meet, and at how many of the throws stands beside it."
+        "Largest / bands: the largest ratio of a difference to what both error bands reach towards each "
+        "other; above 1 they do not overlap. Bands apart: share of the throws where they do not."
     )
     signed = [one.response for one in found.responses if not is_positive_response(one.response)]
     if signed:
         listed = ", ".join(name.replace("_", " ") for name in signed)
-        print_line(f"In % of the root mean square of the first, for it may be zero: {listed}.")
+        print_line(
+            f"In % of the root mean square of the first, which may be zero at single throws: {listed}."
+        )
     worst = max(found.responses, key=lambda one: abs(one.largest))
     place = ", ".join(dimensions_text(model, worst.place))
     print_line(f"Largest difference, of {worst.response.replace('_', ' ')}: at {place}.")

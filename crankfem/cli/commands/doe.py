@@ -110,8 +110,8 @@ def doe(
     if mesh is not None:
         if export is None or import_ or more:
             raise InputError(
-                "--mesh: given without --export, or with --import or --more; allowed is it with --export "
-                "and a folder, for it computes and imports nothing."
+                "--mesh: given without --export, or with --import or --more; it needs --export FOLDER, and "
+                "computes and imports nothing."
             )
         if export.suffix in FORMATS:
             raise InputError(

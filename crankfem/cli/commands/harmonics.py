@@ -118,7 +118,7 @@ def _torque_table_harmonics(source: str, asked: _Request) -> dict[str, Any]:
     from crankfem.analyses.mechanism.harmonics_record import (
         fired_record,
         harmonics_record,
-        left_record,
+        residual_record,
         seen_stars,
     )
     from crankfem.analyses.mechanism.plots.torque_plots import picture_torque_table, table_files
@@ -148,7 +148,7 @@ def _torque_table_harmonics(source: str, asked: _Request) -> dict[str, Any]:
     if folder is not None:
         picture_torque_table(folder, table, shown, stars)
     told = found if asked.orders is None else shown
-    record = {"table": path.name} | harmonics_record(told) | left_record(told, table)
+    record = {"table": path.name} | harmonics_record(told) | residual_record(told, table)
     return record | ({"cylinders": fired_record(shown, stars, firing)} if firing else {})
 
 

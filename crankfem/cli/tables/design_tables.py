@@ -86,7 +86,7 @@ def _quality_lines(quality: DesignQuality) -> Iterator[str]:
     """Say how well the runs fill the box, ranges taken as 0 to 1."""
     distance = "" if quality.distance is None else f"nearest runs {quality.distance:.3g} apart, "
     yield (
-        f"Runs in the unit cube: {distance}discrepancy {quality.discrepancy:.2g} (points by chance: "
+        f"Runs in the unit cube: {distance}discrepancy {quality.discrepancy:.2g} (random points: "
         f"{quality.random_discrepancy:.2g})."
     )
     if quality.correlated:

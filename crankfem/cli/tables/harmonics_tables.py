@@ -9,7 +9,7 @@ from crankbase.tables.table_units import table_unit
 from crankbase.units.units import RPM
 from crankfem.analyses.mechanism.harmonics_record import (
     COLUMNS,
-    LEFT,
+    RESIDUALS,
     harmonics_record,
     harmonics_table,
     stars_record,
@@ -113,30 +113,30 @@ def print_table_harmonics(record: Record, usual: float, units: OutputUnits = SI)
     Orders above the usual ones are printed only where they are all that was asked for.
     """
     kept = sum(order <= usual * (1.0 + 1e-9) for order in record["orders"])
-    record = record | {name: record[name][:kept] for name in (*COLUMNS, *LEFT)}
+    record = record | {name: record[name][:kept] for name in (*COLUMNS, *RESIDUALS)}
     mean = table_unit([record["mean"]], "N m", units).with_unit(record["mean"])
     print_line(
         f"Mean {mean}; {record['samples']} samples resolve orders up to "
         f"{record['highest_order']:g}."
     )
     print_table(harmonics_table(record, units=units), units)
-    most, upto = record["left_largest"][-1], f"The sum up to order {record['orders'][-1]:g}"
+    most, upto = record["residual_largest"][-1], f"The sum up to order {record['orders'][-1]:g}"
     if most <= 1e-9 * max(record["amplitude"]):
         print_line(f"{upto} meets every sample.")
     else:
         shown = table_unit([most], "N m", units).with_unit(most)
-        print_line(f"{upto} leaves up to {shown} of a sample.")
+        print_line(f"{upto} differs from the samples by at most {shown}.")
     fired = record.get("cylinders")
     if fired is None:
         return
     mean = table_unit([fired["torque"]["mean"]], "N m", units).with_unit(fired["torque"]["mean"])
     angles = ", ".join(f"{angle:g}" for angle in fired["firing_angles_deg"])
     count = len(fired["firing_angles_deg"])
-    those = (
-        "1 cylinder with this torque" if count == 1 else f"{count} cylinders with this torque each"
+    those = "1 cylinder" if count == 1 else f"{count} cylinders, each"
+    print_line(f"{those} with this torque, fired at {angles} deg: mean torque {mean}.")
+    print_table(
+        harmonics_table(fired["torque"], "Harmonics of the sum of all cylinders", units), units
     )
-    print_line(f"{those}, fired at {angles} deg: mean torque {mean}.")
-    print_table(harmonics_table(fired["torque"], "Harmonics of their torque", units), units)
     print_stars(fired, units, hinged=False)
     print_notes(fired["remarks"], units)
 

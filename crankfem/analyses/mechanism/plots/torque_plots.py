@@ -126,7 +126,7 @@ def plot_single_harmonics(path: Path, found: Harmonics) -> None:
     rows = math.ceil(count / columns)
     size = {"width": 2.9 * columns + 0.4, "height": 2.1 * rows + 0.3}
     with figure(path, columns, **size, rows=rows) as axes:
-        panels = np.atleast_1d(axes).ravel().tolist()
+        panels = axes.ravel().tolist()
         top = 1.1 * float(np.max(found.amplitude[:count]))
         for place, panel in enumerate(panels):
             if place >= count:
