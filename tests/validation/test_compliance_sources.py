@@ -219,7 +219,7 @@ def test_a_formulas_error_is_its_spread_beside_finite_elements(figure, named, pr
     engine = SimpleNamespace(
         crank_throws=(one.throw, one.throw),
         named_throws={"throw": one.throw},
-        throw_angles=(0.0, np.pi),
+        throw_angles_deg=(0.0, 180.0),
         material=one.material,
     )
     own = one.axial[1] if kind == "axial" else one.torsional
