@@ -219,4 +219,4 @@ def test_sweep_is_that_of_chains_and_shafts_one_by_one(case, figure):
         scale=np.abs(softer.stiffness).max(),
     )
     low, high = np.min(found.chains["torsional"]), np.max(found.chains["torsional"])
-    assert f"torsional {low:.1f} to {high:.1f} Hz by the chain" in found.sentences[0]
+    assert f"{low:.1f} to {high:.1f} Hz by the chain" in found.sentences[0]
