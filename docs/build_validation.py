@@ -207,8 +207,7 @@ def worst_rows(entry: dict[str, Any]) -> list[tuple[dict[str, Any], int]]:
 
 
 def _used(row: dict[str, Any]) -> float:
-    # A count has to be equal, and a test that passed found it so.
-    return float(row["deviation"] / row["allowed"]) if row["allowed"] else 0.0
+    return float(row["deviation"] / row["allowed"])
 
 
 def _table(entry: dict[str, Any]) -> Iterator[str]:

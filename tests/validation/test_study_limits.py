@@ -99,7 +99,14 @@ def throws():
 def test_throws_inside_are_those_of_the_study(models, throws, form, figure):
     expected = belongs(throws)
     found = models[form].lookups("axial_compliance", **throws)
-    figure(f"throws inside, {form}", int(np.sum(found.inside)), int(np.sum(expected)), 0.0)
+    figure(
+        f"throws inside, {form}",
+        int(np.sum(found.inside)),
+        int(np.sum(expected)),
+        0.5,
+        "",
+        "absolute",
+    )
     assert found.inside.tolist() == expected.tolist()
     assert np.array_equal(np.isfinite(found.lower), expected)
     for place in range(0, 2000, 40):
@@ -113,7 +120,9 @@ def test_all_throws_in_the_box_of_a_study_without_constraints_are_inside(throws,
     model = compliance_model(table, fit_study(table), form)
     inside = {name: np.clip(throws[name], *ends) for name, ends in RANGES.items()}
     found = model.lookups("axial_compliance", strict=True, **inside)
-    figure(f"throws of the box inside, {form}", int(np.sum(found.inside)), 2000, 0.0)
+    figure(
+        f"throws of the box inside, {form}", int(np.sum(found.inside)), 2000, 0.5, "", "absolute"
+    )
     assert found.remarks == ()
 
 
