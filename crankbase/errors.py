@@ -1,7 +1,8 @@
 """The errors that a user of crankfem meets: a clear sentence for each thing that is wrong."""
 
 import re
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
 
 # Of what was given a message quotes at most so many characters, its beginning and its end.
 LONGEST_QUOTE = 80
@@ -86,6 +87,37 @@ class InputError(ValueError):
     def of_all(cls, errors: Iterable["InputError"]) -> "InputError":
         """Return one error that says what all say, each sentence once."""
         return cls("\n".join(dict.fromkeys(line for error in errors for line in error.sentences)))
+
+
+class InputErrors:
+    """Errors of parts of an input, each part read for itself, to be told together.
+
+    Attributes
+    ----------
+    found : list of InputError
+    """
+
+    def __init__(self) -> None:
+        self.found: list[InputError] = []
+
+    @contextmanager
+    def noted(self) -> Iterator[None]:
+        """Read one part in this context: its error waits for those of the others."""
+        try:
+            yield
+        except InputError as error:
+            self.found.append(error)
+
+    def tell(self) -> None:
+        """Raise what was noted, if anything was.
+
+        Raises
+        ------
+        InputError
+            With each sentence once.
+        """
+        if self.found:
+            raise InputError.of_all(self.found) from None
 
 
 class MissingLibraryError(ImportError):

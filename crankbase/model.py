@@ -10,7 +10,7 @@ from pydantic.fields import FieldInfo
 
 from crankbase.checks.choices import allowed_names
 from crankbase.checks.scalars import is_number
-from crankbase.errors import InputError, quoted
+from crankbase.errors import InputError, InputErrors, quoted
 from crankbase.units.quantity import format_quantity, parse_quantity
 from crankbase.units.units import DISPLAY_UNITS
 
@@ -222,15 +222,13 @@ class InputModel(BaseModel, metaclass=_ShowsFields):
         name = cls.section if section is None else section
         prefix = f"{name}." if name else ""
         converted: dict[str, Any] = {}
-        errors: list[InputError] = []
+        errors = InputErrors()
         for key, text in values.items():
-            try:
+            with errors.noted():
                 converted[key] = _value_from_text(cls, key, text, f"{prefix}{key}")
-            except InputError as error:
-                errors.append(error)
-        if errors:
+        if errors.found:
             unread = set(values) - set(converted)
-            raise InputError.of_all([*errors, *_field_errors(cls, converted, unread, prefix)])
+            raise InputError.of_all([*errors.found, *_field_errors(cls, converted, unread, prefix)])
         try:
             return cls(**converted)
         except InputError as error:
@@ -288,7 +286,12 @@ def _parts_from_text(kind: type[InputModel], info: FieldInfo, value: object, nam
             raise InputError(
                 f"{name}: given {quoted(value)}; allowed is a list of tables, each under [[{name}]]."
             )
-        return tuple(kind.from_text(item, f"{name}[{place}]") for place, item in enumerate(value))
+        parts, errors = [], InputErrors()
+        for place, item in enumerate(value):
+            with errors.noted():
+                parts.append(kind.from_text(item, f"{name}[{place}]"))
+        errors.tell()
+        return tuple(parts)
     if not isinstance(value, Mapping):
         raise InputError(f"{name}: given {quoted(value)}; allowed is a table [{name}].")
     return kind.from_text(value, name)

@@ -1,17 +1,31 @@
 """Draw the pictures of these pages with the current code: ``python docs/build_pictures.py``."""
 
 import math
+import re
 from pathlib import Path
+from tempfile import TemporaryDirectory
 
-import numpy as np
+import matplotlib as mpl
 
 import crankfem as cf
+from crankfem.analyses.mechanism.acceleration_records import piston_names
+from crankfem.analyses.mechanism.plots.load_plots import plot_model_difference
+from crankfem.analyses.mechanism.plots.torque_plots import picture_torque_table
+from crankfem.analyses.mechanism.rod_comparison import model_difference
 from crankfem.analyses.throw.pictures.drawing import write_drawing
 from crankfem.files.engine.mechanism_file import load_mechanism
-from dynamics.mechanism.rod_model_names import RodModelName
+from crankfem.report.interactive.vibration import VIBRATION
 
 HERE = Path(__file__).parent
 ENGINE = "8chn26-26"
+PICTURES = (
+    "accelerations_8chn26-26.svg",
+    "axial_force_6chn25-34.svg",
+    "harmonics_yamz-5340.svg",
+    "hodograph_8chn26-26.svg",
+    "rod_models_13_14.svg",
+    "rod_models_13_14_short.svg",
+)
 
 
 def draw_hodographs() -> None:
@@ -21,36 +35,74 @@ def draw_hodographs() -> None:
     cf.pictures.plot_hinged_rods(HERE / "hodograph_8chn26-26.svg", engine, speed, cylinders=[1, 5])
 
 
-def draw_loads(path: Path) -> None:
-    """Draw the crankpin load of docs/mechanism.md: 13/14, rod of 225 mm, motored, three models."""
-    length, bore, speed = 0.225, 0.130, 2100 * math.pi / 30
-    inertia = 0.86 * 4.2 * 0.097 * (length - 0.097)
-    rod = cf.ConnectingRod(length, 4.2, 0.097, inertia, 0.009)
-    engine = cf.EngineLayout(0.070, [cf.EngineCylinder(bore, 3.4, rod)], [1])
-    drive = cf.mechanism.SliderCrank(0.070, length)
-    cycle = cf.gas.usual_gas_cycle(15.2, intake_pressure=1.0e5, exhaust_pressure=1.05e5)
-    area = math.pi / 4 * bore**2
-    motored = cf.gas.gas_cycle(cycle, lambda a: drive.piston(a).place.real, area, heat=0.0)
-    angles = np.radians(np.arange(0, 720, 1.0))
-    gas = cf.gas.gas_forces(engine, angles, motored.pressure)
-    models: tuple[RodModelName, ...] = ("two-mass", "three-mass", "rigid")
-    forces = [
-        cf.mechanism.mechanism_forces(engine, angles, speed, gas, model=model) for model in models
-    ]
-    loads = [cf.mechanism.crankpin_loads(found)[0] for found in forces]
-    title = "crankpin load, 8ChN 13/14, rod 225 mm, motored, 2100 1/min"
-    cf.pictures.plot_polar_loads(path, loads, labels=models, title=title)
+def draw_rod_models(path: Path, engine: Path | str, *, motored: bool = False) -> None:
+    """Draw a crankpin load of docs/mechanism.md by two and by three masses."""
+    run = cf.run_mechanism(load_mechanism(engine), model="two-mass", motored=motored)
+    title = f"{run.crankpins[0].name}, {'motored' if motored else 'rated load'}"
+    plot_model_difference(path, model_difference(run, "three-mass"), title=title)
+
+
+def short_rod(folder: Path) -> Path:
+    """Write the engine 13/14 with a rod of 225 mm and atmospheric pressure in the intake."""
+    text = load_mechanism("8chn13-14").path.read_text(encoding="utf-8")
+    for long, short in (
+        ('"265 mm"', '"225 mm"'),
+        ('"2.66264 kg"', '"2.38933 kg"'),
+        ('"0.0589 kg m^2"', '"0.04485 kg m^2"'),
+        ("[gas]", '[gas]\nintake_pressure = "0.1 MPa"\nexhaust_pressure = "0.105 MPa"'),
+    ):
+        text = text.replace(long, short)
+    path = folder / "short.toml"
+    path.write_text(text, encoding="utf-8")
+    return path
+
+
+def draw_accelerations(path: Path) -> None:
+    """Draw the accelerations of main and hinged piston."""
+    engine = load_mechanism(ENGINE).layout
+    cylinders = piston_names(engine, (1, 5))
+    cf.pictures.plot_accelerations(path, engine, 1000 * math.pi / 30, cylinders)
+
+
+def draw_papers_figures() -> None:
+    """Write what docs/torque.md and docs/excitation.md show beside the figures of papers."""
+    table = cf.load_torque_table("yamz5340_torque_one_throw.csv")
+    with TemporaryDirectory() as folder:
+        _, curves, _ = picture_torque_table(Path(folder), table, table.harmonics().up_to(2.0))
+        (HERE / "harmonics_yamz-5340.svg").write_bytes(curves.read_bytes())
+        VIBRATION.draw(Path(folder), cf.engine_vibration("6chn25-34"))
+        force = Path(folder) / "axial_force.svg"
+        (HERE / "axial_force_6chn25-34.svg").write_bytes(force.read_bytes())
+
+
+def shorten(path: Path) -> None:
+    """Write numbers of an SVG file with two decimals of a point, each curve and each text in one line."""
+    text = path.read_text(encoding="utf-8")
+    # Scales of characters keep all their digits.
+    text = re.sub(r"scale\([^)]*\)|(\d+\.\d\d)\d+", lambda found: found[1] or found[0], text)
+    text = re.sub(r" *\n *(?=[LQCMz]|<use)", "", text)
+    text = re.sub(r"\n +", "\n", text)
+    path.write_text(text, encoding="utf-8")
 
 
 def main() -> None:
-    """Write the drawing of a throw, the picture of a whole crankshaft, loads and hodographs."""
+    """Write the drawing of a throw, a whole crankshaft, loads, hodographs, and figures of papers."""
     throw, _ = cf.load_throw(ENGINE)
     write_drawing(throw, HERE / "drawing.svg", "8ChN 26/26")
-    cf.pictures.picture_shaft(cf.load_crankshaft(ENGINE), HERE / "crankshaft.png")
-    draw_loads(HERE / "loads_13_14.svg")
+    cf.pictures.picture_shaft(cf.load_crankshaft("8chn13-14"), HERE / "crankshaft.png")
+    draw_rod_models(HERE / "rod_models_13_14.svg", "8chn13-14")
+    with TemporaryDirectory() as folder:
+        short = short_rod(Path(folder))
+        draw_rod_models(HERE / "rod_models_13_14_short.svg", short, motored=True)
     draw_hodographs()
+    draw_accelerations(HERE / "accelerations_8chn26-26.svg")
+    draw_papers_figures()
+    for name in PICTURES:
+        shorten(HERE / name)
 
 
 if __name__ == "__main__":
+    # Points of curves closer to a straight line than that are left out [1/72 in].
+    mpl.rcParams["path.simplify_threshold"] = 0.3
     with cf.replacing_files():
         main()

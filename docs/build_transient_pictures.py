@@ -64,7 +64,7 @@ def slow_six() -> tuple[cf.EngineLayout, cf.gas.GasPressure, cf.chains.EngineCha
     inertia[:6] += throw_inertia_curves(engine, list(range(6))).mean
     names = [*(f"cylinder {number}" for number in range(1, 7)), "flywheel", "propeller"]
     chain = cf.Chain(inertia, [4e8] * 5 + [5e8, 4e7], names=names)
-    gas = cf.gas.gas_pressure(angles, compressed + burnt, strokes=2)
+    gas = cf.gas.gas_pressure(compressed + burnt, strokes=2, angles_deg=np.degrees(angles))
     return engine, gas, cf.chains.EngineChain(chain, "torsional", throw_nodes=tuple(range(6)))
 
 

@@ -1,5 +1,7 @@
 """The working cycle: its length in crank angle, its order step, and even angles over it."""
 
+import math
+
 import numpy as np
 
 from crankbase.checks.arrays import FloatArray
@@ -28,6 +30,11 @@ def checked_strokes(strokes: int) -> int:
 def cycle_degrees(strokes: int) -> float:
     """Return the length of one cycle in degrees of crank angle: 720 or 360."""
     return 180.0 * checked_strokes(strokes)
+
+
+def cycle_radians(strokes: int) -> float:
+    """Return the length of one cycle in radians of crank angle: 4 pi or 2 pi."""
+    return math.pi * checked_strokes(strokes)
 
 
 def order_step(strokes: int) -> float:

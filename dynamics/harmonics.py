@@ -1,24 +1,29 @@
 """Harmonic analysis of a torque or force that repeats every working cycle."""
 
 from dataclasses import dataclass, replace
+from typing import Literal, get_args
 
 import numpy as np
 from numpy.typing import ArrayLike
 
+from crankbase.checks.angles import radians_of
 from crankbase.checks.arrays import (
     FloatArray,
-    finite_array,
     finite_vector,
     positive_number,
     read_only,
 )
+from crankbase.checks.choices import check_choice
 from crankbase.errors import InputError
 from crankbase.library_types import Axes, DataFrame
 from crankbase.summaries import summarized
 from crankbase.tables.frames import table
 from dynamics.cycle import check_even_cycle, cycle_degrees, order_step
 from dynamics.plots.harmonic_bars import draw_harmonics
+from dynamics.plots.harmonic_curves import draw_single_harmonics
 
+Shown = Literal["amplitudes", "curves"]
+SHOWN: tuple[Shown, ...] = get_args(Shown)
 # A harmonic below this share of the largest sample is round-off and has no phase.
 ROUND_OFF_SHARE = 1e-13
 # Room for the round-off of an order that was calculated.
@@ -128,13 +133,13 @@ class Harmonics:
             return f"those above {self.orders[-1]:g} were left out"
         return f"{self.samples} samples over one cycle resolve no others"
 
-    def at(self, crank_angle: ArrayLike) -> FloatArray:
+    def at(self, *, crank_angle_deg: ArrayLike) -> FloatArray:
         """Sum the series at crank angles; at the sample points all orders give the samples.
 
         Parameters
         ----------
-        crank_angle : array_like of any shape
-            Crank angle x [rad].
+        crank_angle_deg : array_like of any shape
+            Crank angle x [deg].
 
         Returns
         -------
@@ -144,11 +149,33 @@ class Harmonics:
         Raises
         ------
         InputError
-            If an angle is not a finite number.
+            If an angle is not a finite number, or they are radians.
         """
-        arguments = finite_array("crank_angle", crank_angle)[..., np.newaxis] * self.orders
-        total = np.cos(arguments) @ self.cosine + np.sin(arguments) @ self.sine
-        return np.asarray(total + self.mean, dtype=np.float64)
+        return np.asarray(self.each_at(crank_angle_deg=crank_angle_deg).sum(axis=0) + self.mean)
+
+    def each_at(self, *, crank_angle_deg: ArrayLike) -> FloatArray:
+        """Return each harmonic by itself; mean and running sum of them are the partial sums.
+
+        Parameters
+        ----------
+        crank_angle_deg : array_like of any shape
+            Crank angle x [deg].
+
+        Returns
+        -------
+        ndarray of shape (K, ...)
+            M_k sin(order x + a_k) in the unit of the samples.
+
+        Raises
+        ------
+        InputError
+            If an angle is not a finite number, or they are radians.
+        """
+        arguments = np.multiply.outer(self.orders, radians_of("crank_angle_deg", crank_angle_deg))
+        cosine, sine = (
+            part.reshape(-1, *(1,) * (arguments.ndim - 1)) for part in (self.cosine, self.sine)
+        )
+        return np.asarray(cosine * np.cos(arguments) + sine * np.sin(arguments))
 
     def plot(
         self,
@@ -156,8 +183,9 @@ class Harmonics:
         *,
         unit: str = "unit of the samples",
         highest_order: float | None = None,
+        show: Shown = "amplitudes",
     ) -> Axes:
-        """Draw the amplitudes by order as bars.
+        """Draw the amplitudes by order as bars, or single harmonics over the cycle.
 
         Parameters
         ----------
@@ -167,6 +195,9 @@ class Harmonics:
             Of the samples, such as "N m".
         highest_order : float, optional
             Up to which orders are drawn; all by default.
+        show : {"amplitudes", "curves"}
+            "curves": each harmonic over the crank angle, with its amplitude and phase, the six
+            strongest where there are more.
 
         Returns
         -------
@@ -175,9 +206,12 @@ class Harmonics:
         Raises
         ------
         InputError
-            If no order is left.
+            If no order is left, or `show` is none of these.
         """
+        check_choice("show", show, SHOWN, "these are drawn of harmonics")
         shown = self if highest_order is None else self.up_to(highest_order)
+        if show == "curves":
+            return draw_single_harmonics(axes, shown, unit)
         bars = {"amplitude": shown.amplitude}
         return draw_harmonics(axes, shown.orders, bars, f"amplitude [{unit}]", title="Harmonics")
 

@@ -84,7 +84,7 @@ class TorqueTable:
         """
         return table(
             {
-                "crank_angle": (np.radians(self.crank_angle_deg), "rad"),
+                "crank_angle": (self.crank_angle_deg, "deg"),
                 "torque": (self.torque, "N m"),
             }
         )

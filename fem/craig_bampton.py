@@ -14,6 +14,7 @@ amplitudes of their own). It takes the error from the second to the fourth power
 relative to the lowest mode left out.
 """
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any
@@ -90,12 +91,12 @@ class DynamicSuperelement:
     cutoff_factor: float
     solver: str
 
-    def turned(self, angle: float) -> "DynamicSuperelement":
-        """Return the superelement of the throw turned by an angle [rad] about the shaft, +z.
+    def turned(self, *, angle_deg: float) -> "DynamicSuperelement":
+        """Return the superelement of the throw turned by an angle [deg] about the shaft, +z.
 
         The end motions are then in the shaft frame; pin loads stay in the frame of the throw.
         """
-        ends = np.kron(np.eye(2), section_rotation(angle))
+        ends = np.kron(np.eye(2), section_rotation(math.radians(angle_deg)))
         turn = block_diag(ends, np.eye(len(self.frequencies)))
         return replace(
             self,

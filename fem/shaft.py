@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any, Literal
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from crankbase.checks.angles import refuse_crank_radians
 from crankbase.checks.arrays import finite_vector
 from crankbase.checks.choices import check_choice
 from crankbase.drawing.bars import draw_groups, draw_matrix
@@ -279,8 +280,9 @@ def shaft_compliances(
             "one for each of at least one throw."
         )
     count = len(throws)
-    angles = np.radians(finite_vector("crank_angles_deg", crank_angles_deg)).tolist()
-    turned = [throw.turned(angle) for throw, angle in zip(throws, angles, strict=True)]
+    angles = finite_vector("crank_angles_deg", crank_angles_deg).tolist()
+    refuse_crank_radians("crank_angles_deg", angles)
+    turned = [throw.turned(angle_deg=angle) for throw, angle in zip(throws, angles, strict=True)]
     pulls = np.zeros((6 * (count + 1), 2))
     pulls[[6 * count + UZ, 6 * count + RZ], [0, 1]] = 1.0
     radial, tangential = (

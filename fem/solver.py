@@ -1,11 +1,14 @@
 """Solve symmetric positive definite systems; the one place that knows which library does it."""
 
 import copy
+import os
+import sys
 import weakref
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import cache
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -25,6 +28,8 @@ SMALLEST_PIVOT = 1e-13
 SOLVERS = ("pardiso", "superlu")
 # Phases of Pardiso.
 ANALYSIS, FACTORIZATION, SOLUTION = 11, 22, 33
+# Where pip and conda put MKL. Left alone, pypardiso reads all folders of an environment, twice.
+MKL_FILES, MKL_VARIABLE = ("lib/libmkl_rt.*", "Library/bin/mkl_rt*.dll"), "PYPARDISO_MKL_RT"
 
 Array = NDArray[np.float64]
 
@@ -184,7 +189,9 @@ def _choose(solver: str, watch: Stopwatch) -> str:
 
 @cache
 def _pardiso() -> Any:
-    """Load Pardiso once (finding MKL takes a while); None where it cannot be had."""
+    """Load Pardiso once; None where it cannot be had."""
+    for file in (path for pattern in MKL_FILES for path in Path(sys.prefix).glob(pattern)):
+        os.environ.setdefault(MKL_VARIABLE, str(file))
     try:
         from pypardiso import PyPardisoSolver
 

@@ -1,5 +1,6 @@
 """The throw as a superelement: stiffness between its two end sections, and the pins' loads."""
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
@@ -59,12 +60,12 @@ class Superelement:
         along = -np.cross([0.0, 0.0, 1.0], self.radials)
         return np.asarray(np.einsum("pqa,pa->qp", self.pin_loads[:, :, :3], along))
 
-    def turned(self, angle: float) -> "Superelement":
-        """Return the superelement of the throw turned by an angle [rad] about the shaft, +z.
+    def turned(self, *, angle_deg: float) -> "Superelement":
+        """Return the superelement of the throw turned by an angle [deg] about the shaft, +z.
 
         The motions are then in the shaft frame; pin loads stay in the frame of the throw.
         """
-        both = np.kron(np.eye(2), section_rotation(angle))
+        both = np.kron(np.eye(2), section_rotation(math.radians(angle_deg)))
         return replace(
             self, stiffness=both @ self.stiffness @ both.T, pin_loads=both @ self.pin_loads
         )

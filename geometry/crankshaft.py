@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from crankbase.calls import ProcessLostError
+from crankbase.checks.angles import refuse_crank_radians
 from crankbase.checks.arrays import finite_vector
 from crankbase.errors import InputError, MeshError
 from crankbase.summaries import summarized
@@ -58,7 +59,7 @@ class Crankshaft:
     Raises
     ------
     InputError
-        If there is not one angle for each throw, or neighbors do not fit.
+        If there is not one angle for each throw, they are radians, or neighbors do not fit.
 
     Examples
     --------
@@ -77,6 +78,7 @@ class Crankshaft:
                 "allowed is one for each of at least one throw."
             )
         finite_vector("crank_angles_deg", self.crank_angles_deg)
+        refuse_crank_radians("crank_angles_deg", self.crank_angles_deg)
         for number, (first, second) in enumerate(
             zip(self.throws, self.throws[1:], strict=False), start=1
         ):
@@ -98,9 +100,9 @@ class Crankshaft:
         if left.main_journal_bore == 0.0:
             return
         ends = (left.parts.cylinders[-1].bore_axis, right.parts.cylinders[0].bore_axis)
+        angles = np.radians(self.crank_angles_deg[number - 1 : number + 1])
         first, second = (
-            complex(*axis) * cmath.exp(1j * angle)
-            for axis, angle in zip(ends, self.crank_angles[number - 1 : number + 1], strict=True)
+            complex(*axis) * cmath.exp(1j * angle) for axis, angle in zip(ends, angles, strict=True)
         )
         if abs(first - second) > 1e-9 * left.main_journal_diameter:
             raise InputError(
@@ -108,11 +110,6 @@ class Crankshaft:
                 f"{number + 1} are {format_quantity(abs(first - second), 'm')} apart in the main journal "
                 "they share; allowed are bores that meet there, such as concentric ones."
             )
-
-    @property
-    def crank_angles(self) -> tuple[float, ...]:
-        """The crank angles [rad]."""
-        return tuple(math.radians(angle) for angle in self.crank_angles_deg)
 
     @property
     def starts(self) -> NDArray[np.float64]:
@@ -149,11 +146,11 @@ class Crankshaft:
         found: dict[CrankThrow, MassProperties] = {}
         parts = []
         for throw, angle, start in zip(
-            self.throws, self.crank_angles, self.starts[:-1], strict=True
+            self.throws, self.crank_angles_deg, self.starts[:-1], strict=True
         ):
             if throw not in found:
                 found[throw] = throw_masses(throw, density)
-            parts.append(found[throw].moved(angle, float(start)))
+            parts.append(found[throw].moved(angle_deg=angle, along=float(start)))
         parts += [
             cylinder_mass_properties(diameter, low, high, density)
             for diameter, low, high in self.end_cylinders
@@ -190,7 +187,9 @@ class Crankshaft:
         from geometry.plots.throw_plot import plot_throws
 
         parts = [throw.parts for throw in self.throws]
-        return plot_throws(axes, parts, self.crank_angles, self.end_cylinders)
+        return plot_throws(
+            axes, parts, np.radians(self.crank_angles_deg).tolist(), self.end_cylinders
+        )
 
 
 def throw_starts(throws: Sequence[CrankThrow]) -> tuple[float, ...]:
@@ -250,7 +249,7 @@ def make_shaft(gmsh: Any, shaft: Crankshaft) -> None:
     pieces: list[Entity] = []
     made: dict[CrankThrow, Entity] = {}
     for throw, angle, start in zip(
-        shaft.throws, shaft.crank_angles, shaft.starts[:-1], strict=True
+        shaft.throws, np.radians(shaft.crank_angles_deg), shaft.starts[:-1], strict=True
     ):
         if throw not in made:
             made[throw] = make_solid(gmsh, throw.parts, "full")

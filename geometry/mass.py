@@ -41,8 +41,9 @@ class MassProperties:
         """Moment of inertia about the shaft axis [kg m^2]."""
         return float(self.inertia[2, 2] + self.mass * (self.center[0] ** 2 + self.center[1] ** 2))
 
-    def moved(self, angle: float, along: float) -> "MassProperties":
-        """Return those of the part turned by an angle [rad] about +z and moved along the shaft [m]."""
+    def moved(self, *, angle_deg: float, along: float) -> "MassProperties":
+        """Return those of the part turned by an angle [deg] about +z and moved along the shaft [m]."""
+        angle = np.radians(angle_deg)
         cosine, sine = np.cos(angle), np.sin(angle)
         turn = np.array([[cosine, -sine, 0.0], [sine, cosine, 0.0], [0.0, 0.0, 1.0]])
         center = turn @ self.center + np.array([0.0, 0.0, along])

@@ -57,8 +57,22 @@ def _web_volume(web: WebPlate) -> float:
     )
 
 
-def _sector_volume(web: WebPlate, sector: Sector, journal: Cylinder) -> float:
-    """Volume that a counterweight adds to its web, less the journal's bore through it [m^3]."""
+def counterweight_moment(parts: ThrowParts) -> Array:
+    """Return the integral of (x, y) over what the counterweights add to their webs, (2,) [m^4]."""
+    moment = np.zeros(2)
+    for web, before, after in zip(parts.webs, parts.cylinders, parts.cylinders[1:], strict=False):
+        if web.sector is not None:
+            journal = after if before.is_pin else before
+            volume, first = (_sector_volume(web, web.sector, journal, power) for power in (0, 1))
+            moment += volume * np.array(web.foot) + first * np.array(web.direction)
+    return moment
+
+
+def _sector_volume(web: WebPlate, sector: Sector, journal: Cylinder, power: int = 0) -> float:
+    """Volume that a counterweight adds to its web, less the journal's bore through it [m^3].
+
+    Or the integral of a power of the height from the web's foot over that volume.
+    """
     bore, center = journal.bore_radius, _height(web, journal)
     cosine, tangent = math.cos(sector.half_angle), math.tan(sector.half_angle)
     radii = (sector.outer_radius, sector.inner_radius)
@@ -93,7 +107,7 @@ def _sector_volume(web: WebPlate, sector: Sector, journal: Cylinder) -> float:
         filled = max(min(web.end, sector.end) - max(web.start, sector.start), 0.0) - shared
         hole = np.maximum(np.minimum(np.minimum(high, width), bored(v)) - low, 0.0)
         added = outside * thickness + inside * (thickness - shared) - hole * filled
-        return np.asarray(2.0 * added)
+        return np.asarray(2.0 * added * v**power)
 
     from scipy.optimize import brentq  # here, for looking a compliance up must not load scipy
 

@@ -35,8 +35,15 @@ COLORS = (BLUE, ORANGE, GREEN, RED, "#7a5ba6", GRAY)
 
 
 @contextmanager
-def figure(path: Path, columns: int = 1, width: float = 7.2, height: float = 4.2) -> Iterator[Any]:
-    """Yield the axes of a figure and write it as SVG to `path`.
+def figure(
+    path: Path,
+    columns: int = 1,
+    width: float = 7.2,
+    height: float = 4.2,
+    *,
+    rows: int | None = None,
+) -> Iterator[Any]:
+    """Yield the axes of a figure and write it as SVG to `path`; with `rows`, an array (rows, columns).
 
     Raises
     ------
@@ -57,8 +64,13 @@ def figure(path: Path, columns: int = 1, width: float = 7.2, height: float = 4.2
     with mpl.rc_context(STYLE):
         made = Figure(figsize=(width, height), layout="constrained")
         FigureCanvasSVG(made)
-        axes = made.subplots(1, columns)
+        axes = made.subplots(rows or 1, columns, squeeze=rows is None)
         yield axes
+        # Laid out once; `savefig` would draw everything another time for it.
+        layout = made.get_layout_engine()
+        assert layout is not None
+        layout.execute(made)
+        made.set_layout_engine(None)
         with atomic_file(path, "picture") as part:
             made.savefig(part, metadata={"Date": None})
 

@@ -12,14 +12,12 @@ from typing import Any
 
 from crankbase.errors import InputError
 from crankbase.units.number_formats import UNBOUNDED
-from crankbase.units.quantity import NoUnitError, format_quantity, unit_quantity
+from crankbase.units.quantity import WRITTEN_OUT, NoUnitError, format_quantity, unit_quantity
 from crankbase.units.units import DISPLAY_UNITS, POWER_OF_TEN, UNITS
 
 SYSTEMS = {"si": "", "imperial": "in, lbf, ksi, lb, hp"}
 # A user who reads angles in degrees does not mean speeds in degrees per second.
 NEVER_APART = ("rad/s",)
-# From here on four digits would get an exponent; below, a person reads them without one.
-WRITTEN_OUT = 1e7
 
 _NUMBER = r"[+-]?\d+(?:\.\d+)?(?:e[+-]?\d+)?"
 # One unit behind a range or a list is that of all its numbers.
@@ -63,7 +61,7 @@ class OutputUnit:
         text = f"{value / self.size:.{digits}g}"
         if self.name == "%" and "e+" in text:
             return f"{value / self.size:.0f}"
-        if self.wished and "e" in text and 1.0 <= abs(float(text)) < WRITTEN_OUT:
+        if "e+" in text and abs(float(text)) < WRITTEN_OUT:
             return f"{float(text):.0f}"
         return text
 

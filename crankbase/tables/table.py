@@ -72,7 +72,11 @@ class Column:
     def text(
         self, cell: Cell, units: OutputUnits = SI, write: Callable[[float, int], str] | None = None
     ) -> str:
-        """Write a cell without the unit; `write` makes text of a number and its digits."""
+        """Write a cell without the unit; `write` makes text of a number and its digits.
+
+        Where `write` needs fewer decimals than the column has, the number is written by it, so that it is
+        rounded once.
+        """
         if isinstance(cell, str):
             return cell
         if cell is None:
@@ -81,7 +85,11 @@ class Column:
             return self.joint.join(self.text(value, units, write) for value in cell)
         unit = self.display_unit(units)
         if self.decimals is not None:
-            return unit.fixed(cell, self.decimals)
+            text = unit.fixed(cell, self.decimals)
+            if write is None or float(text) == 0.0:
+                return text
+            shorter = write(cell / unit.size, self.digits or 6)
+            return shorter if _decimals(shorter) < _decimals(text) else text
         if isinstance(cell, int) and unit is NO_UNIT:
             return str(cell)
         if self.digits is None:
@@ -91,6 +99,10 @@ class Column:
             if write is None
             else write(cell / unit.size, self.digits)
         )
+
+
+def _decimals(text: str) -> int:
+    return len(text.partition(".")[2])
 
 
 @dataclass(frozen=True)

@@ -14,6 +14,8 @@ from crankbase.units.units import DISPLAY_UNITS, POWER_OF_TEN
 SMALLEST_UNIT = 1e-300
 # Units that large numbers are shown a thousandfold in.
 THOUSANDFOLD, KILO_FROM = ("N", "N m", "W"), 1e4
+# Numbers from here on get an exponent; smaller ones a person reads without one.
+WRITTEN_OUT = 1e7
 
 # A decimal number, then a unit. pint itself would calculate ("17 0 mm" is a product to it), drop
 # commas ("1,2 mm" would be 12 mm) and take a unit alone for one of it.
@@ -268,10 +270,32 @@ def format_quantity(value: float, unit: str, digits: int = 6) -> str:
     '1.281e-9 m/N'
     >>> format_quantity(30730.0, "N m")
     '30.73 kN m'
+    >>> format_quantity(3372.4, "N m", 3)
+    '3370 N m'
     """
     shown, size = DISPLAY_UNITS.get(unit, (unit, 1.0))
     if shown.startswith(POWER_OF_TEN):
         return f"{value / size:.{digits}g}e-9 {unit}"
     if unit in THOUSANDFOLD and abs(value) >= KILO_FROM:
         shown, size = f"k{unit}", 1e3
-    return f"{value / size:.{digits}g} {shown}".strip()
+    text = f"{value / size:.{digits}g}"
+    if "e+" in text and abs(value / size) < WRITTEN_OUT:
+        text = f"{float(text):.0f}"
+    return f"{text} {shown}".strip()
+
+
+def quantities_apart(
+    value: float, other: float, unit: str, digits: int = 3, most: int = 6
+) -> tuple[str, str]:
+    """Format two SI numbers with so many digits, or with as many more as tell them apart.
+
+    Examples
+    --------
+    >>> quantities_apart(22.28e6, 22.27e6, "Pa")
+    ('22.28 MPa', '22.27 MPa')
+    """
+    for tried in range(digits, most + 1):
+        shown = format_quantity(value, unit, tried), format_quantity(other, unit, tried)
+        if shown[0] != shown[1] or value == other:
+            break
+    return shown

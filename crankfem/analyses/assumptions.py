@@ -15,13 +15,13 @@ from dynamics.assessment.limit_rules import (
     BASE_STRENGTH,
     BASE_YIELD,
     CRANKSHAFT_STRENGTHS,
+    RULE_OF_DRIVEN,
     crankshaft_material_factors,
 )
 from dynamics.gas.cycle_values import USUAL_VALUES
 from dynamics.response.linear_system import DEFAULT_MAGNIFIER, MAGNIFIER_SOURCE
 from fem.material import STEEL
 
-PICKED_RULE = "KR main engine"
 # What the cycle model needs beside the fields of [gas].
 FIXED_IN_CYCLE = tuple(
     name for name in USUAL_VALUES if name not in SECTIONS["gas"].model.model_fields
@@ -268,6 +268,6 @@ def _of_limits(engine: EngineFile) -> Iterable[InputRecord]:
             yield _assumed(f"limits.{name}", format_quantity(value, "Pa"), steel)
     yield _assumed(
         "limits.crankshaft_rule",
-        PICKED_RULE,
+        RULE_OF_DRIVEN[engine.engine.drives or "propeller"],
         "no limit is given; the maker's limits.crankshaft_stress stands in its place",
     )

@@ -1,13 +1,16 @@
 """What a whole engine's calculation would refuse at its end, found out before anything is computed."""
 
+from crankfem.analyses.shaft.regression_source import chosen_regressions, refused
+from crankfem.analyses.shaft.saved_model import usable_model
 from crankfem.analyses.study.fitting import check_study_can_be_fitted
+from crankfem.analyses.study.nominal_throw import outside_study
 from crankfem.analyses.vibration.engine_limits import refuse_limits
 from crankfem.files.engine.engine_file import EngineFile
 from dynamics.torque_table import read_torque_table
 
 
 def refuse_what_cannot_run(engine_file: EngineFile) -> None:
-    """Refuse limits, chains, studies and tables with which a run would end in an error.
+    """Refuse limits, chains, models, studies and tables with which a run would end in an error.
 
     Raises
     ------
@@ -15,7 +18,12 @@ def refuse_what_cannot_run(engine_file: EngineFile) -> None:
         With one sentence that names the field, what was given and what is allowed.
     """
     refuse_limits(engine_file)
-    if engine_file.study is not None:
+    if engine_file.model_path is not None:
+        usable_model(engine_file, None)
+    elif engine_file.study is not None:
         check_study_can_be_fitted(engine_file.study.planned)
+        reason = outside_study(engine_file.study)
+        for kind in chosen_regressions(engine_file.vibration) if reason else ():
+            raise refused(kind, f"says nothing of the throw that its study varies: {reason}")
     if engine_file.torque_table is not None:
         _ = read_torque_table(engine_file.torque_table, strokes=engine_file.engine.strokes)

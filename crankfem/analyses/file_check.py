@@ -11,6 +11,7 @@ from crankbase.units.units import RPM
 from crankfem.analyses.assumptions import input_values
 from crankfem.analyses.engine_refusals import refuse_what_cannot_run
 from crankfem.analyses.record import Record, attributes, input_records
+from crankfem.analyses.shaft.regression_source import chosen_regressions
 from crankfem.analyses.vibration.engine_limits import rule_reason
 from crankfem.files.chain.chain_file import ChainFile, load_chain
 from crankfem.files.engine.engine_file import EngineFile
@@ -215,7 +216,16 @@ def _engine(read: EngineFile, content: TomlFile) -> CheckedFile:
             "without the section [limits] a rule of a classification society for crankshafts is taken: "
             + rule_reason(read.engine)
         )
-    if read.study is None:
+    fitted_by_run = bool(chosen_regressions(read.vibration)) and read.model_path is None
+    if fitted_by_run:
+        remarks.append(
+            "the source regression is fitted by crankfem run; crankfem vibration takes a saved model: "
+            "vibration.model, or --model MODEL.json"
+        )
+    if read.model_path is not None:
+        beside = "" if read.study is None else "; the section [study] is not run beside it"
+        remarks.append(f"regression: the saved model {read.model_path}{beside}")
+    elif read.study is None:
         remarks.append("without the section [study] no regression is fitted")
     else:
         remarks += excluded_designs(read.study.planned)
@@ -224,7 +234,7 @@ def _engine(read: EngineFile, content: TomlFile) -> CheckedFile:
         "engine",
         read.engine.name,
         tuple(content.sections),
-        ("run", "vibration", *MECHANISM_COMMANDS, *study),
+        ("run", *(() if fitted_by_run else ("vibration",)), *MECHANISM_COMMANDS, *study),
         input_values(read),
         read.throw,
         _arrangement(read.engine),
@@ -246,12 +256,9 @@ def excluded_designs(planned: PlannedStudy) -> tuple[str, ...]:
 
 
 def _thrust_bearing(read: EngineFile) -> str:
-    """Say which bearing is meant: the file counts from 0, tables of loads from 1."""
-    place, count = read.thrust_bearing.bearing, len(read.throw_angles) + 1
-    return (
-        f"thrust bearing at main bearing {place + 1} of {count}, counted from 1 at the free end "
-        f"(bearing = {place} in the file, which counts from 0)"
-    )
+    """Say which bearing is meant."""
+    place, count = read.thrust_bearing.main_bearing, len(read.throw_angles_deg) + 1
+    return f"thrust bearing at main bearing {place} of {count}, counted from 1 at the free end"
 
 
 def _checked_mechanism(read: EngineFile) -> Iterable[str]:

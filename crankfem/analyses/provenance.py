@@ -37,7 +37,8 @@ def provenance_record() -> Record:
         "program": "crankfem",
         "version": program_version(),
         "created": datetime.datetime.now().astimezone().isoformat(timespec="seconds"),
-        "units": "SI: m, N, Pa, kg, s, rad; Hz for frequencies, 1/min where a name ends in _rpm",
+        "units": "SI: m, N, Pa, kg, s, rad; Hz for frequencies, 1/min where a name ends in _rpm, deg where "
+        "it ends in _deg; the unit of each number stands under units",
         "python": f"{platform.python_implementation()} {platform.python_version()}",
         "platform": platform.platform(),
         "processors": os.cpu_count() or 1,
@@ -58,7 +59,9 @@ def program_version() -> str:
         return f"{found}, development checkout"
 
 
-def repeat_record(files: Sequence[Record], seconds: Mapping[str, float]) -> Record:
+def repeat_record(
+    files: Sequence[Record], seconds: Mapping[str, float], model: str | None = None
+) -> Record:
     """What is needed to repeat a run.
 
     Parameters
@@ -67,6 +70,8 @@ def repeat_record(files: Sequence[Record], seconds: Mapping[str, float]) -> Reco
         The files that were read, the engine file first; see `file_records`.
     seconds : mapping
         Step of the run to the time it took [s].
+    model : str, optional
+        Saved compliance model that was taken by an option.
 
     Returns
     -------
@@ -74,7 +79,8 @@ def repeat_record(files: Sequence[Record], seconds: Mapping[str, float]) -> Reco
         "command", "files", "seconds".
     """
     return {
-        "command": run_command(files[0]["name"]),
+        "command": run_command(files[0]["name"])
+        + ("" if model is None else f" --model {shlex.quote(model)}"),
         "files": list(files),
         "seconds": dict(seconds),
     }
@@ -115,8 +121,8 @@ def run_command(name: str) -> str:
 def _relative_name(engine_file: Path, path: Path) -> str:
     """Name of a file as the engine file may call it: with its folders, a shipped table without."""
     for folder in (engine_file.parent, data_folder() / "tables"):
-        if path.is_relative_to(folder):
-            return path.relative_to(folder).as_posix()
+        if path.absolute().is_relative_to(folder.absolute()):
+            return path.absolute().relative_to(folder.absolute()).as_posix()
     return path.as_posix()
 
 

@@ -1,4 +1,4 @@
-"""What stands above a picture: of which engine it is, and at which speed."""
+"""What stands above a picture, of which engine and at which speed it is, and names below its axis."""
 
 from typing import Any
 
@@ -6,6 +6,9 @@ import numpy as np
 
 from crankbase.drawing.legends import plain_text
 from crankbase.units.quantity import format_quantity
+
+# Below an axis: longer names take a line for each word.
+LONGEST_NAME = 9
 
 
 def at_speed(engine: str, speed: float) -> str:
@@ -24,3 +27,20 @@ def add_title(axes: Any, title: str) -> None:
     if title:
         figure = np.atleast_1d(axes)[0].figure
         figure.suptitle(plain_text(title), fontsize=11, x=0.01, ha="left")
+
+
+def short_name(name: str) -> str:
+    r"""Return a node's name as it stands below an axis; a node within a shaft of several parts has none.
+
+    Examples
+    --------
+    >>> short_name("main bearing 7, flywheel, thrust bearing"), short_name("intermediate flange")
+    ('7\nflywheel\nthrust', 'intermediate\nflange')
+    """
+    if " - " in name:
+        return ""
+    plain = name.replace("cylinder ", "cyl. ").replace("main bearing ", "")
+    parts = plain.replace(" bearing", "").split(", ")
+    return "\n".join(
+        part.replace(" ", "\n") if len(part) > LONGEST_NAME else part for part in parts
+    )

@@ -8,6 +8,7 @@ import typer
 
 from crankfem.cli import console
 from crankfem.cli.commands.check import check
+from crankfem.cli.commands.compare import compare
 from crankfem.cli.commands.doe import doe
 from crankfem.cli.commands.fields import fields
 from crankfem.cli.commands.fit import fit
@@ -21,6 +22,7 @@ from crankfem.cli.commands.optimum import optimum
 from crankfem.cli.commands.run import report, run
 from crankfem.cli.commands.shapes import draw, export
 from crankfem.cli.commands.throw import stress, throw
+from crankfem.cli.commands.two_mass import two_mass
 from crankfem.cli.commands.vibration import vibration
 from crankfem.jobs.exit_codes import EXIT_INPUT, EXIT_INTERRUPTED, MEANINGS
 
@@ -57,7 +59,11 @@ COMMANDS = (
     CatalogedCommand(
         throw,
         THROW,
-        ("throw 6chn25-34 --accuracy 0.005", "throw part.step --pin pin", "throw mine.toml --json"),
+        (
+            'throw 6chn25-34 --gamma "120 deg" --pin-force "100 kN"',
+            "throw part.step --pin pin",
+            "throw mine.toml --json",
+        ),
     ),
     CatalogedCommand(stress, THROW, ("stress 6chn25-34 --pictures stresses",)),
     CatalogedCommand(draw, THROW, ("draw 6chn25-34", "draw 6chn25-34 --shaft crankshaft.png")),
@@ -74,7 +80,12 @@ COMMANDS = (
     CatalogedCommand(
         doe,
         COMPLIANCE,
-        ("doe 6chn25-34 --plan", "doe 6chn25-34 --store runs.sqlite --workers 2"),
+        (
+            "doe 6chn25-34 --plan",
+            "doe 6chn25-34 --store runs.sqlite --workers 2",
+            "doe 6chn25-34 --store runs.sqlite --more 10",
+            "doe 6chn25-34 --export designs --mesh step",
+        ),
     ),
     CatalogedCommand(fit, COMPLIANCE, ("fit runs.sqlite --model model.json",)),
     CatalogedCommand(
@@ -85,6 +96,7 @@ COMMANDS = (
             'lookup model.json --throw 6chn25-34 --gamma "120 deg"',
         ),
     ),
+    CatalogedCommand(compare, COMPLIANCE, ("compare model.json runs.sqlite",)),
     CatalogedCommand(
         optimum,
         COMPLIANCE,
@@ -110,6 +122,9 @@ COMMANDS = (
             "vibration mine.toml --strict --csv amplitudes",
             "vibration mwm-six",
         ),
+    ),
+    CatalogedCommand(
+        two_mass, VIBRATION, ("two-mass yamz-5340", "two-mass yamz-5340 --order 14.5")
     ),
 )
 

@@ -8,7 +8,7 @@ import time
 import traceback
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import ExitStack, contextmanager, suppress
-from typing import NoReturn, TypeVar
+from typing import Any, NoReturn, TypeVar
 
 from rich import box
 from rich.console import Console
@@ -36,9 +36,14 @@ errors = Console(stderr=True)
 output = Console(markup=False)
 
 
-def print_json(content: object) -> None:
-    """Print JSON content, and nothing else, on standard output."""
-    sys.stdout.write(json.dumps(content, indent=1, allow_nan=False) + "\n")
+def print_json(content: dict[str, Any], within: str = "") -> None:
+    """Print JSON content with the units of its numbers, and nothing else, on standard output.
+
+    `within` is the name under which such content stands in other documents, "torque" or "axial".
+    """
+    from crankfem.analyses.record_units import with_units
+
+    sys.stdout.write(json.dumps(with_units(content, within), indent=1, allow_nan=False) + "\n")
 
 
 def print_line(text: str) -> None:
@@ -58,6 +63,11 @@ def print_line(text: str) -> None:
 def print_path(text: str) -> None:
     """Print one line that is never wrapped, such as one that ends in a path."""
     output.print(text, soft_wrap=True, highlight=False)
+
+
+def print_warning(text: str) -> None:
+    """Print on standard error that data are lost or damaged, which --quiet does not hide."""
+    print_note(f"Warning: {text}")
 
 
 def print_note(text: str, quiet: bool = False) -> None:
@@ -174,7 +184,7 @@ def _stop(message: str, code: int) -> NoReturn:
 
 
 class RunProgress:
-    """Steps of a run and a bar for its study, on standard error; with `quiet` nothing is shown."""
+    """Steps of a run and a bar for its study, on standard error; with `quiet` warnings alone are shown."""
 
     def __init__(self, quiet: bool = False) -> None:
         self._quiet = quiet
@@ -229,7 +239,8 @@ class RunProgress:
             self._bar.update(self._task, completed=finished, total=total, pace=shown, refresh=True)
         if newest is not None and newest.reason is not None:
             fate = "lost, to be tried again by the next run" if newest.lost else "failed"
-            self.note(f"design {newest.key[:6]} {fate}: {newest.reason}")
+            tell = self.warn if newest.lost else self.note
+            tell(f"design {newest.key[:6]} {fate}: {newest.reason}")
         if not self._quiet and not errors.is_terminal and now - self._said >= LINE_EVERY:
             self._said = now
             errors.print(f"{finished} of {total} designs, {shown}", soft_wrap=True)
@@ -237,6 +248,10 @@ class RunProgress:
     def note(self, text: str) -> None:
         """Print a remark above the bar."""
         print_note(f"Note: {text}", self._quiet)
+
+    def warn(self, text: str) -> None:
+        """Print above the bar that data are lost or damaged, with `quiet` too."""
+        print_warning(text)
 
     def finish(self) -> None:
         """Take the last step for done."""

@@ -3,6 +3,7 @@
 import re
 from collections.abc import Mapping, Sequence
 
+from crankbase.checks.choices import did_you_mean
 from crankbase.errors import InputError
 from crankbase.units.quantity import parse_quantity
 from crankfem.cli import console
@@ -67,8 +68,9 @@ def parse_limit(model: ComplianceModel, text: str) -> Limit:
     response = model.responses.get(name)
     units = model.family.all_units
     if response is None and name not in units:
+        meant = did_you_mean(name, (*model.responses, *units))
         raise InputError(
-            f"--limit: given {name!r}; allowed are the responses {', '.join(model.responses)} and the "
+            f"--limit: given {name!r}; {meant}allowed are the responses {', '.join(model.responses)} and the "
             f"dimensions {', '.join(units)}."
         )
     unit = units[name] if response is None else response.unit

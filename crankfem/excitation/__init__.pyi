@@ -2,6 +2,8 @@
 
 from dynamics.excitation.axial_comparison import AxialForceComparison as AxialForceComparison
 from dynamics.excitation.axial_comparison import compare_axial_forces as compare_axial_forces
+from dynamics.excitation.axial_cycle import AxialForceOverCycle as AxialForceOverCycle
+from dynamics.excitation.axial_cycle import axial_force_over_cycle as axial_force_over_cycle
 from dynamics.excitation.calculated_pressure_map import (
     pressure_map_from_cycles as pressure_map_from_cycles,
 )

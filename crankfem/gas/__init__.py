@@ -2,10 +2,10 @@
 
 >>> import numpy as np
 >>> import crankfem as cf
->>> angle = np.radians(np.arange(-360.0, 360.0, 4.0))
->>> given = 1.5e5 + 60e5 * np.exp(-(((angle - 0.2) / 0.4) ** 2))
->>> gas = cf.gas.gas_pressure(angle, given, strokes=4)
->>> print(f"{gas.peak_pressure / 1e5:.1f} bar at {np.degrees(gas.peak_angle):.0f} deg")
+>>> angle = np.arange(-360.0, 360.0, 4.0)
+>>> given = 1.5e5 + 60e5 * np.exp(-(((angle - 12.0) / 23.0) ** 2))
+>>> gas = cf.gas.gas_pressure(given, strokes=4, angles_deg=angle)
+>>> print(f"{gas.peak_pressure / 1e5:.1f} bar at {gas.peak_angle_deg:.0f} deg")
 61.5 bar at 12 deg
 """
 

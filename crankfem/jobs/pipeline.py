@@ -11,6 +11,7 @@ from crankbase.outputs import protected, recording_run_files
 from crankbase.summaries import summarized
 from crankfem.analyses.mechanism.mechanism_run import run_mechanism
 from crankfem.analyses.provenance import repeat_record
+from crankfem.analyses.record_units import with_units
 from crankfem.analyses.shaft.throw_analyses import analyze_throws
 from crankfem.analyses.study.studies import fitted
 from crankfem.analyses.throw.fillets import (
@@ -110,7 +111,7 @@ def run_engine(
     inputs = engine if isinstance(engine, RunInputs) else read_inputs(engine)
     path = inputs.engine_file.path
     folder = Path(f"{path.stem}-results" if output is None else output)
-    read, study = inputs.paths, inputs.engine_file.study is not None
+    read, study = inputs.paths, inputs.study is not None
     check_folder(folder, study=study, inputs=read)
     if study and (folder / STORE).exists():
         ResultStore(
@@ -119,7 +120,8 @@ def run_engine(
     make_folder(folder)
     with Renderings() as renderings, recording_run_files(), protected(*read):
         computed = _compute(inputs, folder / STORE, workers, told, renderings)
-        found = run_results(computed) | {"repeat": repeat_record(inputs.files, told.seconds)}
+        repeat = repeat_record(inputs.files, told.seconds, inputs.option)
+        found = with_units(run_results(computed) | {"repeat": repeat})
         replace_last_run(folder, found)
         if computed.study is not None:
             computed.study.model.save(folder / MODEL)
@@ -131,7 +133,7 @@ def run_engine(
         "pictures": drawn.static,
         "interactive": drawn.interactive,
         "picture_note": " ".join(drawn.notes) or None,
-        "repeat": repeat_record(inputs.files, told.seconds),
+        "repeat": repeat_record(inputs.files, told.seconds, inputs.option),
     }
     told.step("Writing the report")
     with protected(*read):
@@ -165,20 +167,23 @@ def _compute(
     mechanism = None if with_gas is None else run_mechanism(with_gas, masses=along)
 
     study = None
-    if engine_file.study is not None:
+    if inputs.study is not None:
         told.step("Running the study")
-        study = fitted(run_plan(engine_file.study, store, workers, told.design, note=told.note))
+        study = fitted(run_plan(inputs.study, store, workers, told.design, note=told.warn))
+    elif engine_file.study is not None:
+        told.note(f"The study is not run: the saved model {inputs.saved_path} stands in its place.")
+    model = inputs.model if study is None else study.model
     vibration = engine_vibration(
         engine_file,
         analysis=analyses,
         mechanism=inputs.mechanism,
-        model=None if study is None else study.model,
+        model=model,
         coupled=True,
         step=told.step,
     )
     harmonics = None if inputs.torque is None else inputs.torque.harmonics()
     told.stop()
-    return RunComputation(inputs, throws, mechanism, study, vibration, harmonics)
+    return RunComputation(inputs, throws, mechanism, study, vibration, harmonics, model)
 
 
 def _with_stresses(

@@ -11,6 +11,7 @@ from dynamics.harmonics import Harmonics
 from dynamics.torque_table import TorqueTable
 from fem.fillet_peaks import FilletStresses
 from fem.throw_analysis import ThrowAnalysis
+from regression.models.compliance_model import ComplianceModel
 
 
 @dataclass(frozen=True)
@@ -47,6 +48,8 @@ class RunComputation:
     vibration : EngineVibration
     harmonics : Harmonics or None
         Of the torque table.
+    model : ComplianceModel or None
+        Of the study, or the saved one.
     """
 
     inputs: RunInputs
@@ -55,6 +58,7 @@ class RunComputation:
     study: StudyResult | None
     vibration: EngineVibration
     harmonics: Harmonics | None
+    model: ComplianceModel | None
 
     @property
     def throw(self) -> ThrowComputation:

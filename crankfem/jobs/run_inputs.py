@@ -6,10 +6,14 @@ from pathlib import Path
 from crankfem.analyses.engine_refusals import refuse_what_cannot_run
 from crankfem.analyses.provenance import file_records
 from crankfem.analyses.record import Record
+from crankfem.analyses.shaft.saved_model import saved_model, with_model
 from crankfem.files.engine.engine_file import EngineFile, load_engine
+from crankfem.files.engine.file_kinds import engine_sections
 from crankfem.files.engine.input_files import engine_tables
 from crankfem.files.engine.mechanism_file import MechanismFile, mechanism_of
 from dynamics.torque_table import TorqueTable, read_torque_table
+from regression.models.compliance_model import ComplianceModel
+from regression.plans.plan import StudyPlan
 
 
 @dataclass(frozen=True)
@@ -28,6 +32,10 @@ class RunInputs:
     files : list of dict
         All files that were read, as `file_records` makes them, before anything was computed: what is
         changed on disk while a run computes is not what it was made from.
+    model : ComplianceModel or None
+        The saved one that the file or an option names.
+    option : str or None
+        Its name, where an option gives it.
     """
 
     engine_file: EngineFile
@@ -35,6 +43,18 @@ class RunInputs:
     torque: TorqueTable | None
     paths: tuple[Path, ...]
     files: list[Record]
+    model: ComplianceModel | None = None
+    option: str | None = None
+
+    @property
+    def saved_path(self) -> Path | None:
+        """The saved model that is the source regression, if there is one."""
+        return self.engine_file.model_path
+
+    @property
+    def study(self) -> StudyPlan | None:
+        """The study to run; none beside a saved model, which stands in its place."""
+        return self.engine_file.study if self.model is None else None
 
     @property
     def with_gas(self) -> MechanismFile | None:
@@ -42,15 +62,22 @@ class RunInputs:
         return self.mechanism if self.mechanism.pressure else None
 
 
-def read_inputs(engine: str | Path) -> RunInputs:
+def read_inputs(engine: str | Path, model: Path | None = None) -> RunInputs:
     """Read an engine file, or a shipped engine, and the tables that it names.
+
+    Parameters
+    ----------
+    engine : path
+    model : Path, optional
+        Saved compliance model to take in place of the file's sources and study.
 
     Raises
     ------
     InputError
         With one sentence that names the field, what was given and what is allowed.
     """
-    engine_file = load_engine(engine)
+    content = engine_sections(engine)
+    engine_file = load_engine(content if model is None else with_model(content, model))
     refuse_what_cannot_run(engine_file)
     mechanism = mechanism_of(engine_file)
     torque, table = None, engine_file.torque_table
@@ -58,4 +85,13 @@ def read_inputs(engine: str | Path) -> RunInputs:
         torque = read_torque_table(table, strokes=engine_file.engine.strokes)
     tables = engine_tables(engine_file, mechanism)
     paths = (engine_file.path, *tables)
-    return RunInputs(engine_file, mechanism, torque, paths, file_records(paths[0], tables))
+    files = file_records(paths[0], tables)
+    return RunInputs(
+        engine_file,
+        mechanism,
+        torque,
+        paths,
+        files,
+        saved_model(engine_file),
+        None if model is None else files[-1]["name"],
+    )

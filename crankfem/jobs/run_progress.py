@@ -18,6 +18,9 @@ class Progress(Protocol):
     def note(self, text: str) -> None:
         """Something the user should know."""
 
+    def warn(self, text: str) -> None:
+        """Data are lost or damaged, which nobody should miss."""
+
 
 class SilentProgress:
     """Silent progress: nothing is reported."""
@@ -30,6 +33,9 @@ class SilentProgress:
 
     def note(self, text: str) -> None:
         """Ignore a note."""
+
+    def warn(self, text: str) -> None:
+        """Ignore a warning."""
 
 
 class TimedProgress:
@@ -66,3 +72,7 @@ class TimedProgress:
     def note(self, text: str) -> None:
         """Pass a note on."""
         self._told.note(text)
+
+    def warn(self, text: str) -> None:
+        """Pass a warning on."""
+        self._told.warn(text)

@@ -9,16 +9,17 @@ from crankbase.errors import InputError
 from crankbase.units.units import RPM
 from crankfem.analyses.assumptions import input_values
 from crankfem.analyses.checks import run_checks, throw_checks
-from crankfem.analyses.mechanism.balance_records import balance_record
-from crankfem.analyses.mechanism.harmonics_record import harmonics_record, two_mass_record
+from crankfem.analyses.mechanism.balanced_masses import mechanism_balance_record
+from crankfem.analyses.mechanism.harmonics_record import harmonics_record
 from crankfem.analyses.mechanism.mechanism_records import mechanism_record
 from crankfem.analyses.mechanism.mechanism_run import MechanismRun
+from crankfem.analyses.mechanism.two_masses import checked, two_mass_record
 from crankfem.analyses.provenance import provenance_record
 from crankfem.analyses.record import Record, attributes, input_records
+from crankfem.analyses.shaft.regression_source import RESPONSES, throw_lookup
 from crankfem.analyses.shaft.shaft_record import shaft_balance_record, shaft_record
 from crankfem.analyses.study.fit_records import study_record
-from crankfem.analyses.study.studies import StudyResult
-from crankfem.analyses.throw.compliances import RESPONSES, regression_record
+from crankfem.analyses.throw.compliances import regression_record
 from crankfem.analyses.throw.formula_records import fe_axial_curve, fe_record, formula_records
 from crankfem.analyses.throw.stress import stress_record
 from crankfem.analyses.throw.throw_record import reciprocity_record, throw_record
@@ -26,15 +27,12 @@ from crankfem.analyses.vibration.records import run_record
 from crankfem.files.engine.engine_file import EngineFile
 from crankfem.jobs.run_computation import RunComputation
 from crankfem.jobs.run_inputs import RunInputs
-from dynamics.chains.two_mass import two_mass_check
 from dynamics.critical import engine_orders, major_orders
 from dynamics.gas.pressure import ATMOSPHERE
 from dynamics.harmonics import Harmonics
 from fem.loads import pin_surfaces
 from fem.throw_analysis import ThrowAnalysis
-from geometry.throw import CrankThrow
 from regression.formulas.axial_formulas import axial_formulas
-from regression.models.compliance_model import ComplianceModel
 
 # Without a gas pressure in the engine file, reactions are given for this radial force.
 UNIT_RADIAL_FORCE = 1e5
@@ -82,7 +80,10 @@ def run_results(computed: RunComputation) -> dict[str, Any]:
     if engine_file.throws_by_name:
         found["throws"] = _named_records(computed, first)
     if computed.study is not None:
-        _add_study(found, computed.study, engine_file)
+        study = computed.study
+        found["study"] = study_record(study.table, study.fits, study.model)
+    if computed.model is not None:
+        _add_regression(found, computed)
     found["checks"] = run_checks(found, engine_file.throw.length, _pin_middle(analysis))
     for name, own in list(found.get("throws", {}).items())[1:]:
         throw, middle = engine_file.named_throws[name], _pin_middle(computed.throws[name].analysis)
@@ -122,29 +123,34 @@ def _named_records(computed: RunComputation, first: Record) -> dict[str, Record]
     }
 
 
-def _add_study(found: dict[str, Any], study: StudyResult, engine_file: EngineFile) -> None:
-    """Add a study, and what its equations say of the engine's throws beside the formulas."""
-    told = found["study"] = study_record(study.table, study.fits, study.model)
-    found["formulas"]["regression"] = _regression(told, study.model, engine_file.throw)
-    for name, own in list(found.get("throws", {}).items())[1:]:
-        throw = engine_file.named_throws[name]
-        own["formulas"]["regression"] = _regression(told, study.model, throw)
-
-
-def _regression(study: Record, model: ComplianceModel, throw: CrankThrow) -> Record | None:
-    """What the study's equations say of the engine's throw, if it is one of their family."""
-    try:
-        values = model.of_throw(throw)
-    except InputError:
-        return None
-    shown = {name: values[name].value for name in RESPONSES.values() if name in values}
-    return regression_record(study, shown)
+def _add_regression(found: dict[str, Any], computed: RunComputation) -> None:
+    """Add what equations say of the engine's throws beside the formulas, or why they say nothing."""
+    engine_file, model = computed.engine_file, computed.model
+    assert model is not None
+    path = computed.inputs.saved_path
+    source = "the study" if path is None else f"the saved model {path.name}"
+    instead = computed.study is None and engine_file.study is not None
+    remarks = ["The section [study] was not run: the model stands in its place."] if instead else []
+    records = {next(iter(computed.throws)): found, **found.get("throws", {})}
+    for name, own in records.items():
+        values, formulas = {}, own["formulas"]
+        for kind, response in RESPONSES.items():
+            try:
+                answer = throw_lookup(
+                    model, response, engine_file.named_throws[name], engine_file.material
+                )
+            except InputError as error:
+                reason = f"regression of {source}, {kind}: {str(error).rstrip('.')}"
+                formulas["left_out"].append({"name": "regression", "reason": reason})
+                continue
+            values[kind] = (answer.value, model.responses[response])
+        formulas["regression"] = regression_record(values, source, *remarks) if values else None
 
 
 def _mechanism_record(run: MechanismRun | None) -> Record | None:
     if run is None:
         return None
-    return mechanism_record(run) | {"balance": balance_record(run.balance)}
+    return mechanism_record(run) | {"balance": mechanism_balance_record(run)}
 
 
 def _radial_force(inputs: RunInputs) -> float:
@@ -205,15 +211,4 @@ def _harmonics_record(computed: RunComputation) -> Record | None:
 
 def _two_mass_record(engine_file: EngineFile, harmonics: Harmonics | None) -> Record | None:
     given = engine_file.two_mass
-    if given is None:
-        return None
-    check = two_mass_check(
-        diameter=given.shaft_diameter,
-        length=given.shaft_length,
-        shear_modulus=given.shear_modulus,
-        inertia_1=given.flywheel_inertia,
-        inertia_2=given.engine_inertia,
-        order=given.order,
-        harmonics=harmonics,
-    )
-    return two_mass_record(check)
+    return None if given is None else two_mass_record(checked(given, harmonics))

@@ -3,7 +3,7 @@
 >>> import numpy as np
 >>> import crankfem as cf
 >>> drive = cf.mechanism.SliderCrank(crank_radius=0.070, rod_length=0.265, pin_offset=0.002)
->>> drive.piston(np.radians([0.0, 90.0])).place.real.round(4)
+>>> drive.piston(angle_deg=[0.0, 90.0]).place.real.round(4)
 array([0.335 , 0.2561])
 """
 

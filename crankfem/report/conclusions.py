@@ -3,15 +3,16 @@
 from collections.abc import Mapping
 from typing import Any
 
-from crankbase.units.number_formats import fixed, format_usage
-from crankfem.report.text_filters import quantity, sentence
+from crankbase.units.number_formats import format_usage, significant
+from crankbase.units.quantity import quantities_apart
+from crankfem.report.text_filters import quantity, sentence, with_three_digits
 
 Record = Mapping[str, Any]
 RESONANT = ("at resonance", "near resonance")
 # Of what orders at resonance make together, the share from which a mode is named.
 LEAST_SHARE = 0.1
 NOT_JUDGED = "Not judged: no gas pressure is given"
-DIGITS, MOST_DIGITS = 3, 6
+DIGITS = 3
 
 
 def headline(results: Record) -> str:
@@ -100,11 +101,9 @@ def reached_and_permitted(check: Record) -> tuple[str, str]:
     ('22.28 MPa', '22.27 MPa')
     """
     value, permitted, unit = check["value"], check["permitted"], check["unit"]
-    for digits in range(DIGITS, MOST_DIGITS + 1):
-        shown = quantity(value, unit, digits), quantity(permitted, unit, digits)
-        if shown[0] != shown[1] or value == permitted:
-            break
-    return shown
+    if value is None:
+        return quantity(value, unit), quantity(permitted, unit, DIGITS)
+    return quantities_apart(value, permitted, unit, DIGITS)
 
 
 def _reached(assessment: Record) -> str:
@@ -116,19 +115,21 @@ def _reached(assessment: Record) -> str:
     failed = sum(not one["passed"] for one in assessment["checks"])
     others = failed - 1
     more = f"; {others} more {'place exceeds' if others == 1 else 'places exceed'} a limit"
-    condition = "With the values assumed: " if undecided(assessment) else ""
+    condition = "With the values used: " if undecided(assessment) else ""
     limit = worst["limit"] if condition else worst["limit"].capitalize()
     return f"{condition}{limit}, {worst['place']}: {shown}{more if others > 0 else ''}."
 
 
 def _cause(assessment: Record) -> str:
     worst = assessment["checks"][0]
-    return sentence(f"at {fixed(worst['speed_rpm'])} 1/min {worst['cause']['sentence']}")
+    return sentence(
+        f"at {significant(worst['speed_rpm'], DIGITS)} 1/min {worst['cause']['sentence']}"
+    )
 
 
 def _share(found: Record, unit: str) -> str:
     reached, permitted = reached_and_permitted({"unit": unit, **found})
-    at = f"{reached} at {fixed(found['speed_rpm'])} 1/min"
+    at = f"{reached} at {significant(found['speed_rpm'], DIGITS)} 1/min"
     if found["used"] is None:
         return f"{at}, permitted is {permitted}"
     return f"{at}, {format_usage(found['used'])} of the permitted {permitted}"
@@ -136,9 +137,11 @@ def _share(found: Record, unit: str) -> str:
 
 def _ranges(assessment: Record) -> list[str]:
     return [
-        f"{one['shown']} cannot be barred: {'; '.join(one['refusals'])}."
-        if not one["allowed"]
-        else f"{one['shown']} {fine}."
+        with_three_digits(
+            f"{one['shown']} cannot be barred: {'; '.join(one['refusals'])}."
+            if not one["allowed"]
+            else f"{one['shown']} {fine}."
+        )
         for name, fine in (
             ("barred", "may be barred"),
             ("started_through", "is passed on every start"),
@@ -176,7 +179,7 @@ def _misfiring(vibration: Record) -> str:
     """Say what misfiring does; nothing of older runs, which have not calculated it."""
     found = vibration.get("misfiring")
     said = vibration.get("misfiring_note") if found is None else found["sentence"]
-    return sentence(said) if said else ""
+    return with_three_digits(sentence(said)) if said else ""
 
 
 def _other_models(vibration: Record) -> str:
@@ -203,15 +206,15 @@ def _advice(assessment: Record) -> str:
     fall = f"{worst['limit'].capitalize()} must fall by {format_usage(1.0 - 1.0 / worst['used'])}"
     if left["value"] > worst["permitted"]:
         return (
-            f"{fall}; more damping alone cannot do that: the orders away from resonance make {rest} there, "
-            f"the permitted is {permitted}. Lessen what excites them, or strengthen the shaft."
+            f"{fall}; more damping alone cannot do that: all orders away from resonance together make {rest} "
+            f"there, the permitted is {permitted}. Lessen what excites them, or strengthen the shaft."
         )
     least = LEAST_SHARE * made
     modes = sorted({(one["kind"], one["mode"]) for one in resonant if one["contribution"] > least})
     named = " and ".join(f"{kind} mode {mode}" for kind, mode in modes)
     return (
-        f"{fall}; the orders away from resonance make {rest} there, the permitted is {permitted}: more "
-        f"damping, or another frequency of {named}, may do that at this speed."
+        f"{fall}; all orders away from resonance together make {rest} there, the permitted is {permitted}: "
+        f"more damping, or another frequency of {named}, may do that at this speed."
     )
 
 

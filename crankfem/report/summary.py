@@ -3,7 +3,7 @@
 from collections.abc import Iterable, Mapping
 from typing import Any
 
-from crankbase.units.number_formats import fixed, percent, significant
+from crankbase.units.number_formats import nano, percent, significant
 from crankfem.analyses.record import Record
 from crankfem.report.conclusions import conclusions, headline, undecided
 
@@ -22,7 +22,7 @@ def summary(results: Mapping[str, Any]) -> Record:
     -------
     dict
         "status" ("fine", "barred", "bad" or "open"), "headline", "sentences" (the conclusions), "limits",
-        "figures".
+        "figures", "uncertain" (a sentence by kind).
     """
     vibration = results["vibration"]
     assessment = vibration["assessment"]
@@ -39,11 +39,47 @@ def summary(results: Mapping[str, Any]) -> Record:
             _compliance(results),
             *(_frequency(vibration, kind) for kind in KINDS),
         ],
+        "uncertain": {}
+        if assessment is None
+        else {kind: uncertain_sentence(vibration, kind) for kind in KINDS},
     }
 
 
+def uncertain_sentence(vibration: Record, kind: str) -> str:
+    """Say what is uncertain of one kind of vibration, and what that does to the crankshaft's first mode."""
+    uncertain = vibration["assessment"]["uncertainty"][kind]
+    found = [
+        f"{one['name']} {significant(one['low'], 3)} to {significant(one['high'], 3)} times the value used"
+        for one in uncertain["spreads"]
+    ]
+    bearings = vibration.get("bearings")
+    if bearings is not None:
+        low, high = min(bearings["stiffness"]), max(bearings["stiffness"])
+        found.append(f"stiffness of the main bearings {low:.3g} to {high:.3g} N/m each")
+    said = f"What is uncertain of {kind} vibration: {'; '.join(found) or 'nothing is known'}."
+    first = _first_mode(vibration[kind])
+    if first is None:
+        return said
+    bounds = uncertain["frequencies"][first["number"] - 1]
+    return (
+        f"{said} First natural frequency of the crankshaft {_hertz(bounds['low'])} to "
+        f"{_hertz(bounds['high'])} Hz."
+    )
+
+
+def _first_mode(own: Record) -> Record | None:
+    """Return the crankshaft's first mode, which is not one of coupling, damper or line."""
+    return next(
+        (one for one in own["modes"] if not one["rigid"] and one.get("of_crankshaft", True)), None
+    )
+
+
+def _hertz(value: float) -> str:
+    return significant(value, 3)
+
+
 def worst_of_each(checks: Iterable[Mapping[str, Any]]) -> list[Record]:
-    """Return the worst place of each limit at running speeds, and its use above them where it is told.
+    """Return the worst place of each limit at running speeds, and what is worse above them.
 
     Parameters
     ----------
@@ -53,7 +89,8 @@ def worst_of_each(checks: Iterable[Mapping[str, Any]]) -> list[Record]:
     Returns
     -------
     list of dict
-        Checks, each with "above": what is reached above the running range, or None.
+        Checks, each with "above": the worst above the running range and its "place", or None where no more
+        of the limit is used there.
     """
     found: dict[str, Record] = {}
     for check in checks:
@@ -63,8 +100,11 @@ def worst_of_each(checks: Iterable[Mapping[str, Any]]) -> list[Record]:
             found[check["limit"]] = limit = own | {"above": limit["above"]}
         above = check.get("above")
         if above is not None and (limit["above"] is None or _use(above) > _use(limit["above"])):
-            limit["above"] = above
+            limit["above"] = {**above, "place": check["place"]}
         limit["passed"] = limit["passed"] and check["passed"]
+    for limit in found.values():
+        if limit["above"] is not None and _use(limit["above"]) <= _use(limit):
+            limit["above"] = None
     return list(found.values())
 
 
@@ -79,33 +119,40 @@ def _compliance(results: Mapping[str, Any]) -> Record:
     return {
         "label": f"Axial compliance of {which},",
         "symbol": ("e", "n"),
-        "value": f"{significant(throw['supports']['pinned']['axial_compliance'] * 1e9)}e-9",
+        "value": f"{nano(throw['supports']['pinned']['axial_compliance'], 3)}e-9",
         "unit": "m/N",
-        "details": ["ends pinned, finite elements", f"{error}; the true value is larger by that"],
+        "details": [
+            "ends pinned, finite elements",
+            f"{error}; the true value is larger by about that",
+        ],
     }
 
 
 def _frequency(vibration: Mapping[str, Any], kind: str) -> Record:
     own = vibration[kind]
     elastic = [mode for mode in own["modes"] if not mode["rigid"]]
-    shown = next((mode for mode in elastic if mode.get("of_crankshaft", True)), None)
+    shown = _first_mode(own)
     first = None if shown is None else shown["frequency"]
-    details = [] if first is None else [f"{first * 60.0:.0f} 1/min, chain of the throws"]
+    details = (
+        [] if first is None else [f"{significant(60.0 * first, 3)} 1/min, chain of the throws"]
+    )
     assessment, whole = vibration["assessment"], vibration["whole"]
     if assessment is not None and shown is not None:
         bounds = assessment["uncertainty"][kind]["frequencies"][shown["number"] - 1]
-        details[0] = f"{fixed(bounds['low'])} to {fixed(bounds['high'])} Hz with what is uncertain"
+        details[0] = (
+            f"{_hertz(bounds['low'])} to {_hertz(bounds['high'])} Hz with what is uncertain"
+        )
     if whole is not None and whole["chains"].get(kind, {}).get("modes"):
         shaft = whole["chains"][kind]["modes"][0]["shaft_frequency"]
-        details.append(f"whole crankshaft in its bearings: {fixed(shaft)} Hz")
+        details.append(f"whole crankshaft in its bearings: {_hertz(shaft)} Hz")
     beside = elastic.index(shown) if shown is not None else len(elastic)
     if beside:
-        lower = ", ".join(fixed(mode["frequency"]) for mode in elastic[:beside])
+        lower = ", ".join(_hertz(mode["frequency"]) for mode in elastic[:beside])
         details.append(f"lower ones of coupling, damper or line: {lower} Hz")
     return {
         "label": f"First {kind} frequency",
         "symbol": None,
-        "value": "none" if first is None else fixed(first),
+        "value": "none" if first is None else _hertz(first),
         "unit": "" if first is None else "Hz",
         "details": details,
     }

@@ -3,6 +3,7 @@
 import datetime
 import math
 import re
+from collections.abc import Sequence
 
 from markupsafe import Markup, escape
 
@@ -25,29 +26,25 @@ from crankfem.analyses.shaft.motion import MOTION
 # What the sources of compliances are called in results.json, and in words.
 SOURCE_WORDS = {"fe": "finite elements", "fe pinned": "finite elements, pinned"}
 UNIT_BEHIND = re.compile(r"(?<=\d) (?=(?:1/min|[MG]?Pa|kN|N|mm|m/N|Hz|%|µm|mrad|deg)(?![\w]))")
+FIELD = re.compile(r"\w+(?:\.\w+|_\w)")
 TABLE_DIGITS = 3
 DECIMALS = re.compile(r"(?<![\w.])(?P<whole>\d+)\.(?P<decimals>\d+)")
+# Loads that differ by a smaller share are alike.
+ALIKE = 1e-6
 MINUTE, HOUR = 60.0, 3600.0
-MOST_DIGITS = 15  # of a double
 
 
-def quantity(value: float | None, unit: str, digits: int = 4) -> str:
+def quantity(value: float | None, unit: str, digits: int = TABLE_DIGITS) -> str:
     """Write a quantity in the unit in which engineers read it, without bound where there is none.
 
     Examples
     --------
     >>> quantity(12.3456, "m")
-    '12346 mm'
+    '12300 mm'
     """
     if value is None:
         return UNBOUNDED
-    if not unit:
-        return f"{value:g}"
-    text = format_quantity(value, unit, digits)
-    while "e+" in text and digits < MOST_DIGITS:
-        digits += 1
-        text = format_quantity(value, unit, digits)
-    return text
+    return format_quantity(value, unit, digits) if unit else f"{value:g}"
 
 
 def motion(value: float | None, kind: str, digits: int = 3) -> str:
@@ -67,8 +64,15 @@ def field_label(name: str) -> str:
 
 
 def sentence(text: str) -> str:
-    """Write a remark as a sentence."""
-    return f"{text[:1].upper()}{text[1:].removesuffix('.')}."
+    """Write a remark as a sentence; the name of a field keeps its small letter.
+
+    Examples
+    --------
+    >>> sentence("rod.inertia is not given")
+    'rod.inertia is not given.'
+    """
+    first = text[:1] if FIELD.match(text) else text[:1].upper()
+    return f"{first}{text[1:].removesuffix('.')}."
 
 
 def typeset_signs(text: str) -> str:
@@ -136,6 +140,12 @@ def _figure(value: float | None, unit: str) -> str:
     return f"{value:g} {unit}".strip()
 
 
+def loaded_most(bearings: Sequence[Record]) -> list[Record]:
+    """Return the bearings with the largest load; several where they are alike but for round-off."""
+    largest = max(one["largest"] for one in bearings)
+    return [one for one in bearings if one["largest"] > (1.0 - ALIKE) * largest]
+
+
 def capped_share(value: float) -> float:
     """Return a share for a bar that can be no longer than full."""
     return min(1.0, value) if math.isfinite(value) else 1.0
@@ -162,7 +172,9 @@ def table_cells(table: Table) -> list[list[str]]:
             text if column.words or column.digits is None else with_three_digits(text)
             for column, text in zip(table.columns, row, strict=True)
         ]
-        for row in table.texts(write=significant)
+        for row in table.texts(
+            write=lambda value, digits: significant(value, min(digits, TABLE_DIGITS))
+        )
     ]
 
 
@@ -185,16 +197,17 @@ def with_three_digits(text: str) -> str:
 
 
 def keep_units_together(text: str) -> str:
-    """Keep numbers and the units behind them on one line."""
-    return UNIT_BEHIND.sub("\N{NO-BREAK SPACE}", text)
+    """Keep numbers and the units behind them on one line, and write these as books print them."""
+    printed = text.replace("m^2", "m²").replace("dm^3", "dm³").replace(" um", " \N{MICRO SIGN}m")
+    return UNIT_BEHIND.sub("\N{NO-BREAK SPACE}", printed)
 
 
 FILTERS = {
     "cells": table_cells,
-    "sig": significant,
+    "sig": lambda value, digits=TABLE_DIGITS: significant(value, digits),
     "plain": lambda value: f"{value:g}",
     "count": lambda value: f"{value:,}".replace(",", "\N{NARROW NO-BREAK SPACE}"),
-    "nano": nano,
+    "nano": lambda value: nano(value, TABLE_DIGITS),
     "percent": percent,
     "fixed": fixed,
     "quantity": quantity,
@@ -210,12 +223,14 @@ FILTERS = {
     "duration": duration,
     "check_figure": check_value_text,
     "check_allowed": check_limit_text,
+    "loaded_most": loaded_most,
     "bar": capped_share,
     "used": format_usage,
     "head": head,
     "run_command": run_command,
     "tied": keep_units_together,
+    "three": with_three_digits,
     "gpa": lambda value: f"{value / 1e9:.4g} GPa",
     "length_of": lambda values: math.hypot(*values),
-    "sig_or_zero": lambda value: significant(value) if value else "0",
+    "sig_or_zero": lambda value: significant(value, TABLE_DIGITS) if value else "0",
 }

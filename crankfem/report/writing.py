@@ -11,6 +11,11 @@ from markupsafe import Markup
 
 from crankbase.outputs import recording_run_files, write_text
 from crankfem.analyses.mechanism.balance_records import balance_table
+from crankfem.analyses.mechanism.balanced_masses import (
+    balance_contents,
+    moving_mass_table,
+    throw_mass_table,
+)
 from crankfem.analyses.mechanism.harmonics_record import harmonics_table
 from crankfem.analyses.mechanism.load_tables import bearing_table
 from crankfem.analyses.throw.compliances import compliance_tables, further_compliances
@@ -18,6 +23,7 @@ from crankfem.analyses.throw.stress import mirrored, stress_tables
 from crankfem.analyses.throw.throw_tables import reaction_table, support_table
 from crankfem.analyses.vibration.speed_table import speed_table
 from crankfem.analyses.vibration.tables import (
+    barred_within_error,
     element_table,
     limit_table,
     load_table,
@@ -51,13 +57,16 @@ LATER: dict[str, Any] = {
 LATER_ABOUT: dict[str, Any] = {"python": None, "platform": None, "processors": None, "packages": {}}
 # What makes tables, or their cells, of the results.
 TABLES = (
+    balance_contents,
     balance_table,
+    barred_within_error,
     bearing_table,
     element_table,
     limit_table,
     load_table,
     misfiring_table,
     mode_table,
+    moving_mass_table,
     source_table,
     speed_table,
     whole_table,
@@ -65,6 +74,7 @@ TABLES = (
     support_table,
     reaction_table,
     stress_tables,
+    throw_mass_table,
     mirrored,
     reached_and_permitted,
 )

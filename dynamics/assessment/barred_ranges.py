@@ -21,6 +21,8 @@ BARRED_SOURCE = (
 )
 
 USUAL_HIGHEST_RATIO = 0.8
+# Of the distance of two speeds, to find where a limit is met between them.
+HALVINGS = 40
 
 
 @dataclass(frozen=True)
@@ -184,9 +186,9 @@ def exceeded_ranges(
 
     Notes
     -----
-    Between two speeds calculated the use of the limit is taken as straight. On the flank of a
-    resonance it is hollow, so that the chord lies above it and the range comes out a little too
-    wide; beside an unbounded value the range reaches to the next speed calculated.
+    Between two speeds calculated the amplitude is straight, and the limit as it is: a range ends where it
+    jumps. On the flank of a resonance the amplitude is hollow, so that the chord lies above it and the range
+    comes out a little too wide; beside an unbounded value it reaches to the next speed calculated.
     """
     speeds, used = curve.speeds, usage(limit, curve)
     found = []
@@ -195,8 +197,8 @@ def exceeded_ranges(
             break
         found.append(
             ExceededRange(
-                low=_crossing(speeds, used, first, -1),
-                high=min(_crossing(speeds, used, last, 1), highest),
+                low=_crossing(limit, curve, used, first, -1),
+                high=min(_crossing(limit, curve, used, last, 1), highest),
                 peaks=_peaks_to(speeds[first : last + 1], used[first : last + 1], highest),
                 cut_off=first == 0 or last == curve.speeds.size - 1,
                 used=float(np.max(used[first : last + 1])),
@@ -361,16 +363,24 @@ def _runs(flags: NDArray[np.bool_]) -> list[tuple[int, int]]:
     return list(zip(starts.tolist(), stops.tolist(), strict=True))
 
 
-def _crossing(speeds: FloatArray, used: FloatArray, place: int, step: int) -> float:
+def _crossing(
+    limit: VibrationLimit, curve: AmplitudeCurve, used: FloatArray, place: int, step: int
+) -> float:
     """Return the speed at which the use is 1, from the last place above it one step outwards."""
+    speeds, values = curve.speeds, curve.values
     other = place + step
     if not 0 <= other < speeds.size:
         return float(speeds[place])
-    inside, outside = used[place], used[other]
-    if np.isinf(inside):
+    if np.isinf(used[place]):
         return float(speeds[other])
-    share = (1.0 - outside) / (inside - outside)
-    return float(speeds[other] + share * (speeds[place] - speeds[other]))
+    above, below = float(speeds[place]), float(speeds[other])
+    for _ in range(HALVINGS):
+        middle = 0.5 * (above + below)
+        share = (middle - speeds[place]) / (speeds[other] - speeds[place])
+        value = values[place] + share * (values[other] - values[place])
+        permitted = float(limit.continuous.at(np.array([middle]))[0])
+        above, below = (middle, below) if value > permitted else (above, middle)
+    return above
 
 
 def _peaks_to(speeds: FloatArray, used: FloatArray, highest: float) -> tuple[float, ...]:

@@ -32,6 +32,8 @@ class Trial:
     status : {"fine", "barred range needed", "not acceptable"}
     taken : bool
         Whether it is the value that the calculation took.
+    why : str
+        Why it may have another value, where it is not just assumed.
     """
 
     field: str
@@ -40,6 +42,7 @@ class Trial:
     unit: str
     status: Status
     taken: bool = False
+    why: str = ""
 
     @property
     def acceptable(self) -> bool:
@@ -155,13 +158,21 @@ def _values(kept: Sequence[bool], trials: Sequence[Trial]) -> str:
         }
     first = trials[0]
     taken = [one for one in trials if one.taken]
-    told = "assumed)" in "".join(shown.values())
-    beside = "" if told or not taken else f" ({taken[0].shown} assumed)"
-    return f"a {first.name} of {shown[True]}, not with {shown[False]}{beside}: give {first.field}"
+    word = _word(first)
+    told = f"{word})" in "".join(shown.values())
+    beside = "" if told or not taken else f" ({taken[0].shown} {word})"
+    remedy = f"within {first.why}, set by" if first.why else "give"
+    article = "an" if first.name[0] in "aeiou" else "a"
+    return f"{article} {first.name} of {shown[True]}, not with {shown[False]}{beside}: {remedy} {first.field}"
 
 
 def _shown(trial: Trial) -> str:
-    return f"{trial.shown} (assumed)" if trial.taken else trial.shown
+    return f"{trial.shown} ({_word(trial)})" if trial.taken else trial.shown
+
+
+def _word(trial: Trial) -> str:
+    """What the value taken is called."""
+    return "used" if trial.why else "assumed"
 
 
 def changes(trials: Sequence[Trial]) -> list[tuple[Trial, Trial]]:

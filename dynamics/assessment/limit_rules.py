@@ -18,6 +18,10 @@ M68_SOURCE = (
 )
 CRANKSHAFT_SOURCE = "Korean Register, Rules for Steel Ships 2025, Part 5, Chapter 4, 201"
 GENERATOR_SOURCE = "Korean Register, Rules for Steel Ships 2025, Part 5, Chapter 4, 203"
+GENERATOR_READING = (
+    "below 0.9 of the rated speed a set only passes, with the rule's limit for passing; values and speeds "
+    "are read from the 2025 edition alone, no second text confirms them: see the rule before relying on them"
+)
 
 SHAFT_FEATURES: dict[str, tuple[float, bool]] = {
     "integral flange": (1.0, True),
@@ -251,7 +255,7 @@ def generator_set_limit(
         continuous=LimitCurve(permitted, 0.0, 1.1 * rated),
         passing=LimitCurve(lambda speeds: np.full(speeds.shape, passed * quick), 0.0, slowest),
         source=GENERATOR_SOURCE,
-        remark="below 0.9 of the rated speed a set only passes, with the rule's limit for passing",
+        remark=GENERATOR_READING,
     )
 
 

@@ -2,20 +2,22 @@
 
 import numpy as np
 
-from crankbase.units.quantity import format_quantity
+from crankbase.units.quantity import format_quantity, quantities_apart
 from dynamics.assessment.limits import VibrationLimit
 
 # A limit that is used up to this share is told by what is above it.
 SLIGHT = 1.5
 
 
-def use_in_words(limit: VibrationLimit, speed: float, value: float, permitted: float) -> str:
+def use_in_words(
+    limit: VibrationLimit, speed: float, value: float, permitted: float, digits: int = 4
+) -> str:
     """Say what a quantity reaches at a speed [rad/s] of what is permitted there."""
-    at, allowed = format_quantity(speed, "rad/s", 4), format_quantity(permitted, limit.unit, 4)
+    at = format_quantity(speed, "rad/s", 4)
+    reached, allowed = quantities_apart(value, permitted, limit.unit, digits)
     used = value / permitted
     if np.isinf(value):
         return f"is unbounded at {at}, where {allowed} is permitted"
-    reached = format_quantity(value, limit.unit, 4)
     if used <= 1.0:
         return f"is at worst {reached} at {at}, {100.0 * used:.3g} % of the permitted {allowed}"
     if used < SLIGHT:

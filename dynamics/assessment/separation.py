@@ -118,7 +118,7 @@ def critical_ranges(
     running_range: tuple[float, float],
     *,
     within: float = 2.0 * USUAL_MARGIN,
-    damped: Callable[[int, float], float] | None = None,
+    damped: Callable[[Chain, int, float], Sequence[float]] | None = None,
     others: Sequence[Chain] = (),
 ) -> tuple[CriticalRange, ...]:
     """Find where critical speeds may lie that come near the speeds at which an engine runs.
@@ -135,15 +135,16 @@ def critical_ranges(
     within : float
         Critical speeds with a larger margin are left out.
     damped : callable, optional
-        Mode, 1 the lowest, and order to the critical speed with damping over that without; nan where
-        the order has no peak at the mode, which then is left out. Undamped speeds by default.
+        Chain, mode, 1 the lowest, and order to the critical speeds with damping over that without: one for
+        each peak, none where the order has no peak at the mode, which then is left out. It is asked for
+        the chain and for each of the others. Undamped speeds by default.
     others : sequence of Chain, optional
         That the chain may be as well; see `frequency_bounds`.
 
     Returns
     -------
     tuple of CriticalRange
-        Ascending by nominal speed.
+        Ascending by nominal speed, one for each peak.
 
     Raises
     ------
@@ -153,24 +154,34 @@ def critical_ranges(
 
     Notes
     -----
-    Without damping the bounds are exact, those of `frequency_bounds` over the order; with it they
-    move as the nominal speed does.
+    Without damping the bounds are exact, those of `frequency_bounds` over the order. With it each chain
+    has its own peaks, of which those nearest to the nominal one count, and each of them moves with the
+    spreads as the frequency does.
     """
     excited = positive_vector("orders", orders, "", "they count cycles per revolution")
     first, last = checked_running_range(running_range)
     modes = chain.modes()
-    nominal = modes.frequencies
-    low, high = frequency_bounds(chain, spreads, others)
+    each = [(own, *frequency_bounds(own, spreads)) for own in (chain, *others)]
     found = []
-    for mode in range(modes.rigid, nominal.size):
-        speeds = 2.0 * np.pi * np.array([nominal[mode], low[mode], high[mode]])
+    for mode in range(modes.rigid, modes.frequencies.size):
+        number = mode - modes.rigid + 1
         for order in excited.tolist():
-            number = mode - modes.rigid + 1
-            shift = 1.0 if damped is None else damped(number, order)
-            if np.isnan(shift):
-                continue
-            middle, least, most = (shift * speeds / order).tolist()
-            margin, own = separation_margin([least, middle], [most, middle], (first, last)).tolist()
-            if margin <= within:
-                found.append(CriticalRange(number, order, middle, least, most, margin, own))
+            per_hertz = 2.0 * np.pi / order
+            shifts = [
+                (1.0,) if damped is None else damped(own, number, order) for own, _, _ in each
+            ]
+            for shift in shifts[0]:
+                ends = [
+                    (near * low[mode], near * high[mode])
+                    for (_, low, high), own in zip(each, shifts, strict=True)
+                    for near in sorted(own, key=lambda one: abs(one - shift))[:1]
+                ]
+                middle = per_hertz * shift * float(modes.frequencies[mode])
+                least = per_hertz * float(min(low for low, _ in ends))
+                most = per_hertz * float(max(high for _, high in ends))
+                margin, own = separation_margin(
+                    [least, middle], [most, middle], (first, last)
+                ).tolist()
+                if margin <= within:
+                    found.append(CriticalRange(number, order, middle, least, most, margin, own))
     return tuple(sorted(found, key=lambda one: (one.nominal, one.mode, one.order)))

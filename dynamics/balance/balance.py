@@ -28,7 +28,7 @@ from dynamics.balance.moving_masses import (
     reciprocating_forces,
 )
 from dynamics.engine.layout import EngineLayout, check_distinct_positions
-from dynamics.engine.motions import cylinder_motion
+from dynamics.engine.motions import parts_motion
 from dynamics.engine.orders import checked_orders
 from dynamics.plots.hodographs import FORCE_LABELS, MOMENT_LABELS, draw_hodographs
 
@@ -112,7 +112,7 @@ class OrderBalance:
         return self.moment.major <= BALANCED * self.moment_scale
 
 
-@summarized("speed [rad/s]", "model", "rows", "about [m]")
+@summarized("speed [rad/s]", "model", "rows", "about [m]", "rotating: engine.rotating")
 @dataclass(frozen=True)
 class Balance:
     """The balance of an engine at one speed.
@@ -175,7 +175,7 @@ class Balance:
         curves = unbalanced(self, show)
         empty = "balanced: orders " + ", ".join(str(row.order) for row in self.rows)
         if show == "force":
-            banks = [cylinder.bank_angle for cylinder in self.engine.cylinders]
+            banks = [math.radians(cylinder.bank_angle_deg) for cylinder in self.engine.cylinders]
             return draw_hodographs(
                 axes, curves, FORCE_LABELS, title="inertia force", banks=banks, empty=empty
             )
@@ -203,8 +203,8 @@ class Balance:
             own: list[Hodograph] = [getattr(row, name) for row in self.rows]
             for part in ("major", "minor", "x", "y"):
                 columns[f"{name}_{part}"] = ([getattr(one, part) for one in own], unit)
-            angles = [math.nan if one.angle is None else one.angle for one in own]
-            columns[f"{name}_angle"] = (list(angles), "rad")
+            angles = [math.nan if one.angle_deg is None else one.angle_deg for one in own]
+            columns[f"{name}_angle"] = (list(angles), "deg")
             kept = [getattr(row, f"{name}_balanced") for row in self.rows]
             columns[f"{name}_balanced"] = (kept, "")
         return table(columns)
@@ -331,14 +331,14 @@ def _lateral(
     numbers = range(1, len(engine.cylinders) + 1)
 
     def forces(angles: FloatArray) -> ComplexArray:
-        turns = (cylinder_motion(engine, number, angles).rod for number in numbers)
+        turns = (parts_motion(engine, number, angles).rod for number in numbers)
         return np.array(
             [
                 -1j
                 * mass.lateral
                 * speed**2
                 * (1j * turn.second - turn.first**2)
-                * np.exp(1j * turn.angle)
+                * np.exp(1j * turn.angle_rad)
                 for mass, turn in zip(masses, turns, strict=True)
             ]
         )
@@ -350,10 +350,17 @@ def _rotating(
     engine: EngineLayout, masses: Sequence[MovingMasses], speed: float
 ) -> list[PlacedForce]:
     at_pins = [
-        (cylinder.position, mass.rotating * engine.crank_radius, cylinder.crank_angle)
+        (
+            cylinder.position,
+            mass.rotating * engine.crank_radius,
+            math.radians(cylinder.crank_angle_deg),
+        )
         for cylinder, mass in zip(engine.cylinders, masses, strict=True)
     ]
-    on_shaft = [(mass.position, mass.static_moment, mass.angle) for mass in engine.rotating]
+    on_shaft = [
+        (mass.position, mass.static_moment, math.radians(mass.angle_deg))
+        for mass in engine.rotating
+    ]
     return [
         (place, Hodograph(1, static * speed**2 * cmath.exp(1j * angle), 0j))
         for place, static, angle in (*at_pins, *on_shaft)

@@ -24,21 +24,21 @@ class HodographChange:
     ----------
     major, minor : float or None
         Change of the semi-axes as a share of the other's; none where the other's is zero.
-    turn : float or None
-        Turn of the major axis about +z [rad], -pi/2 to pi/2; none where one has no major axis.
+    turn_deg : float or None
+        Turn of the major axis about +z [deg], -90 to 90; none where one has no major axis.
     """
 
     major: float | None
     minor: float | None
-    turn: float | None
+    turn_deg: float | None
 
 
 def hodograph_change(hodograph: Hodograph, reference: Hodograph) -> HodographChange:
     """Return how a hodograph differs from a reference."""
     turn = (
         None
-        if hodograph.angle is None or reference.angle is None
-        else math.remainder(hodograph.angle - reference.angle, math.pi)
+        if hodograph.angle_deg is None or reference.angle_deg is None
+        else math.remainder(hodograph.angle_deg - reference.angle_deg, 180.0)
     )
     # The minor axis of a line is round-off.
     minor = hodograph.minor / reference.minor - 1.0 if reference.sense else None

@@ -9,7 +9,8 @@ from typing import Literal
 import numpy as np
 from numpy.typing import ArrayLike
 
-from crankbase.checks.arrays import ComplexArray, FloatArray, complex_array, finite_array
+from crankbase.checks.angles import radians_of
+from crankbase.checks.arrays import ComplexArray, FloatArray, complex_array
 from crankbase.checks.choices import check_choice
 from crankbase.checks.scalars import whole_number
 from crankbase.errors import InputError
@@ -25,7 +26,7 @@ ROUND_OFF = 1e-12
 FOLD = 1e-9
 
 
-@summarized("order", "major", "minor", "sense", "angle [rad]")
+@summarized("order", "major", "minor", "sense", "angle_deg [deg]")
 @dataclass(frozen=True)
 class Hodograph:
     """One order of a plane vector: F(phi) = P exp(i k phi) + Q exp(-i k phi), an ellipse.
@@ -50,7 +51,7 @@ class Hodograph:
     Examples
     --------
     >>> line = Hodograph(2, 100.0, 100.0)  # a force up and down
-    >>> line.major, line.minor, line.sense, line.angle
+    >>> line.major, line.minor, line.sense, line.angle_deg
     (200.0, 0.0, 0, 0.0)
     """
 
@@ -86,8 +87,8 @@ class Hodograph:
         return 1 if abs(self.forward) > abs(self.backward) else -1
 
     @property
-    def angle(self) -> float | None:
-        """Direction of the major axis [rad], above -pi/2 to pi/2; none for a circle or a point.
+    def angle_deg(self) -> float | None:
+        """Direction of the major axis [deg], above -90 to 90; none for a circle or a point.
 
         Half the sum of the arguments of P and Q.
         """
@@ -95,18 +96,18 @@ class Hodograph:
             return None
         # The argument of a product is the sum of both; its half is known up to half turns.
         half = cmath.phase(_unit(self.forward) * _unit(self.backward)) / 2.0
-        return 0.5 * math.pi if half < FOLD - 0.5 * math.pi else half
+        return 90.0 if half < FOLD - 0.5 * math.pi else math.degrees(half)
 
     @property
-    def largest_at(self) -> float | None:
-        """First shaft angle from zero at which the vector lies along the major axis [rad].
+    def largest_at_deg(self) -> float | None:
+        """First shaft angle from zero at which the vector lies along the major axis [deg].
 
-        It does so again every half cycle, pi/k. None for a circle or a point.
+        It does so again every half cycle, 180/k. None for a circle or a point.
         """
         if self._is_round:
             return None
         half = cmath.phase(_unit(self.backward) / _unit(self.forward)) / 2.0
-        return (half % math.pi) / self.order
+        return math.degrees(half % math.pi) / self.order
 
     @property
     def _is_round(self) -> bool:
@@ -115,35 +116,37 @@ class Hodograph:
     @property
     def x(self) -> float:
         """Amplitude of the component along x, across the engine."""
-        return self.amplitude_along(-0.5 * math.pi)
+        return self.amplitude_along(angle_deg=-90.0)
 
     @property
     def y(self) -> float:
         """Amplitude of the component along y, up and down."""
-        return self.amplitude_along(0.0)
+        return self.amplitude_along(angle_deg=0.0)
 
-    def amplitude_along(self, angle: float) -> float:
-        """Return the amplitude of the component in a direction [rad].
+    def amplitude_along(self, *, angle_deg: float) -> float:
+        """Return the amplitude of the component in a direction [deg].
 
         Re(F exp(-i angle)) has the coefficient P exp(-i angle) + conj(Q) exp(i angle).
         """
-        turn = cmath.exp(-1j * angle)
+        turn = cmath.exp(-1j * math.radians(angle_deg))
         return abs(self.forward * turn + (self.backward * turn).conjugate())
 
-    def at(self, shaft_angle: ArrayLike) -> ComplexArray:
-        """Return the vector y - i x at shaft angles [rad] of any shape.
+    def at(self, *, shaft_angle_deg: ArrayLike) -> ComplexArray:
+        """Return the vector y - i x at shaft angles [deg] of any shape.
 
         Raises
         ------
         InputError
-            If an angle is not finite.
+            If an angle is not finite, or they are radians.
         """
-        turn = np.exp(1j * self.order * finite_array("shaft_angle", shaft_angle))
+        turn = np.exp(1j * self.order * radians_of("shaft_angle_deg", shaft_angle_deg))
         return np.asarray(self.forward * turn + self.backward / turn)
 
     def points(self, count: int = 181) -> tuple[FloatArray, FloatArray]:
         """Return x and y of points along the closed curve, each real of shape (count,)."""
-        vectors = self.at(np.linspace(0.0, 2.0 * np.pi / self.order, count))
+        vectors = self.at(
+            shaft_angle_deg=np.degrees(np.linspace(0.0, 2.0 * np.pi / self.order, count))
+        )
         return -vectors.imag, vectors.real
 
     def times(self, factor: complex) -> "Hodograph":
@@ -200,11 +203,11 @@ class Hodograph:
             If pandas is not installed.
         """
         most = whole_number("count", count, 2, "a turn has two ends")
-        angles = np.linspace(0.0, 2.0 * math.pi, most)
-        vector = self.at(angles)
+        angles = np.linspace(0.0, 360.0, most)
+        vector = self.at(shaft_angle_deg=angles)
         return table(
             {
-                "shaft_angle": (angles, "rad"),
+                "shaft_angle": (angles, "deg"),
                 "x": (-vector.imag, unit),
                 "y": (vector.real, unit),
             }

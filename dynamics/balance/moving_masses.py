@@ -12,7 +12,7 @@ from crankbase.summaries import summarized
 from dynamics.balance.hodograph import Hodograph
 from dynamics.engine.cylinder import RotatingMass
 from dynamics.engine.layout import EngineLayout
-from dynamics.engine.motions import cylinder_motion
+from dynamics.engine.motions import parts_motion
 from dynamics.engine.orders import turn_spectrum
 
 # A force and where along the shaft it acts [m].
@@ -101,8 +101,8 @@ def balancing_masses(
         What it has as `rotating` is not counted.
     reciprocating_share : float, optional
         Share of the reciprocating masses of the throw that is balanced, too. With 0.5 nothing of
-        the first order is left that turns with the shaft: in a V engine of 90 deg nothing at all,
-        in others what turns against it.
+        the first order is left that turns with the shaft, but for what lies beside the rods' axes:
+        in a V engine of 90 deg nothing at all, in others what turns against it.
 
     Returns
     -------
@@ -117,7 +117,9 @@ def balancing_masses(
     Notes
     -----
     The first order of one cylinder is m R w^2 cos(alpha) along its axis: half of it turns with the
-    crankpin whatever the axis, half against it.
+    crankpin whatever the axis, half against it. A static moment S beside a rod's axis adds
+    S lambda w^2 sin(alpha), lambda = R/L, along the axis, half of which turns 90 deg behind the
+    crankpin and is not balanced here.
     """
     share = nonnegative_number(
         "reciprocating_share", reciprocating_share, "", "the weights stand opposite to the crank"
@@ -130,7 +132,9 @@ def balancing_masses(
     return tuple(
         RotatingMass(
             mass * engine.crank_radius,
-            angle_deg=math.degrees(_opposite(engine.cylinders[main - 1].crank_angle)),
+            angle_deg=math.degrees(
+                _opposite(math.radians(engine.cylinders[main - 1].crank_angle_deg))
+            ),
             position=engine.cylinders[main - 1].position,
         )
         for main, mass in pins.items()
@@ -165,7 +169,7 @@ def reciprocating_forces(
     numbers = range(1, len(engine.cylinders) + 1)
 
     def forces(angles: FloatArray) -> ComplexArray:
-        motions = (cylinder_motion(engine, number, angles).piston for number in numbers)
+        motions = (parts_motion(engine, number, angles).piston for number in numbers)
         return np.array(
             [
                 -mass * motion.acceleration(speed).real
@@ -201,7 +205,9 @@ def cylinder_forces(
         found[order] = [
             (
                 cylinder.position,
-                Hodograph(order, forward, backward).times(cmath.exp(1j * cylinder.bank_angle)),
+                Hodograph(order, forward, backward).times(
+                    cmath.exp(1j * math.radians(cylinder.bank_angle_deg))
+                ),
             )
             for cylinder, forward, backward in zip(engine.cylinders, ahead, back, strict=True)
         ]

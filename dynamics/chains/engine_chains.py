@@ -138,7 +138,7 @@ def axial_chain(
     flywheel_mass : float
         Mass of flywheel and flange [kg], at section n; 0 for none.
     thrust_node : int
-        Section held by the thrust bearing, 0 to n.
+        Index of the section held by the thrust bearing, 0 to n; it is main bearing `thrust_node` + 1.
     thrust_stiffness : float
         Axial stiffness of the thrust bearing to ground [N/m]; 0 leaves the shaft free.
     extra_masses : array_like of shape (n + 1,) or mapping of int to float, optional
@@ -152,7 +152,7 @@ def axial_chain(
     section_damping : float or array_like of shape (n + 1,), optional
         Viscous (absolute) damping of each section, or of all, to ground [N s/m].
     damper : AxialDamper, optional
-        At section 0.
+        At the free end.
     shaft_line : Chain, optional
         Axial chain of what follows the flywheel; its first node becomes section n.
 
@@ -184,7 +184,7 @@ def axial_chain(
     at_sections[-1] += nonnegative_number(
         "flywheel_mass", flywheel_mass, "kg", "it adds to the mass of the shaft"
     )
-    names = [f"section {number}" for number in range(count + 1)]
+    names = [f"main bearing {number}" for number in range(1, count + 2)]
     if flywheel_mass > 0.0:
         names[-1] += ", flywheel"
     if bearing > 0.0:

@@ -17,7 +17,7 @@ from crankbase.checks.arrays import (
 from crankbase.checks.choices import check_choice
 from dynamics.cycle import even_angles
 from dynamics.engine.layout import EngineLayout
-from dynamics.engine.motions import cylinder_motion
+from dynamics.engine.motions import parts_motion
 from dynamics.mechanism.rods import ConnectingRod, RodModel
 from dynamics.torque.throws import checked_throws, throws_along_shaft
 
@@ -151,7 +151,7 @@ def cylinder_inertia(
         m_p |x_p'|^2 + m |x_c'|^2 + J beta'^2, primes being derivatives by the shaft angle: piston,
         rod's center, rod's turning [kg m^2].
     """
-    motion = cylinder_motion(engine, number, angles)
+    motion = parts_motion(engine, number, angles)
     inertia = engine.cylinders[number - 1].piston_mass * np.abs(motion.piston.first) ** 2
     inertia += rod.mass * np.abs(motion.rod_point(rod.center).first) ** 2
     return np.asarray(inertia + rod.inertia * motion.rod.first**2)

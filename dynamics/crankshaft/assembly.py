@@ -55,7 +55,7 @@ class AssembledShaft:
     dashpots : (d, u) array
         Directions in which dashpots act.
     positions : (n + 1,) array
-        Places of the sections along the shaft, from section 0 [m].
+        Places of the sections along the shaft, from main bearing 1 [m].
     pin_throws : (p,) array of int
         Throw of each pin.
     names : tuple of str
@@ -186,7 +186,7 @@ def assemble_crankshaft(
     starts = np.concatenate(([0.0], np.cumsum([throw.length for throw in throws])))
     stations = shaft_stations(throws, around, masses, starts, unit[: 6 * count], pin_slices)
     section_names = [
-        f"section {number} {way}" for number in range(count) for way in SECTION_MOTIONS
+        f"main bearing {number} {way}" for number in range(1, count + 1) for way in SECTION_MOTIONS
     ]
     pin_names = [
         f"pin {number} {way}" for number in range(1, masses.size + 1) for way in PIN_MOTIONS

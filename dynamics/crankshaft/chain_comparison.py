@@ -173,7 +173,7 @@ def matching_response(
         kind=chain.kind,
         speeds=coupled.speeds,
         chain=by_chain.amplitude,
-        shaft=coupled.split("section 0 uz" if axial else "section 0 rz").both_sum,
+        shaft=coupled.split("main bearing 1 uz" if axial else "main bearing 1 rz").both_sum,
     )
 
 

@@ -57,7 +57,7 @@ class CoupledResponse:
         return self.tangential.unbounded | self.radial.unbounded
 
     def motion(self, point: str) -> ComplexArray:
-        """Return the motion (K, S) of a point such as "section 0 uz" under both kinds of force.
+        """Return the motion (K, S) of a point such as "main bearing 1 uz" under both kinds of force.
 
         Raises
         ------
@@ -92,7 +92,7 @@ class CoupledResponse:
             found[f"{name}_sum"] = summed.amplitude
         return SplitMotion(point=point, orders=self.orders, speeds=self.speeds, **found)
 
-    def plot(self, axes: Axes | None = None, point: str = "section 0 uz") -> Axes:
+    def plot(self, axes: Axes | None = None, point: str = "main bearing 1 uz") -> Axes:
         """Draw the amplitude of a point over the speed by tangential forces, by radial ones, by all.
 
         Parameters
@@ -100,7 +100,7 @@ class CoupledResponse:
         axes : matplotlib.axes.Axes, optional
             Where to draw; those of a new figure if not given.
         point : str, optional
-            Such as "section 0 uz", the free end along the shaft.
+            Such as "main bearing 1 uz", the free end along the shaft.
 
         Returns
         -------

@@ -50,7 +50,7 @@ class CrankshaftSystem:
         return self.shaft.names
 
     def point(self, name: str) -> int:
-        """Return the row of a point such as "section 0 uz" or "pin 1 radial".
+        """Return the row of a point such as "main bearing 1 uz" or "pin 1 radial".
 
         Raises
         ------

@@ -80,11 +80,6 @@ class ShaftThrow:
             )
 
     @property
-    def crank_angle(self) -> float:
-        """The crank angle [rad]."""
-        return math.radians(self.crank_angle_deg)
-
-    @property
     def shapes(self) -> int:
         """Number of shapes of the inside, m."""
         return len(self.stiffness) - 12
@@ -93,7 +88,7 @@ class ShaftThrow:
     def turn(self) -> FloatArray:
         """Matrix (12 + m, 12 + m) from motions in the throw frame to those in the shaft frame."""
         turn = np.eye(len(self.stiffness))
-        turn[:12, :12] = np.kron(np.eye(4), rotation(self.crank_angle))
+        turn[:12, :12] = np.kron(np.eye(4), rotation(math.radians(self.crank_angle_deg)))
         return turn
 
     def rigid_inertia(self) -> tuple[float, float]:

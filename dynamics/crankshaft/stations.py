@@ -29,7 +29,7 @@ class Stations:
     polar, diametral : (s,) array
         Moments of inertia about the shaft axis and about a diameter [kg m^2].
     positions : (s,) array
-        Along the shaft, from section 0 [m].
+        Along the shaft, from main bearing 1 [m].
     """
 
     motions: FloatArray

@@ -1,5 +1,6 @@
 """A cylinder of an engine: its piston and rod, and where it stands."""
 
+import cmath
 import math
 from dataclasses import KW_ONLY, dataclass
 
@@ -41,14 +42,9 @@ class SlavePin:
         finite_array("slave pin angle_deg", self.angle_deg)
 
     @property
-    def angle(self) -> float:
-        """The angle [rad]."""
-        return math.radians(self.angle_deg)
-
-    @property
     def place(self) -> complex:
         """Place on the main rod, u + i v from the crankpin's center [m]."""
-        return complex(self.radius * math.cos(self.angle), self.radius * math.sin(self.angle))
+        return cmath.rect(self.radius, math.radians(self.angle_deg))
 
 
 @summarized(
@@ -104,28 +100,14 @@ class EngineCylinder:
             finite_array(name, getattr(self, name))
 
     @property
-    def crank_angle(self) -> float:
-        """The crank angle [rad]."""
-        return math.radians(self.crank_angle_deg)
-
-    @property
-    def bank_angle(self) -> float:
-        """The angle of its axis [rad]."""
-        return math.radians(self.bank_angle_deg)
-
-    @property
     def area(self) -> float:
         """Area of the piston [m^2]."""
         return 0.25 * math.pi * self.bore**2
 
     @property
-    def top_shaft_angle(self) -> float:
-        """Shaft angle at which its crank lies along its axis, away from the shaft [rad]."""
-        return self.bank_angle - self.crank_angle
-
-    def crankpin(self, crank_radius: float, shaft_angles: FloatArray) -> PointMotion:
-        """Return the motion of its crankpin in its own frame, shaft angles [rad] of shape (m,)."""
-        return crankpin_motion(crank_radius, shaft_angles - self.top_shaft_angle)
+    def top_shaft_angle_deg(self) -> float:
+        """Shaft angle at which its crank lies along its axis, away from the shaft [deg]."""
+        return self.bank_angle_deg - self.crank_angle_deg
 
 
 @dataclass(frozen=True)
@@ -152,10 +134,12 @@ class RotatingMass:
         finite_array("angle_deg", self.angle_deg)
         finite_array("position", self.position)
 
-    @property
-    def angle(self) -> float:
-        """The angle [rad]."""
-        return math.radians(self.angle_deg)
+
+def cylinder_crankpin(
+    cylinder: EngineCylinder, crank_radius: float, shaft_angles: FloatArray
+) -> PointMotion:
+    """Return the motion of a crankpin in its cylinder's frame, shaft angles [rad] of shape (m,)."""
+    return crankpin_motion(crank_radius, shaft_angles - math.radians(cylinder.top_shaft_angle_deg))
 
 
 def hinged_foot(
@@ -180,7 +164,7 @@ def hinged_foot(
     """
     if hinged.slave_pin is None:
         raise ValueError("the rod is not hinged")
-    crank = main.crankpin(crank_radius, shaft_angles)
+    crank = cylinder_crankpin(main, crank_radius, shaft_angles)
     turn = rod_turn(crank, main.rod.length, main.pin_offset)
     pin = carried_point(crank, turn, hinged.slave_pin.place)
-    return pin.turned(main.bank_angle - hinged.bank_angle)
+    return pin.turned(angle_deg=main.bank_angle_deg - hinged.bank_angle_deg)

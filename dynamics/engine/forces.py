@@ -1,16 +1,17 @@
 """Forces in the mechanism of every cylinder, by equilibrium of pistons and rods."""
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike
 
+from crankbase.checks.angles import checked_degrees
 from crankbase.checks.arrays import (
     ComplexArray,
     FloatArray,
     finite_array,
-    finite_vector,
     turning_speeds,
 )
 from crankbase.checks.scalars import whole_within
@@ -18,9 +19,10 @@ from crankbase.errors import InputError
 from crankbase.library_types import Axes, Dataset
 from crankbase.summaries import summarized
 from crankbase.tables.frames import grid
+from dynamics.cycle import cycle_radians
 from dynamics.engine.cylinder import EngineCylinder
 from dynamics.engine.layout import EngineLayout
-from dynamics.engine.motions import CylinderMotion, cylinder_motion
+from dynamics.engine.motions import CylinderMotion, parts_motion
 from dynamics.mechanism.rod_model_names import RodModelName
 from dynamics.mechanism.rods import RodModel
 from dynamics.plots.angle_curves import FROM_FIRING, draw_over_angle
@@ -36,8 +38,8 @@ class MechanismForces:
     Parameters
     ----------
     engine : EngineLayout
-    shaft_angles : ndarray of shape (m,)
-        [rad]
+    shaft_angles_deg : ndarray of shape (m,)
+        [deg]
     speed : ndarray of shape (m,)
         Of the shaft at these angles [rad/s].
     crank_acceleration : ndarray of shape (m,)
@@ -61,7 +63,7 @@ class MechanismForces:
     """
 
     engine: EngineLayout
-    shaft_angles: FloatArray
+    shaft_angles_deg: FloatArray
     speed: FloatArray
     crank_acceleration: FloatArray
     model: RodModelName
@@ -74,8 +76,12 @@ class MechanismForces:
     @property
     def in_crank_frame(self) -> ComplexArray:
         """Contributions to the crankpin's force in the frame that turns with it, -Z + i T (n, m)."""
-        cranks = np.array([cylinder.crank_angle for cylinder in self.engine.cylinders])
-        turn: ComplexArray = np.exp(-1j * (cranks[:, np.newaxis] + self.shaft_angles))
+        cranks = np.array(
+            [math.radians(cylinder.crank_angle_deg) for cylinder in self.engine.cylinders]
+        )
+        turn: ComplexArray = np.exp(
+            -1j * (cranks[:, np.newaxis] + np.radians(self.shaft_angles_deg))
+        )
         return self.crankpin * turn
 
     @property
@@ -113,7 +119,9 @@ class MechanismForces:
             If there is no such cylinder.
         """
         place = whole_within("cylinder", cylinder, 1, len(self.gas), "the engine has that many") - 1
-        since_firing = (self.shaft_angles - self.engine.firing[place]) % self.engine.cycle
+        since_firing = (
+            np.radians(self.shaft_angles_deg) - np.radians(self.engine.firing_deg[place])
+        ) % cycle_radians(self.engine.strokes)
         order = np.argsort(since_firing)
         curves = {
             "gas, towards the shaft": self.gas,
@@ -159,17 +167,17 @@ class MechanismForces:
             },
             {
                 "cylinder": number_axis(len(self.gas), "cylinder"),
-                "shaft_angle": angle_axis(self.shaft_angles),
+                "shaft_angle": angle_axis(self.shaft_angles_deg),
             },
         )
 
 
 def mechanism_forces(
     engine: EngineLayout,
-    shaft_angles: ArrayLike,
     speed: float | FloatArray,
     gas: ArrayLike = 0.0,
     *,
+    shaft_angles_deg: ArrayLike,
     model: RodModelName = "rigid",
     friction: ArrayLike = 0.0,
     crank_acceleration: float | FloatArray = 0.0,
@@ -179,12 +187,12 @@ def mechanism_forces(
     Parameters
     ----------
     engine : EngineLayout
-    shaft_angles : array_like of shape (m,)
-        [rad]
     speed : float or ndarray of shape (m,)
         Of the shaft [rad/s].
     gas : array_like of shape (n, m), (m,) or a number
         Force on each piston towards the shaft [N].
+    shaft_angles_deg : array_like of shape (m,)
+        [deg]
     model : str, optional
         One of `ROD_MODELS`.
     friction : array_like of shape (n, m), (m,) or a number
@@ -211,10 +219,11 @@ def mechanism_forces(
     Replaces (5) to (12) of Yamanin, Zhukov, Baryshnikov 2018, doi
     10.21821/2309-5180-2018-10-1-191-200, for any of their rod models.
     """
-    angles = finite_vector("shaft_angles", shaft_angles)
+    angles_deg = checked_degrees("shaft_angles_deg", shaft_angles_deg, vector=True)
+    angles = np.radians(angles_deg)
     if angles.size == 0:
         raise InputError(
-            "shaft_angles: given none; allowed are one or more, because forces are those at an angle."
+            "shaft_angles_deg: given none; allowed are one or more, because forces are those at an angle."
         )
     shape = (len(engine.cylinders), angles.size)
     turning = over_angles("speed", turning_speeds("speed", speed), angles)
@@ -224,13 +233,13 @@ def mechanism_forces(
     rubbing = spread_array("friction", friction, shape, reason)
     side = np.zeros(shape)
     piston_pin, foot, crankpin = (np.zeros(shape, dtype=np.complex128) for _ in range(3))
-    motions = [cylinder_motion(engine, number + 1, angles) for number in range(shape[0])]
+    motions = [parts_motion(engine, number + 1, angles) for number in range(shape[0])]
     for place, cylinder in enumerate(engine.cylinders):
         rod, motion = cylinder.rod.model(model), motions[place]
         acceleration = motion.piston.acceleration(turning, gaining).real
         along = -(pressing[place] - rubbing[place]) - cylinder.piston_mass * acceleration
         inertia, moment = _inertia_forces(rod, motion, turning, gaining)
-        sine, cosine = np.sin(motion.rod.angle), np.cos(motion.rod.angle)
+        sine, cosine = np.sin(motion.rod.angle_rad), np.cos(motion.rod.angle_rad)
         at_piston = along + 1j * (moment / rod.length + along * sine) / cosine
         side[place] += at_piston.imag
         piston_pin[place] -= at_piston
@@ -238,17 +247,21 @@ def mechanism_forces(
         foot[place] += at_foot
         main = engine.main_of(place + 1) - 1
         if main == place:
-            crankpin[place] = at_foot * np.exp(1j * cylinder.bank_angle)
+            crankpin[place] = at_foot * np.exp(1j * math.radians(cylinder.bank_angle_deg))
             continue
         carrier = engine.cylinders[main]
-        load = at_foot * np.exp(1j * (cylinder.bank_angle - carrier.bank_angle))
+        load = at_foot * np.exp(
+            1j * (math.radians(cylinder.bank_angle_deg - carrier.bank_angle_deg))
+        )
         from_wall = _wall_force_for(load, cylinder, carrier, motions[main])
         side[main] += from_wall
         piston_pin[main] -= 1j * from_wall
         foot[main] += load + 1j * from_wall
-        crankpin[place] = (load + 1j * from_wall) * np.exp(1j * carrier.bank_angle)
+        crankpin[place] = (load + 1j * from_wall) * np.exp(
+            1j * math.radians(carrier.bank_angle_deg)
+        )
     return MechanismForces(
-        engine, angles, turning, gaining, model, pressing, side, piston_pin, foot, crankpin
+        engine, angles_deg, turning, gaining, model, pressing, side, piston_pin, foot, crankpin
     )
 
 
@@ -290,7 +303,7 @@ def _inertia_forces(
 ) -> tuple[ComplexArray, FloatArray]:
     """Return M a_D, and the moment that the rod's motion takes about its foot."""
     force = rod.mass * motion.rod_point(rod.center).acceleration(speed, crank_acceleration)
-    arm = rod.center * np.exp(1j * motion.rod.angle)
+    arm = rod.center * np.exp(1j * motion.rod.angle_rad)
     turning = rod.inertia * motion.rod.acceleration(speed, crank_acceleration)
     return force, turning + (np.conj(arm) * force).imag
 
@@ -301,9 +314,9 @@ def _wall_force_for(
     """Return what the main piston's wall adds to N to balance a force at the slave pin."""
     if hinged.slave_pin is None:
         raise ValueError("the rod is not hinged")
-    arm = hinged.slave_pin.place * np.exp(1j * motion.rod.angle)
+    arm = hinged.slave_pin.place * np.exp(1j * motion.rod.angle_rad)
     moment = (np.conj(arm) * load).imag
-    return np.asarray(-moment / (carrier.rod.length * np.cos(motion.rod.angle)))
+    return np.asarray(-moment / (carrier.rod.length * np.cos(motion.rod.angle_rad)))
 
 
 def pin_groups(engine: EngineLayout) -> tuple[tuple[int, ...], ...]:

@@ -6,10 +6,11 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import ArrayLike
 
-from crankbase.checks.arrays import FloatArray, finite_vector, nonnegative_number
+from crankbase.checks.angles import radians_of
+from crankbase.checks.arrays import FloatArray, nonnegative_number
 from crankbase.errors import InputError
 from dynamics.engine.layout import EngineLayout
-from dynamics.engine.motions import cylinder_motion
+from dynamics.engine.motions import parts_motion
 from dynamics.engine.orders import checked_cylinder
 from dynamics.gas.pressure import ATMOSPHERE
 
@@ -22,28 +23,29 @@ class Pressure(Protocol):
         """Strokes per cycle, 2 or 4."""
         ...
 
-    def at(self, angle: ArrayLike) -> FloatArray:
-        """Return the absolute pressure [Pa] at angles [rad] from the firing top."""
+    def at(self, *, angle_deg: ArrayLike) -> FloatArray:
+        """Return the absolute pressure [Pa] at angles [deg] from the firing top."""
         ...
 
 
 def gas_forces(
     engine: EngineLayout,
-    shaft_angles: ArrayLike,
     pressure: Pressure | Sequence[Pressure],
     crankcase_pressure: float = ATMOSPHERE,
+    *,
+    shaft_angles_deg: ArrayLike,
 ) -> FloatArray:
     """Return the gas force on each piston towards the shaft.
 
     Parameters
     ----------
     engine : EngineLayout
-    shaft_angles : array_like of shape (m,)
-        [rad]
     pressure : GasPressure or sequence of n GasPressure
         One for all cylinders, each counted from its own firing top, or one for each cylinder.
     crankcase_pressure : float, optional
         Absolute pressure under the pistons [Pa].
+    shaft_angles_deg : array_like of shape (m,)
+        [deg]
 
     Returns
     -------
@@ -55,7 +57,7 @@ def gas_forces(
     InputError
         If there is not one pressure for each cylinder, or its cycle has other strokes.
     """
-    angles = finite_vector("shaft_angles", shaft_angles)
+    angles = radians_of("shaft_angles_deg", shaft_angles_deg, vector=True)
     under = nonnegative_number("crankcase_pressure", crankcase_pressure, "Pa", "it is absolute")
     count = len(engine.cylinders)
     pressures = list(pressure) if isinstance(pressure, Sequence) else [pressure] * count
@@ -65,13 +67,15 @@ def gas_forces(
             "for each cylinder, because each piston has its own force."
         )
     forces = []
-    for cylinder, firing, own in zip(engine.cylinders, engine.firing, pressures, strict=True):
+    for cylinder, firing, own in zip(
+        engine.cylinders, np.radians(engine.firing_deg), pressures, strict=True
+    ):
         if own.strokes != engine.strokes:
             raise InputError(
                 f"pressure: given a cycle of {own.strokes} strokes; allowed is {engine.strokes}, because "
                 "that is the engine's."
             )
-        forces.append(cylinder.area * (own.at(angles - firing) - under))
+        forces.append(cylinder.area * (own.at(angle_deg=np.degrees(angles - firing)) - under))
     return np.array(forces)
 
 
@@ -96,5 +100,5 @@ def piston_position(engine: EngineLayout, number: int) -> Callable[[FloatArray],
         If the engine has no such cylinder.
     """
     own = checked_cylinder(engine, number)
-    firing = engine.firing[own - 1]
-    return lambda angle: cylinder_motion(engine, own, firing + angle).piston.place.real
+    firing = np.radians(engine.firing_deg[own - 1])
+    return lambda angle: parts_motion(engine, own, firing + angle).piston.place.real

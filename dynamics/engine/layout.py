@@ -4,6 +4,7 @@ import math
 from collections.abc import Sequence
 from dataclasses import KW_ONLY, dataclass
 
+from crankbase.checks.angles import refuse_crank_radians
 from crankbase.checks.arrays import finite_array, nonnegative_number, positive_number
 from crankbase.errors import InputError
 from crankbase.summaries import summarized
@@ -48,7 +49,7 @@ class EngineLayout:
     firing_angles_deg : sequence of n float, optional
         Shaft angle at which each cylinder fires [deg], where the order does not tell: cylinders
         that fire together, or a top left out on purpose. In any cycle, in the firing order. Only
-        what is given stands here; the angles that hold in any case are in `firing`.
+        what is given stands here; the angles that hold in any case are in `firing_deg`.
     rotating : sequence of RotatingMass, optional
         Counterweights and throws.
     shaft_inertia : float, optional
@@ -83,32 +84,36 @@ class EngineLayout:
             )
         for number, cylinder in enumerate(self.cylinders, start=1):
             self._check_rod(number, cylinder)
+        refuse_crank_radians(
+            "crank_angle_deg", [cylinder.crank_angle_deg for cylinder in self.cylinders]
+        )
         given = self.firing_order
         order = firing_order_from_text(given) if isinstance(given, str) else tuple(given)
         check_firing_order(order, len(self.cylinders))
         object.__setattr__(self, "firing_order", tuple(int(number) for number in order))
         if self.firing_angles_deg is None:
-            _ = self.firing  # refuses an order that does not fit the cranks
+            _ = self.firing_deg  # refuses an order that does not fit the cranks
         else:
             object.__setattr__(
                 self, "firing_angles_deg", self._checked_angles(self.firing_angles_deg)
             )
 
     @property
-    def firing(self) -> tuple[float, ...]:
-        """Shaft angle at which each cylinder fires, cylinder by cylinder [rad].
+    def firing_deg(self) -> tuple[float, ...]:
+        """Shaft angle at which each cylinder fires, cylinder by cylinder [deg].
 
         Those given as `firing_angles_deg`, or those that follow from the firing order.
         """
         if self.firing_angles_deg is not None:
-            return tuple(math.radians(angle) for angle in self.firing_angles_deg)
-        tops = [cylinder.top_shaft_angle for cylinder in self.cylinders]
-        return firing_angles_of_order(tuple(map(int, self.firing_order)), tops, self.strokes)
+            return tuple(self.firing_angles_deg)
+        tops = [math.radians(cylinder.top_shaft_angle_deg) for cylinder in self.cylinders]
+        found = firing_angles_of_order(tuple(map(int, self.firing_order)), tops, self.strokes)
+        return tuple(math.degrees(angle) for angle in found)
 
     @property
-    def cycle(self) -> float:
-        """Length of the working cycle in shaft angle [rad]."""
-        return math.radians(cycle_degrees(self.strokes))
+    def cycle_deg(self) -> float:
+        """Length of the working cycle in shaft angle [deg]."""
+        return cycle_degrees(self.strokes)
 
     def main_of(self, number: int) -> int:
         """Return the number of the cylinder whose rod is on the crankpin: its own or the main one."""
@@ -137,11 +142,14 @@ class EngineLayout:
                 f"{name}slave pin: given main cylinder {main}, whose own rod is hinged; allowed is one "
                 "whose rod is on the crankpin, because rods are hinged to main rods."
             )
-        apart = math.remainder(carrier.crank_angle - cylinder.crank_angle, 2.0 * math.pi)
+        apart = math.remainder(
+            math.radians(carrier.crank_angle_deg - cylinder.crank_angle_deg),
+            2.0 * math.pi,
+        )
         if abs(apart) > IN_LINE:
             raise InputError(
                 f"{name}crank_angle_deg: given {cylinder.crank_angle_deg:g} deg; allowed is that of "
-                f"cylinder {main}, {math.degrees(carrier.crank_angle):g} deg, because they share a crankpin."
+                f"cylinder {main}, {carrier.crank_angle_deg:g} deg, because they share a crankpin."
             )
         if abs(carrier.position - cylinder.position) > SAME_PLACE:
             raise InputError(
@@ -162,6 +170,7 @@ class EngineLayout:
 
     def _checked_angles(self, firing_angles_deg: Sequence[float]) -> tuple[float, ...]:
         given = finite_array("firing_angles_deg", list(firing_angles_deg))
+        refuse_crank_radians("firing_angles_deg", given)
         if given.shape != (len(self.cylinders),):
             raise InputError(
                 f"firing_angles_deg: given {given.size} angles; allowed is one for each of the "
@@ -171,11 +180,11 @@ class EngineLayout:
         for number, (angle, cylinder) in enumerate(
             zip(angles, self.cylinders, strict=True), start=1
         ):
-            off = math.remainder(angle - cylinder.top_shaft_angle, 2.0 * math.pi)
+            off = math.remainder(angle - math.radians(cylinder.top_shaft_angle_deg), 2.0 * math.pi)
             if abs(off) > IN_LINE:
                 raise InputError(
                     f"firing_angles_deg: given {math.degrees(angle):g} deg for cylinder {number}; allowed is "
-                    f"{math.degrees(cylinder.top_shaft_angle):g} deg plus whole turns, because it fires "
+                    f"{cylinder.top_shaft_angle_deg:g} deg plus whole turns, because it fires "
                     "where its crank lies along its axis."
                 )
         check_order_of_angles(tuple(map(int, self.firing_order)), angles, self.strokes)
@@ -193,7 +202,10 @@ def check_distinct_positions(engine: EngineLayout) -> None:
     standing: list[tuple[int, EngineCylinder]] = []
     for number, cylinder in enumerate(engine.cylinders, start=1):
         for other, earlier in standing:
-            apart = math.remainder(cylinder.bank_angle - earlier.bank_angle, 2.0 * math.pi)
+            apart = math.remainder(
+                math.radians(cylinder.bank_angle_deg - earlier.bank_angle_deg),
+                2.0 * math.pi,
+            )
             if abs(apart) <= IN_LINE and abs(cylinder.position - earlier.position) <= SAME_PLACE:
                 raise InputError(
                     f"cylinder {number}: position: given {cylinder.position:g} m, where cylinder {other} of "

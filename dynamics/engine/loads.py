@@ -1,5 +1,6 @@
 """Load diagrams of crankpins and main bearings over one working cycle."""
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -26,7 +27,7 @@ from dynamics.plots.quantities import KILO
 FEWEST_ANGLES = 3
 
 
-@summarized("name", "maximum [N]", "maximum_angle [rad]", "mean [N]", "angles")
+@summarized("name", "maximum [N]", "maximum_angle_deg [deg]", "mean [N]", "angles_deg")
 @dataclass(frozen=True, eq=False)
 class LoadDiagram:
     """The force on one bearing over a working cycle.
@@ -35,25 +36,27 @@ class LoadDiagram:
     ----------
     name : str
         Of the crankpin or main bearing.
-    angles : ndarray of shape (m,)
-        Shaft angles [rad], even over one cycle, closing sample left out.
+    angles_deg : ndarray of shape (m,)
+        Shaft angles [deg], even over one cycle, closing sample left out.
     force : complex ndarray of shape (m,)
         y - i x in the engine's frame [N]: of the rods on the crankpin, or of the main journal on its
         bearing.
-    crank_angle : float
+    crank_angle_deg : float
         Of the crank that the turning frame follows, about +z, counted from +y, when the shaft angle
-        is zero [rad]: the crankpin's own; of cylinder 1 for a main bearing.
+        is zero [deg]: the crankpin's own; of cylinder 1 for a main bearing.
     """
 
     name: str
-    angles: FloatArray
+    angles_deg: FloatArray
     force: ComplexArray
-    crank_angle: float
+    crank_angle_deg: float
 
     @property
     def in_crank_frame(self) -> ComplexArray:
         """Force in the frame that turns with the crank, -Z + i T, shape (m,) [N]."""
-        return np.asarray(self.force * np.exp(-1j * (self.crank_angle + self.angles)))
+        return np.asarray(
+            self.force * np.exp(-1j * np.radians(self.crank_angle_deg + self.angles_deg))
+        )
 
     @property
     def magnitude(self) -> FloatArray:
@@ -71,9 +74,9 @@ class LoadDiagram:
         return float(np.max(self.magnitude))
 
     @property
-    def maximum_angle(self) -> float:
-        """Shaft angle of the largest force [rad]."""
-        return float(self.angles[int(np.argmax(self.magnitude))])
+    def maximum_angle_deg(self) -> float:
+        """Shaft angle of the largest force [deg]."""
+        return float(self.angles_deg[int(np.argmax(self.magnitude))])
 
     def specific_pressure(self, diameter: float, length: float) -> FloatArray:
         """Return the size of the force over the journal's projected area, shape (m,) [Pa].
@@ -96,7 +99,7 @@ class LoadDiagram:
         """Return what a table of the diagram shows, each of shape (m,), units in the names."""
         turning = self.in_crank_frame
         return {
-            "shaft_angle_deg": np.degrees(self.angles),
+            "shaft_angle_deg": self.angles_deg,
             "force_x_N": -self.force.imag,
             "force_y_N": self.force.real,
             "tangential_N": turning.imag,
@@ -163,7 +166,7 @@ class LoadDiagram:
         forces = {
             name[:-2]: (own, "N") for name, own in self.columns().items() if name[-2:] == "_N"
         }
-        return table({"shaft_angle": (self.angles, "rad"), **forces})
+        return table({"shaft_angle": (self.angles_deg, "deg"), **forces})
 
 
 def crankpin_loads(forces: MechanismForces) -> tuple[LoadDiagram, ...]:
@@ -198,9 +201,9 @@ def crankpin_loads(forces: MechanismForces) -> tuple[LoadDiagram, ...]:
         diagrams.append(
             LoadDiagram(
                 f"crankpin, {noun} {numbers}",
-                forces.shaft_angles[:used],
+                forces.shaft_angles_deg[:used],
                 summed(forces, group)[:used],
-                forces.engine.cylinders[group[0] - 1].crank_angle,
+                forces.engine.cylinders[group[0] - 1].crank_angle_deg,
             )
         )
     return tuple(diagrams)
@@ -242,16 +245,19 @@ def main_bearing_loads(
             f"bearing_positions: given {bearings.tolist()} m; allowed are two or more ascending "
             "positions, because every load lies between two bearings."
         )
-    engine, angles = forces.engine, forces.shaft_angles
+    engine, angles = forces.engine, forces.shaft_angles_deg
     check_distinct_positions(engine)
     groups = {f"cylinder {group[0]}": group for group in pin_groups(engine)}
     places = {name: engine.cylinders[group[0] - 1].position for name, group in groups.items()}
     loads = [summed(forces, group) for group in groups.values()]
+    turned = np.radians(angles)
     # A mass at r turns with it: its force on the shaft is -m r'' = m r (w^2 - i w').
     swing = forces.speed**2 - 1j * forces.crank_acceleration
     for number, mass in enumerate(engine.rotating, start=1):
         places[f"rotating mass {number}"] = mass.position
-        loads.append(mass.static_moment * swing * np.exp(1j * (mass.angle + angles)))
+        loads.append(
+            mass.static_moment * swing * np.exp(1j * (math.radians(mass.angle_deg) + turned))
+        )
     for name, place in places.items():
         if not bearings[0] <= place <= bearings[-1]:
             raise InputError(
@@ -263,7 +269,7 @@ def main_bearing_loads(
         [np.interp(list(places.values()), bearings, hat) for hat in np.eye(bearings.size)]
     )
     carried = shares @ np.array(loads)[:, :used]
-    crank_angle = engine.cylinders[0].crank_angle
+    crank_angle = engine.cylinders[0].crank_angle_deg
     return tuple(
         LoadDiagram(f"main bearing {number}", angles[:used], force, crank_angle)
         for number, force in enumerate(carried, start=1)
@@ -272,12 +278,12 @@ def main_bearing_loads(
 
 def _one_cycle(forces: MechanismForces) -> int:
     """Return how many of the angles stand in one cycle, without the closing one."""
-    degrees, cycle = np.degrees(forces.shaft_angles), cycle_degrees(forces.engine.strokes)
+    degrees, cycle = forces.shaft_angles_deg, cycle_degrees(forces.engine.strokes)
     if degrees.size < FEWEST_ANGLES:
         raise InputError(
-            f"shaft_angles: given {degrees.size} angles; allowed are even steps over one cycle of "
+            f"shaft_angles_deg: given {degrees.size} angles; allowed are even steps over one cycle of "
             f"{cycle:g} deg, because a load's mean is taken over the cycle."
         )
     used = degrees.size - has_closing_sample(degrees, cycle)
-    check_even_cycle("shaft_angles", degrees[:used], cycle)
+    check_even_cycle("shaft_angles_deg", degrees[:used], cycle)
     return used

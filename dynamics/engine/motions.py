@@ -4,11 +4,13 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import ArrayLike
 
-from crankbase.checks.arrays import FloatArray, finite_array
+from crankbase.checks.angles import radians_of
+from crankbase.checks.arrays import FloatArray
 from crankbase.summaries import summarized
 from dynamics.cycle import even_angles
-from dynamics.engine.cylinder import hinged_foot
+from dynamics.engine.cylinder import cylinder_crankpin, hinged_foot
 from dynamics.engine.layout import EngineLayout
 from dynamics.mechanism.motion import PointMotion, TurnMotion, carried_point, rod_turn
 from dynamics.mechanism.rods import RodModel
@@ -42,7 +44,9 @@ class CylinderMotion:
         return carried_point(self.foot, self.rod, place)
 
 
-def cylinder_motion(engine: EngineLayout, number: int, shaft_angles: FloatArray) -> CylinderMotion:
+def cylinder_motion(
+    engine: EngineLayout, number: int, *, shaft_angles_deg: ArrayLike
+) -> CylinderMotion:
     """Return the motion of a cylinder's parts.
 
     Parameters
@@ -50,18 +54,22 @@ def cylinder_motion(engine: EngineLayout, number: int, shaft_angles: FloatArray)
     engine : EngineLayout
     number : int
         Of the cylinder, from 1.
-    shaft_angles : ndarray of shape (m,)
-        [rad]
+    shaft_angles_deg : array_like of shape (m,)
+        [deg]
 
     Raises
     ------
     InputError
-        If an angle is no finite number.
+        If an angle is no finite number, or they are radians.
     """
-    shaft_angles = finite_array("shaft_angles", shaft_angles)
+    return parts_motion(engine, number, radians_of("shaft_angles_deg", shaft_angles_deg))
+
+
+def parts_motion(engine: EngineLayout, number: int, shaft_angles: FloatArray) -> CylinderMotion:
+    """Return the motion of a cylinder's parts at shaft angles [rad] of shape (m,), unchecked."""
     cylinder = engine.cylinders[number - 1]
     if cylinder.slave_pin is None:
-        foot = cylinder.crankpin(engine.crank_radius, shaft_angles)
+        foot = cylinder_crankpin(cylinder, engine.crank_radius, shaft_angles)
     else:
         main = engine.cylinders[engine.main_of(number) - 1]
         foot = hinged_foot(engine.crank_radius, main, cylinder, shaft_angles)
@@ -72,17 +80,17 @@ def cylinder_motion(engine: EngineLayout, number: int, shaft_angles: FloatArray)
 def piston_ends(engine: EngineLayout, number: int) -> tuple[float, float]:
     """Return the lowest and highest s of a piston pin over a turn [m]."""
     angles = even_angles(2.0 * math.pi, SEARCH_ANGLES)
-    places = cylinder_motion(engine, number, angles).piston.place.real
+    places = parts_motion(engine, number, angles).piston.place.real
     ends = angles[[int(np.argmin(places)), int(np.argmax(places))]]
     for _ in range(NEWTON_STEPS):
-        motion = cylinder_motion(engine, number, ends).piston
+        motion = parts_motion(engine, number, ends).piston
         ends = ends - motion.first.real / motion.second.real
-    lowest, highest = cylinder_motion(engine, number, ends).piston.place.real.tolist()
+    lowest, highest = parts_motion(engine, number, ends).piston.place.real.tolist()
     return lowest, highest
 
 
 def reduced_inertia(
-    engine: EngineLayout, models: tuple[RodModel, ...], shaft_angles: FloatArray
+    engine: EngineLayout, models: tuple[RodModel, ...], *, shaft_angles_deg: ArrayLike
 ) -> tuple[FloatArray, FloatArray]:
     """Return the inertia reduced to the crank, I in T = I w^2 / 2, and its derivative by the angle.
 
@@ -91,26 +99,26 @@ def reduced_inertia(
     engine : EngineLayout
     models : tuple of n RodModel
         Of each cylinder's rod.
-    shaft_angles : ndarray of shape (m,)
-        [rad]
+    shaft_angles_deg : array_like of shape (m,)
+        [deg]
 
     Returns
     -------
     ndarray of shape (m,)
         I [kg m^2], shaft and flywheel included.
     ndarray of shape (m,)
-        dI/dphi [kg m^2/rad].
+        dI/dphi, per radian [kg m^2/rad].
 
     Raises
     ------
     InputError
-        If an angle is no finite number.
+        If an angle is no finite number, or they are radians.
     """
-    shaft_angles = finite_array("shaft_angles", shaft_angles)
+    shaft_angles = radians_of("shaft_angles_deg", shaft_angles_deg)
     inertia = np.full(shaft_angles.shape, float(engine.shaft_inertia))
     derivative = np.zeros(shaft_angles.shape)
     for number, (cylinder, model) in enumerate(zip(engine.cylinders, models, strict=True), start=1):
-        motion = cylinder_motion(engine, number, shaft_angles)
+        motion = parts_motion(engine, number, shaft_angles)
         for mass, point in (
             (cylinder.piston_mass, motion.piston),
             (model.mass, motion.rod_point(model.center)),

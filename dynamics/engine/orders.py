@@ -5,17 +5,17 @@ from collections.abc import Callable, Sequence
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from crankbase.checks.angles import checked_degrees
 from crankbase.checks.arrays import (
     ComplexArray,
     FloatArray,
-    finite_vector,
     positive_number,
 )
 from crankbase.checks.scalars import is_whole, whole_within
 from crankbase.errors import InputError
 from dynamics.cycle import even_angles
 from dynamics.engine.layout import EngineLayout
-from dynamics.engine.motions import cylinder_motion
+from dynamics.engine.motions import parts_motion
 from dynamics.harmonics import Harmonics, harmonics
 
 # Samples over a turn are doubled until the upper orders are round-off: below this share of the
@@ -96,7 +96,7 @@ def checked_cylinder(engine: EngineLayout, number: int) -> int:
 
 
 def piston_acceleration(
-    engine: EngineLayout, number: int, angles: ArrayLike, speed: float
+    engine: EngineLayout, number: int, speed: float, *, angles_deg: ArrayLike
 ) -> FloatArray:
     """Return the acceleration of a piston towards the shaft, at constant speed.
 
@@ -105,10 +105,10 @@ def piston_acceleration(
     engine : EngineLayout
     number : int
         Of the cylinder, from 1; its rod may be hinged to another.
-    angles : array_like of shape (m,)
-        Crank angle [rad], counted from where the crank lies along this cylinder's axis.
     speed : float
         Of the shaft [rad/s].
+    angles_deg : array_like of shape (m,)
+        Crank angle [deg], counted from where the crank lies along this cylinder's axis.
 
     Returns
     -------
@@ -123,8 +123,11 @@ def piston_acceleration(
     """
     place = checked_cylinder(engine, number)
     turning = positive_number("speed", speed, "rad/s", "the shaft turns")
-    shaft = finite_vector("angles", angles) + engine.cylinders[place - 1].top_shaft_angle
-    return -cylinder_motion(engine, place, shaft).piston.acceleration(turning).real
+    shaft = (
+        checked_degrees("angles_deg", angles_deg, vector=True)
+        + engine.cylinders[place - 1].top_shaft_angle_deg
+    )
+    return -parts_motion(engine, place, np.radians(shaft)).piston.acceleration(turning).real
 
 
 def acceleration_orders(
@@ -171,7 +174,16 @@ def acceleration_orders(
     """
     checked_orders([highest])
     spectrum = turn_spectrum(
-        lambda angles: piston_acceleration(engine, number, angles, speed), highest
+        lambda angles: piston_acceleration(engine, number, speed, angles_deg=np.degrees(angles)),
+        highest,
     )
-    angles = even_angles(TURN, spectrum.shape[-1])
-    return harmonics(piston_acceleration(engine, number, angles, speed), strokes=2)
+    angles = even_angles(360.0, spectrum.shape[-1])
+    return harmonics(piston_acceleration(engine, number, speed, angles_deg=angles), strokes=2)
+
+
+def order_part(found: Harmonics, order: int, angles: FloatArray) -> FloatArray:
+    """Return one order of an acceleration at crank angles (m,) [rad], shape (m,) [m/s^2]."""
+    place = found.index_of(order)
+    return np.asarray(
+        found.cosine[place] * np.cos(order * angles) + found.sine[place] * np.sin(order * angles)
+    )

@@ -50,9 +50,10 @@ def torque_excitation(forces: CylinderForces, engine_chain: "EngineChain") -> Or
 def node_torques(
     harmonics: CylinderHarmonics,
     engine_chain: "EngineChain",
-    shaft_angle: ArrayLike,
     speed: float | ArrayLike,
     load: Load | None = None,
+    *,
+    shaft_angle_deg: ArrayLike,
 ) -> FloatArray:
     """Return the cylinders' torques on the nodes of a torsional chain over shaft angles.
 
@@ -64,12 +65,12 @@ def node_torques(
     harmonics : CylinderHarmonics
     engine_chain : EngineChain
         Torsional.
-    shaft_angle : array_like of shape (m,)
-        [rad].
     speed : number or array_like of shape (m,)
         Of the shaft at these angles [rad/s].
     load : optional
         As for `cylinder_forces`.
+    shaft_angle_deg : array_like of shape (m,)
+        [deg].
 
     Returns
     -------
@@ -82,7 +83,7 @@ def node_torques(
         As `torque_excitation` and `CylinderHarmonics.at`.
     """
     nodes = _nodes_of_cylinders(engine_chain, harmonics.throws)
-    tangential, _ = harmonics.at(shaft_angle, speed, load)
+    tangential, _ = harmonics.at(speed, load, shaft_angle_deg=shaft_angle_deg)
     torques = np.zeros((tangential.shape[0], engine_chain.chain.inertia.size))
     for cylinder, node in enumerate(nodes):
         torques[:, node] += harmonics.crank_radius * tangential[:, cylinder]

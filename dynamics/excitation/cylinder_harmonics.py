@@ -8,10 +8,10 @@ from typing import cast
 import numpy as np
 from numpy.typing import ArrayLike
 
+from crankbase.checks.angles import radians_of
 from crankbase.checks.arrays import (
     ComplexArray,
     FloatArray,
-    finite_vector,
     nonnegative_number,
     read_only,
     turning_speeds,
@@ -19,7 +19,7 @@ from crankbase.checks.arrays import (
 from crankbase.checks.scalars import whole_number
 from crankbase.errors import InputError
 from crankbase.summaries import summarized
-from dynamics.cycle import even_angles
+from dynamics.cycle import cycle_radians, even_angles
 from dynamics.engine.forces import MechanismForces, mechanism_forces, over_angles
 from dynamics.engine.layout import EngineLayout
 from dynamics.excitation.engine_load import Load
@@ -102,19 +102,19 @@ class CylinderHarmonics:
         return found
 
     def at(
-        self, shaft_angle: ArrayLike, speed: float | ArrayLike, load: Load | None = None
+        self, speed: float | ArrayLike, load: Load | None = None, *, shaft_angle_deg: ArrayLike
     ) -> tuple[FloatArray, FloatArray]:
         """Return T and Z over shaft angles, as the sum of mean and all orders.
 
         Parameters
         ----------
-        shaft_angle : array_like of shape (m,)
-            [rad].
         speed : number or array_like of shape (m,)
             Of the shaft [rad/s]: the inertia forces go with its square, and a pressure map is read
             at it.
         load : optional
             As for `phasors`, at each of these speeds.
+        shaft_angle_deg : array_like of shape (m,)
+            [deg].
 
         Returns
         -------
@@ -126,7 +126,7 @@ class CylinderHarmonics:
         InputError
             As `phasors`, and if an angle or speed is not a finite number.
         """
-        angles = finite_vector("shaft_angle", shaft_angle)
+        angles = radians_of("shaft_angle_deg", shaft_angle_deg, vector=True)
         if np.ndim(speed) == 0:
             single = cast(float, speed)
             running = np.array([nonnegative_number("speed", single, "rad/s", "the shaft turns")])
@@ -174,7 +174,7 @@ def cylinder_harmonics(
     asked = requested_orders(orders, engine.strokes)
     places = order_indices(asked, engine.strokes, count, "the force diagrams")
     under = nonnegative_number("crankcase_pressure", crankcase_pressure, "Pa", "it is absolute")
-    angles = even_angles(engine.cycle, count)
+    angles = even_angles(cycle_radians(engine.strokes), count)
     kept = np.concatenate(([0], places))
     cylinders = len(engine.cylinders)
     none = np.zeros((kept.size, cylinders, 2), dtype=np.complex128)
@@ -185,10 +185,17 @@ def cylinder_harmonics(
         known = [source.samples for source in sources if source.samples is not None]
         if known:
             order_indices(asked, engine.strokes, min(known), "the pressure diagrams")
-        per_force = _pin_forces(mechanism_forces(engine, angles, 0.0, 1.0, model=model))
+        per_force = _pin_forces(
+            mechanism_forces(engine, 0.0, 1.0, model=model, shaft_angles_deg=np.degrees(angles))
+        )
         for place, (source, cylinder) in enumerate(zip(sources, engine.cylinders, strict=True)):
-            since_firing = angles - engine.firing[place]
-            above = np.array([diagram.at(since_firing) - under for diagram in source.diagrams])
+            since_firing = angles - np.radians(engine.firing_deg[place])
+            above = np.array(
+                [
+                    diagram.at(angle_deg=np.degrees(since_firing)) - under
+                    for diagram in source.diagrams
+                ]
+            )
             forces = cylinder.area * above[:, np.newaxis] * per_force[place]
             gas[place] = phasors_of_samples(forces)[..., kept].swapaxes(1, 2)
     elif misfire:
@@ -240,7 +247,9 @@ def _inertia_phasors(engine: EngineLayout, orders: FloatArray, model: RodModelNa
     whole = np.flatnonzero(orders == np.round(orders))
     angles = even_angles(TURN, max(INERTIA_SAMPLES, 2 * int(orders[-1]) + 3))
     forces = phasors_of_samples(
-        _pin_forces(mechanism_forces(engine, angles, 1.0, 0.0, model=model))
+        _pin_forces(
+            mechanism_forces(engine, 1.0, 0.0, model=model, shaft_angles_deg=np.degrees(angles))
+        )
     )
     found = np.zeros((orders.size + 1, len(engine.cylinders), 2), dtype=np.complex128)
     found[0] = forces[..., 0]

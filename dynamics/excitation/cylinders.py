@@ -7,10 +7,10 @@ from typing import Literal
 import numpy as np
 from numpy.typing import ArrayLike
 
+from crankbase.checks.angles import radians_of
 from crankbase.checks.arrays import (
     ComplexArray,
     FloatArray,
-    finite_vector,
     read_only,
 )
 from crankbase.checks.choices import check_choice
@@ -96,15 +96,17 @@ class CylinderForces:
         """Number of throws."""
         return max(self.throws) + 1
 
-    def at_angle(self, speed_index: int, shaft_angle: ArrayLike) -> tuple[FloatArray, FloatArray]:
+    def at_angle(
+        self, speed_index: int, *, shaft_angle_deg: ArrayLike
+    ) -> tuple[FloatArray, FloatArray]:
         """Return T and Z over shaft angles at one of the speeds, the sum of mean and all orders.
 
         Parameters
         ----------
         speed_index : int
             Which of the speeds, from 0.
-        shaft_angle : array_like of shape (m,)
-            [rad].
+        shaft_angle_deg : array_like of shape (m,)
+            [deg].
 
         Returns
         -------
@@ -117,7 +119,7 @@ class CylinderForces:
             If there is no such speed, or an angle is not a finite number.
         """
         place = checked_speed_index(speed_index, self.speeds)
-        angles = finite_vector("shaft_angle", shaft_angle)
+        angles = radians_of("shaft_angle_deg", shaft_angle_deg, vector=True)
         return (
             self.mean_tangential[place] + at_angles(self.orders, self.tangential[:, place], angles),
             self.mean_radial[place] + at_angles(self.orders, self.radial[:, place], angles),

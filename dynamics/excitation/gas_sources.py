@@ -44,7 +44,7 @@ class GasSource:
     @property
     def samples(self) -> int | None:
         """Samples over the cycle of the coarsest diagram, None if none is sampled."""
-        known = [own.angles.size for own in self.diagrams if isinstance(own, GasPressure)]
+        known = [own.angles_deg.size for own in self.diagrams if isinstance(own, GasPressure)]
         return min(known, default=None)
 
     @property

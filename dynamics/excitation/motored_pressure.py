@@ -1,7 +1,5 @@
 """The pressure without combustion from a fired diagram: compression goes back the way it came."""
 
-import math
-
 import numpy as np
 
 from crankbase.checks.arrays import finite_array
@@ -9,8 +7,8 @@ from crankbase.errors import InputError
 from dynamics.gas.cylinder_volume import CylinderVolume
 from dynamics.gas.pressure import GasPressure, gas_pressure
 
-# Where a diesel engine's compression is undisturbed: after valves close, before ignition [rad].
-FIT_FROM, FIT_TO = math.radians(-100.0), math.radians(-40.0)
+# Where a diesel engine's compression is undisturbed: after valves close, before ignition [deg].
+FIT_FROM, FIT_TO = -100.0, -40.0
 FEWEST_SAMPLES = 4
 
 
@@ -18,8 +16,8 @@ def motored_from_compression(
     pressure: GasPressure,
     volume: CylinderVolume,
     *,
-    fit_from: float = FIT_FROM,
-    fit_to: float = FIT_TO,
+    fit_from_deg: float = FIT_FROM,
+    fit_to_deg: float = FIT_TO,
 ) -> GasPressure:
     """Estimate the pressure in a cylinder that does not fire from the diagram of a fired one.
 
@@ -29,13 +27,13 @@ def motored_from_compression(
         Of the firing cylinder.
     volume : CylinderVolume
         Over its piston.
-    fit_from, fit_to : float, optional
-        Crank angles [rad] before the top between which the diagram shows pure compression.
+    fit_from_deg, fit_to_deg : float, optional
+        Crank angles [deg] before the top between which the diagram shows pure compression.
 
     Returns
     -------
     GasPressure
-        The diagram itself up to `fit_to`; from there to the bottom after the top the lower one of
+        The diagram itself up to `fit_to_deg`; from there to the bottom after the top the lower one of
         the diagram and of the polytrope through the compression; the diagram again. A remark states
         the exponent.
 
@@ -53,41 +51,40 @@ def motored_from_compression(
     """
     low, high = (
         float(finite_array(name, value))
-        for name, value in (("fit_from", fit_from), ("fit_to", fit_to))
+        for name, value in (("fit_from_deg", fit_from_deg), ("fit_to_deg", fit_to_deg))
     )
-    if not -math.pi <= low < high < 0.0:
+    if not -180.0 <= low < high < 0.0:
         raise InputError(
-            f"fit_from: given {math.degrees(low):g} deg to {math.degrees(high):g} deg; allowed is a range "
+            f"fit_from_deg: given {low:g} deg to {high:g} deg; allowed is a range "
             "from -180 deg to below 0, because the gas is compressed there."
         )
-    angles = np.where(
-        pressure.angles > pressure.cycle / 2.0, pressure.angles - pressure.cycle, pressure.angles
-    )
+    angles, cycle = pressure.angles_deg, pressure.cycle_deg
+    angles = np.where(angles > cycle / 2.0, angles - cycle, angles)
     within = (angles >= low) & (angles <= high)
     if np.count_nonzero(within) < FEWEST_SAMPLES:
         raise InputError(
-            f"fit_from: given a range with {np.count_nonzero(within)} samples; allowed are "
+            f"fit_from_deg: given a range with {np.count_nonzero(within)} samples; allowed are "
             f"{FEWEST_SAMPLES} or more, because the exponent is fitted to them."
         )
-    size = np.log(volume.at(angles))
+    size = np.log(volume.at(np.radians(angles)))
     slope, level = np.polyfit(size[within], np.log(pressure.pressure[within]), 1)
     if not -2.0 < slope < -1.0:
         raise InputError(
             f"pressure: given a diagram with the polytropic exponent {-slope:.3g} between "
-            f"{math.degrees(low):g} and {math.degrees(high):g} deg; allowed is one from 1 to 2, because "
+            f"{low:g} and {high:g} deg; allowed is one from 1 to 2, because "
             "compression of a gas has such."
         )
     polytrope = np.exp(level + slope * size)
-    after = (angles > high) & (angles <= math.pi)
+    after = (angles > high) & (angles <= 180.0)
     motored = np.where(after, np.minimum(pressure.pressure, polytrope), pressure.pressure)
     remark = (
         f"Without combustion: compression with the exponent {-slope:.4g}, fitted from "
-        f"{math.degrees(low):g} to {math.degrees(high):g} deg, went back the way it came."
+        f"{low:g} to {high:g} deg, went back the way it came."
     )
     return gas_pressure(
-        pressure.angles,
         motored,
         pressure.strokes,
+        angles_deg=pressure.angles_deg,
         source=pressure.source,
         remarks=(*pressure.remarks, remark),
     )

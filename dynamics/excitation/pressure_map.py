@@ -23,7 +23,7 @@ from crankbase.errors import InputError
 from crankbase.library_types import Axes
 from crankbase.summaries import summarized
 from crankbase.units.units import RPM
-from dynamics.cycle import even_angles
+from dynamics.cycle import cycle_radians, even_angles
 from dynamics.excitation.engine_load import Load, load_at, per_minute
 from dynamics.excitation.grid_weights import (
     SAME,
@@ -96,7 +96,7 @@ class PressureMap:
     @property
     def samples(self) -> int:
         """Samples over the cycle of the coarsest diagram: the others cannot be told finer."""
-        return min(diagram.angles.size for diagram in self.diagrams)
+        return min(diagram.angles_deg.size for diagram in self.diagrams)
 
     @property
     def remarks(self) -> tuple[str, ...]:
@@ -180,11 +180,11 @@ class PressureMap:
         mixed = (self.weights([running], load) @ self._sampled)[0]
         at_load = "" if load is None else f" and load {load:g}"
         return gas_pressure(
-            self._angles(),
             mixed,
             self.strokes,
             source=f"pressure map at {per_minute(running)}{at_load}, {self.method} between diagrams",
             remarks=self.remarks,
+            angles_deg=np.degrees(self._angles()),
         )
 
     def _positive(self, weights: FloatArray, speeds: FloatArray) -> FloatArray:
@@ -202,14 +202,14 @@ class PressureMap:
         return weights
 
     def _angles(self) -> FloatArray:
-        finest = max(diagram.angles.size for diagram in self.diagrams)
-        return even_angles(self.diagrams[0].cycle, finest)
+        finest = max(diagram.angles_deg.size for diagram in self.diagrams)
+        return even_angles(cycle_radians(self.diagrams[0].strokes), finest)
 
     @cached_property
     def _sampled(self) -> FloatArray:
         """Return all diagrams at the samples of the finest (a * b, m) [Pa]."""
         angles = self._angles()
-        return np.array([diagram.at(angles) for diagram in self.diagrams])
+        return np.array([diagram.at(angle_deg=np.degrees(angles)) for diagram in self.diagrams])
 
     def plot(
         self, axes: Axes | None = None, *, speed: float | None = None, load: float | None = None

@@ -69,16 +69,18 @@ def torsion_influence(tangential: ArrayLike, through: ArrayLike, crank_radius: f
 def tangential_towards_flywheel(
     tangential: ArrayLike, through: ArrayLike, crank_radius: float
 ) -> FloatArray:
-    """Return the lengthening per tangential force whose torque goes to the flywheel, (n, n) [m/N].
+    """Return the lengthening per tangential force whose torque goes to the flywheel, (n, p) [m/N].
 
     Parameters
     ----------
-    tangential, through, crank_radius
+    tangential : array_like of shape (n, p)
+        As for `torsion_influence`, of throws with any number of pins [m/N].
+    through, crank_radius
         As for `torsion_influence`.
 
     Returns
     -------
-    ndarray of shape (n, n)
+    ndarray of shape (n, p)
         As the second layer of the influence that `axial_throw_forces` takes: it holds where the
         flywheel keeps its speed and the shaft is far below its torsional resonances.
 
@@ -86,11 +88,22 @@ def tangential_towards_flywheel(
     ------
     InputError
         If shapes do not fit.
+
+    Notes
+    -----
+    A torque -R T at the flywheel's end takes away what T leaves at the free end.
     """
-    by_torques = torsion_influence(tangential, through, crank_radius)
-    # T on pin j leaves -R T in every part behind it.
-    behind = np.cumsum(by_torques[:, :0:-1], axis=1)[:, ::-1]
-    return np.asarray(-crank_radius * behind)
+    by_pins, through_shaft = (
+        finite_array("tangential", tangential),
+        finite_vector("through", through),
+    )
+    if by_pins.ndim != 2 or len(by_pins) != through_shaft.size:
+        raise InputError(
+            f"tangential: given an array of shape {by_pins.shape}; allowed is ({through_shaft.size}, p), "
+            "because through has a value for each throw."
+        )
+    radius = positive_number("crank_radius", crank_radius, "m", "it is a length")
+    return np.asarray(by_pins - radius * through_shaft[:, np.newaxis])
 
 
 def axial_excitation_of_torsion(

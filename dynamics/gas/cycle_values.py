@@ -291,7 +291,7 @@ def assumption_remarks(cycle: GasCycle) -> tuple[str, ...]:
 
 def _format_parameter(name: str, value: float) -> str:
     if name.endswith("_pressure"):
-        return f"{value / 1e6:g} MPa"
+        return f"{value / 1e6:.4g} MPa"
     if name.startswith(("heat_", "wiebe_", "compression_")):
         return f"{value:g}"
     return f"{value / DEGREE:.6g} deg"

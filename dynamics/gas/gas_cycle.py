@@ -115,7 +115,9 @@ class GasCycleResult:
         if show == "pressure":
             return self.pressure.plot(axes)
         axes = new_axes(axes)
-        angles = np.append(self.pressure.angles, self.pressure.angles[0])
+        angles = np.append(
+            np.radians(self.pressure.angles_deg), np.radians(self.pressure.angles_deg[0])
+        )
         pressure = np.append(self.pressure.pressure, self.pressure.pressure[0])
         axes.plot(1e3 * self.volume.at(angles), MEGA * pressure, color=BLUE, linewidth=1.4)
         axes.set_xlim(left=0.0)
@@ -140,8 +142,8 @@ class GasCycleResult:
         """
         return table(
             {
-                "crank_angle": (self.pressure.angles, "rad"),
-                "volume": (self.volume.at(self.pressure.angles), "m^3"),
+                "crank_angle": (self.pressure.angles_deg, "deg"),
+                "volume": (self.volume.at(np.radians(self.pressure.angles_deg)), "m^3"),
                 "pressure": (self.pressure.pressure, "Pa"),
             }
         )
@@ -230,8 +232,8 @@ def gas_cycle(
             cycle, volume, angles, peak_pressure, mean_effective_pressure, solve_for
         )
         remarks.append(
-            f"Solved: {solve_for} {getattr(cycle, solve_for) / DEGREE:.6g} deg in place of "
-            f"{getattr(given, solve_for) / DEGREE:.6g} deg."
+            f"Solved: {solve_for} {getattr(cycle, solve_for) / DEGREE:.4g} deg in place of "
+            f"{getattr(given, solve_for) / DEGREE:.4g} deg."
         )
     _check_resolved(cycle, angles)
     state = cycle_samples(cycle, volume, angles)
@@ -247,15 +249,15 @@ def gas_cycle(
             "of them, or both pressures, because they set the load."
         )
     if heat is None:
-        remarks.append(f"Solved: heat {released:.6g} J per cycle.")
+        remarks.append(f"Solved: heat {released / 1e3:.4g} kJ per cycle.")
     work = state.work(released)
     return GasCycleResult(
         pressure=gas_pressure(
-            angles,
             state.pressure(released),
             cycle.strokes,
             source="cycle model",
             remarks=(*remarks, *assumption_remarks(cycle)),
+            angles_deg=np.degrees(angles),
         ),
         cycle=cycle,
         volume=volume,

@@ -8,10 +8,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike
 
+from crankbase.checks.angles import checked_degrees
 from crankbase.checks.arrays import (
     FloatArray,
-    finite_array,
-    finite_vector,
     positive_vector,
     read_only,
 )
@@ -44,10 +43,10 @@ REPEATED = 3
 
 @summarized(
     "peak_pressure [Pa]",
-    "peak_angle [rad]",
+    "peak_angle_deg [deg]",
     "lowest [Pa]",
     "strokes",
-    "angles",
+    "angles_deg",
     "source",
     "remarks",
 )
@@ -60,8 +59,8 @@ class GasPressure:
 
     Parameters
     ----------
-    angles : ndarray of shape (m,)
-        Crank angles [rad] from the firing top dead center, ascending in even steps from zero or
+    angles_deg : ndarray of shape (m,)
+        Crank angles [deg] from the firing top dead center, ascending in even steps from zero or
         from below one step, without the closing sample.
     pressure : ndarray of shape (m,)
         Absolute pressure [Pa], positive.
@@ -78,7 +77,7 @@ class GasPressure:
         If a number is not finite, a pressure is not positive, or the angles are not such.
     """
 
-    angles: FloatArray
+    angles_deg: FloatArray
     pressure: FloatArray
     strokes: int
     source: str = ""
@@ -86,24 +85,24 @@ class GasPressure:
 
     def __post_init__(self) -> None:
         cycle = cycle_degrees(checked_strokes(self.strokes))
-        angles = finite_vector("angles", self.angles)
+        angles = checked_degrees("angles_deg", self.angles_deg, vector=True)
         values = positive_vector("pressure", self.pressure, "Pa", "it is absolute pressure")
-        _check_samples(np.degrees(angles), values, cycle)
-        step = math.radians(cycle) / angles.size
+        _check_samples(angles, values, cycle)
+        step = cycle / angles.size
         placed = -EVEN * step <= angles[0] < (1.0 + EVEN) * step
-        if not (placed and is_even_cycle(np.degrees(angles), cycle)):
+        if not (placed and is_even_cycle(angles, cycle)):
             raise InputError(
-                f"angles: given {angles.size} from {math.degrees(angles[0]):g} to "
-                f"{math.degrees(angles[-1]):g} deg that are not even or do not begin at the top; allowed "
+                f"angles_deg: given {angles.size} from {angles[0]:g} to {angles[-1]:g} deg "
+                "that are not even or do not begin at the top; allowed "
                 "are even steps from there over the cycle, which gas_pressure makes of others."
             )
-        object.__setattr__(self, "angles", read_only(angles))
+        object.__setattr__(self, "angles_deg", read_only(angles))
         object.__setattr__(self, "pressure", read_only(values))
 
     @property
-    def cycle(self) -> float:
-        """Length of the cycle in crank angle [rad]."""
-        return math.pi * self.strokes
+    def cycle_deg(self) -> float:
+        """Length of the cycle in crank angle [deg]."""
+        return cycle_degrees(self.strokes)
 
     @property
     def peak_pressure(self) -> float:
@@ -111,23 +110,23 @@ class GasPressure:
         return float(np.max(self.pressure))
 
     @property
-    def peak_angle(self) -> float:
-        """Crank angle of the highest sample [rad], from -cycle/2 (excluded) to cycle/2."""
-        angle = float(self.angles[int(np.argmax(self.pressure))])
-        return angle - self.cycle if angle > self.cycle / 2.0 else angle
+    def peak_angle_deg(self) -> float:
+        """Crank angle of the highest sample [deg], from -cycle/2 (excluded) to cycle/2."""
+        angle = float(self.angles_deg[int(np.argmax(self.pressure))])
+        return angle - self.cycle_deg if angle > self.cycle_deg / 2.0 else angle
 
     @property
     def lowest(self) -> float:
         """The lowest pressure [Pa]."""
         return float(np.min(self.pressure))
 
-    def at(self, angle: ArrayLike) -> FloatArray:
+    def at(self, *, angle_deg: ArrayLike) -> FloatArray:
         """Return the pressure at any crank angles.
 
         Parameters
         ----------
-        angle : array_like of any shape
-            Crank angles from the firing top [rad]; the pressure repeats with the cycle.
+        angle_deg : array_like of any shape
+            Crank angles from the firing top [deg]; the pressure repeats with the cycle.
 
         Returns
         -------
@@ -138,19 +137,19 @@ class GasPressure:
         Raises
         ------
         InputError
-            If an angle is not a finite number.
+            If an angle is not a finite number, or they are radians.
 
         Notes
         -----
         Slopes after F. N. Fritsch, J. Butland, SIAM J. Sci. Stat. Comput. 5 (1984) 300-304, as in
         scipy's PchipInterpolator.
         """
-        folded = np.mod(finite_array("angle", angle), self.cycle)
+        folded = np.mod(checked_degrees("angle_deg", angle_deg), self.cycle_deg)
         return np.asarray(self._curve(folded), dtype=np.float64)
 
     @cached_property
     def _curve(self) -> "PchipInterpolator":
-        return _periodic_curve(self.angles, self.pressure, self.cycle)
+        return _periodic_curve(self.angles_deg, self.pressure, self.cycle_deg)
 
     def plot(self, axes: Axes | None = None) -> Axes:
         """Draw the pressure over the crank angle from the firing top dead center.
@@ -166,7 +165,7 @@ class GasPressure:
         """
         axes = draw_over_angle(
             axes,
-            self.angles,
+            np.radians(self.angles_deg),
             {"pressure": MEGA * self.pressure},
             "absolute pressure [MPa]",
             title="Gas pressure",
@@ -188,14 +187,14 @@ class GasPressure:
         MissingLibraryError
             If pandas is not installed.
         """
-        return table({"crank_angle": (self.angles, "rad"), "pressure": (self.pressure, "Pa")})
+        return table({"crank_angle": (self.angles_deg, "deg"), "pressure": (self.pressure, "Pa")})
 
 
 def gas_pressure(
-    angles: ArrayLike,
     pressure: ArrayLike,
     strokes: int = 4,
     *,
+    angles_deg: ArrayLike,
     source: str = "",
     remarks: tuple[str, ...] = (),
 ) -> GasPressure:
@@ -203,13 +202,13 @@ def gas_pressure(
 
     Parameters
     ----------
-    angles : array_like of shape (m,)
-        Crank angles from the firing top dead center [rad], strictly ascending over one cycle that
-        may start anywhere, no gap wider than 10 deg, the closing sample left out.
     pressure : array_like of shape (m,)
         Absolute pressure [Pa], positive.
     strokes : int, optional
         Strokes per cycle, 2 or 4.
+    angles_deg : array_like of shape (m,)
+        Crank angles from the firing top dead center [deg], strictly ascending over one cycle that
+        may start anywhere, no gap wider than 10 deg, the closing sample left out.
     source : str, optional
         Where the samples come from.
     remarks : tuple of str, optional
@@ -232,13 +231,14 @@ def gas_pressure(
     Examples
     --------
     >>> import numpy as np
-    >>> angle = np.radians(np.arange(-180.0, 180.0, 2.0))
-    >>> found = gas_pressure(angle, 2e5 + 9e6 * np.exp(-20.0 * (angle - 0.2) ** 2), 2)
-    >>> round(found.peak_pressure / 1e6, 2), round(float(np.degrees(found.peak_angle)), 9)
-    (9.18, 12.0)
+    >>> angle = np.arange(-180.0, 180.0, 2.0)
+    >>> peak = 9e6 * np.exp(-(((angle - 12.0) / 13.0) ** 2))
+    >>> found = gas_pressure(2e5 + peak, 2, angles_deg=angle)
+    >>> round(found.peak_pressure / 1e6, 2), round(found.peak_angle_deg, 9)
+    (9.2, 12.0)
     """
     cycle = cycle_degrees(checked_strokes(strokes))
-    given = np.degrees(finite_vector("angles", angles))
+    given = checked_degrees("angles_deg", angles_deg, vector=True)
     values = positive_vector("pressure", pressure, "Pa", "it is absolute pressure")
     _check_samples(given, values, cycle)
     even = is_even_cycle(given, cycle)
@@ -246,7 +246,7 @@ def gas_pressure(
         _even_angles_in_cycle(given, values, cycle) if even else _resampled(given, values, cycle)
     )
     return GasPressure(
-        angles=np.radians(places),
+        angles_deg=places,
         pressure=values,
         strokes=int(strokes),
         source=source,
@@ -274,29 +274,29 @@ def _check_samples(angles: FloatArray, values: FloatArray, cycle: float) -> None
     """Refuse samples of which angles [deg] and values do not belong together."""
     if angles.size != values.size:
         raise InputError(
-            f"angles: given {angles.size} angles for {values.size} pressures; allowed is one angle "
+            f"angles_deg: given {angles.size} angles for {values.size} pressures; allowed is one angle "
             "for each pressure, because together they are the samples."
         )
     if angles.size < 2:
         raise InputError(
-            f"angles: given {angles.size} samples; allowed are samples over one cycle of "
+            f"angles_deg: given {angles.size} samples; allowed are samples over one cycle of "
             f"{cycle:g} deg, because the pressure repeats with it."
         )
     index = first_not_increasing(angles)
     if index is not None:
         raise InputError(
-            f"angles[{index}]: given {angles[index]:g} deg after {angles[index - 1]:g} deg; "
+            f"angles_deg[{index}]: given {angles[index]:g} deg after {angles[index - 1]:g} deg; "
             "allowed are strictly increasing angles, because the samples follow the crank."
         )
     if angles[-1] - angles[0] > cycle - SILENT_SHIFT:
         raise InputError(
-            f"angles: given {angles[0]:g} to {angles[-1]:g} deg; allowed is one cycle of "
+            f"angles_deg: given {angles[0]:g} to {angles[-1]:g} deg; allowed is one cycle of "
             f"{cycle:g} deg without the closing sample, because the pressure repeats with it."
         )
     index, gap = widest_gap(angles, cycle)
     if gap > WIDEST_GAP * (1.0 + 1e-9):
         raise InputError(
-            f"angles: given no sample for {gap:g} deg before {angles[index]:g} deg; allowed are "
+            f"angles_deg: given no sample for {gap:g} deg before {angles[index]:g} deg; allowed are "
             f"gaps of {WIDEST_GAP:g} deg at most, because a wider one may hide the pressure's rise."
         )
 

@@ -78,7 +78,7 @@ def read_pressure_table(path: str | Path, strokes: int | None = None) -> GasPres
     remarks: list[str] = []
     found = rows.strokes(
         cycles,
-        lambda angles, cycle: _closes_cycle(angles, cycle) or _opens_little(angles, cycle),
+        lambda angles, cycle: closes_cycle(angles, cycle) or opens_little(angles, cycle),
         f" and open by {WIDEST_GAP:g} deg at most",
     )
     cycle = cycles[found]
@@ -87,7 +87,7 @@ def read_pressure_table(path: str | Path, strokes: int | None = None) -> GasPres
     if kind == "gauge":
         pressure += ATMOSPHERE
         remarks.append(f"{ATMOSPHERE:g} Pa of atmosphere were added to the gauge pressure.")
-    if _closes_cycle(rows.angles, cycle):
+    if closes_cycle(rows.angles, cycle):
         rows.check_closing(pressure, CLOSING_TOLERANCE)
         remarks.append(f"The closing sample at {rows.angles[-1]:g} deg was dropped.")
         rows = replace(rows, angles=rows.angles[:-1], values=rows.values[:-1])
@@ -102,17 +102,17 @@ def read_pressure_table(path: str | Path, strokes: int | None = None) -> GasPres
     _check_pressure(rows, pressure)
     _check_peak_angle(rows, pressure, cycle)
     return gas_pressure(
-        np.radians(rows.angles), pressure, found, source=rows.source, remarks=tuple(remarks)
+        pressure, found, source=rows.source, remarks=tuple(remarks), angles_deg=rows.angles
     )
 
 
-def _closes_cycle(angles: FloatArray, cycle: float) -> bool:
+def closes_cycle(angles: FloatArray, cycle: float) -> bool:
     """Tell whether the last angle lies one cycle after the first."""
     tolerance = PLACE_TOLERANCE * float(np.median(np.diff(angles)))
     return abs(float(angles[-1] - angles[0]) - cycle) <= tolerance
 
 
-def _opens_little(angles: FloatArray, cycle: float) -> bool:
+def opens_little(angles: FloatArray, cycle: float) -> bool:
     """Tell whether the angles leave no wide gap to the next cycle."""
     return 0.0 < cycle - float(angles[-1] - angles[0]) <= WIDEST_GAP * (1.0 + 1e-9)
 

@@ -4,6 +4,8 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass
 
+import numpy as np
+
 from crankbase.checks.arrays import FloatArray, finite_array, nonnegative_number, positive_number
 from crankbase.errors import InputError
 from dynamics.engine.cylinder import EngineCylinder
@@ -134,7 +136,9 @@ def piston_gas_force(
         Force towards the shaft [N] at crank angles [rad] of shape (m,).
     """
     layout = engine.layout
-    return lambda angles: gas_forces(layout, angles, pressure, pressure_below)[0]
+    return lambda angles: gas_forces(
+        layout, pressure, pressure_below, shaft_angles_deg=np.degrees(angles)
+    )[0]
 
 
 def two_stroke_cycle(

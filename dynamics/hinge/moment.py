@@ -44,10 +44,10 @@ class HingeMoment:
         Of the crank, held constant [rad/s].
     kinematics : str
         "exact", "series" or "printed".
-    angles : ndarray
-        Even crank angles from the top dead center [rad], the closing one left out.
+    angles_deg : ndarray
+        Even crank angles from the top dead center [deg], the closing one left out.
     gas_force : callable
-        Force on the piston towards the shaft [N] at any angles.
+        Force on the piston towards the shaft [N] at any angles, a function of radians.
     gas : ndarray
         That force at the angles [N].
     reduced : ReducedCrank
@@ -61,7 +61,7 @@ class HingeMoment:
     engine: CrossheadEngine
     speed: float
     kinematics: Kinematics
-    angles: FloatArray
+    angles_deg: FloatArray
     gas_force: GasForce
     gas: FloatArray
     reduced: ReducedCrank
@@ -83,10 +83,10 @@ class HingeMoment:
         """Integral of M_h over a turn, by that of its absolute value."""
         return turn_integral(self.moment) / max(turn_integral(np.abs(self.moment)), 1e-300)
 
-    def at_angles(self, angles: FloatArray) -> tuple[ReducedCrank, FloatArray]:
-        """Return the reduced crank, and the moment without the hinge [N m], at angles [rad], (k,)."""
-        reduced = reduced_crank(self.engine, angles, self.kinematics)
-        gas = self.gas_force(angles) * reduced.travel_rate
+    def at_angles(self, *, angles_deg: ArrayLike) -> tuple[ReducedCrank, FloatArray]:
+        """Return the reduced crank, and the moment without the hinge [N m], at angles [deg], (k,)."""
+        reduced = reduced_crank(self.engine, self.kinematics, angles_deg=angles_deg)
+        gas = self.gas_force(np.radians(angles_deg)) * reduced.travel_rate
         return reduced, gas + reduced.weight_moment - self.load
 
     def plot(self, axes: Axes | None = None) -> Axes:
@@ -104,11 +104,16 @@ class HingeMoment:
         curves = {
             "hinge": KILO * self.moment,
             "gas": KILO * self.gas_moment,
-            "driven machine": np.full(self.angles.shape, -KILO * self.load),
+            "driven machine": np.full(self.angles_deg.shape, -KILO * self.load),
         }
         title = f"Moments at {format_quantity(self.speed, 'rad/s', 5)}"
         return draw_over_angle(
-            axes, self.angles, curves, "moment [kN m]", title=title, angle_label=FROM_TOP
+            axes,
+            np.radians(self.angles_deg),
+            curves,
+            "moment [kN m]",
+            title=title,
+            angle_label=FROM_TOP,
         )
 
     def to_pandas(self) -> DataFrame:
@@ -126,7 +131,7 @@ class HingeMoment:
         """
         return table(
             {
-                "crank_angle": (self.angles, "rad"),
+                "crank_angle": (self.angles_deg, "deg"),
                 "gas_force": (self.gas, "N"),
                 "gas_moment": (self.gas_moment, "N m"),
                 "hinge_moment": (self.moment, "N m"),
@@ -201,7 +206,7 @@ def hinge_moment(
             f"gas_force: given {gas.size} values for {angles.size} angles; allowed is one for each, "
             "because the force is a function of the angle."
         )
-    reduced = reduced_crank(engine, angles, kinematics)
+    reduced = reduced_crank(engine, kinematics, angles_deg=np.degrees(angles))
     gas_moment = gas * reduced.travel_rate
     load = float(np.mean(gas_moment))
     moment = 0.5 * speed**2 * reduced.inertia_rate - gas_moment - reduced.weight_moment + load
@@ -209,7 +214,7 @@ def hinge_moment(
         engine=engine,
         speed=float(speed),
         kinematics=kinematics,
-        angles=read_only(angles),
+        angles_deg=read_only(np.degrees(angles)),
         gas_force=force,
         gas=read_only(gas),
         reduced=reduced,

@@ -5,7 +5,9 @@ from functools import cached_property
 from typing import TYPE_CHECKING, Literal
 
 import numpy as np
+from numpy.typing import ArrayLike
 
+from crankbase.checks.angles import radians_of
 from crankbase.checks.arrays import (
     ComplexArray,
     FloatArray,
@@ -23,7 +25,7 @@ from crankbase.tables.frames import Row, table
 from crankbase.units.quantity import format_quantity
 from dynamics.cycle import even_angles
 from dynamics.hinge.moment import HingeMoment
-from dynamics.hinge.periodic import TURN, periodic_spline
+from dynamics.hinge.periodic import periodic_spline
 from dynamics.hinge.polar_curves import (
     check_roller,
     outer_parallel,
@@ -114,8 +116,8 @@ class HingeProfile:
         rho_0, radius at the top dead center, where the spring has its height and pressure [m].
     roller_radius : float
         Of each roller [m].
-    angles : ndarray
-        Even crank angles [rad]. In axes of the guides that turn with the crank the polar angle is
+    angles_deg : ndarray
+        Even crank angles [deg]. In axes of the guides that turn with the crank the polar angle is
         its negative, as the spring stands still.
     radius : ndarray
         rho [m].
@@ -126,7 +128,7 @@ class HingeProfile:
     spring: GasSpring
     start_radius: float
     roller_radius: float
-    angles: FloatArray
+    angles_deg: FloatArray
     radius: FloatArray
     speed: float
 
@@ -138,7 +140,7 @@ class HingeProfile:
     @cached_property
     def slope(self) -> FloatArray:
         """Derivative of the radius by the crank angle [m/rad]."""
-        return read_only(np.asarray(self.curve(self.angles, 1)))
+        return read_only(np.asarray(self.curve(np.radians(self.angles_deg), 1)))
 
     @property
     def compression(self) -> FloatArray:
@@ -156,19 +158,19 @@ class HingeProfile:
         return self.spring.force(self.compression)
 
     @property
-    def force_angle(self) -> FloatArray:
-        """Angle between the force of the guide on a roller and the spring's axis [rad]."""
-        return np.arctan2(self.slope, self.radius)
+    def force_angle_deg(self) -> FloatArray:
+        """Angle between the force of the guide on a roller and the spring's axis [deg]."""
+        return np.degrees(np.arctan2(self.slope, self.radius))
 
     @property
     def normal_force(self) -> FloatArray:
         """Force of the guide on each roller, along the guide's normal, without friction [N]."""
-        return self.spring_force / np.cos(self.force_angle)
+        return self.spring_force / np.cos(np.radians(self.force_angle_deg))
 
     @cached_property
     def curvature(self) -> FloatArray:
         """Of the path of the rollers' centers [1/m], positive where it bends round the axis."""
-        second = np.asarray(self.curve(self.angles, 2))
+        second = np.asarray(self.curve(np.radians(self.angles_deg), 2))
         return read_only(polar_curvature(self.radius, self.slope, second))
 
     @property
@@ -176,17 +178,23 @@ class HingeProfile:
         """Moment of both rollers on the crank at the angles, positive when it drives [N m]."""
         return 2.0 * self.spring_force * self.slope
 
-    def moment_at(self, angles: FloatArray, pressure: float | None = None) -> FloatArray:
+    def moment_at(self, pressure: float | None = None, *, angles_deg: ArrayLike) -> FloatArray:
         """Return the hinge's moment on the crank, 2 F_pn d rho/d phi [N m].
 
         Parameters
         ----------
-        angles : ndarray of any shape
-            Crank angles [rad].
         pressure : float, optional
             Start pressure of the spring [Pa], that of the design unless given.
+        angles_deg : array_like of any shape
+            Crank angles [deg].
+
+        Raises
+        ------
+        InputError
+            If an angle is not a finite number, or they are radians.
         """
         spring = self.spring if pressure is None else replace(self.spring, pressure=pressure)
+        angles = radians_of("angles_deg", angles_deg)
         compression = 2.0 * (self.start_radius - self.curve(angles))
         return np.asarray(2.0 * spring.force(compression) * self.curve(angles, 1))
 
@@ -205,7 +213,9 @@ class HingeProfile:
             If the roller is so large that the surface would have a cusp.
         """
         check_roller(self.roller_radius, self.curvature)
-        return outer_parallel(self.angles, self.radius, self.slope, self.roller_radius)
+        return outer_parallel(
+            np.radians(self.angles_deg), self.radius, self.slope, self.roller_radius
+        )
 
     @property
     def checks(self) -> tuple[ProfileCheck, ...]:
@@ -238,7 +248,7 @@ class HingeProfile:
                 f"The spring gets {longest * 1e3:.3g} mm longer than at the top dead center: its "
                 "cylinder needs room for that."
             )
-        steepest = float(np.max(np.abs(self.force_angle)))
+        steepest = float(np.radians(np.max(np.abs(self.force_angle_deg))))
         if steepest > STEEP:
             found.append(
                 f"The guides are steep: the force of the rollers stands up to {np.degrees(steepest):.0f} "
@@ -282,16 +292,26 @@ class HingeProfile:
                 else (MILLI * self.radius, "radius [mm]")
             )
             return draw_over_angle(
-                axes, self.angles, {show: values}, label, title=title, angle_label=FROM_TOP
+                axes,
+                np.radians(self.angles_deg),
+                {show: values},
+                label,
+                title=title,
+                angle_label=FROM_TOP,
             )
         axes = new_axes(axes, width=6.0, height=6.0)
-        path = self.radius * np.exp(1j * self.angles)
+        path = self.radius * np.exp(1j * np.radians(self.angles_deg))
         for curve, color, name in (
             (path, BLUE, "path of the rollers"),
             (self.guide(), RED, "guide"),
         ):
             closed = MILLI * np.append(curve, curve[0])
             axes.plot(closed.real, closed.imag, color=color, linewidth=1.4, label=name)
+        if self.roller_radius > 0.0:
+            roller = path[0] + self.roller_radius * np.exp(1j * np.linspace(0.0, 2.0 * np.pi, 181))
+            axes.plot(
+                MILLI * roller.real, MILLI * roller.imag, color=GRAY, linewidth=1.0, label="roller"
+            )
         axes.plot([0.0], [0.0], "+", color=GRAY)
         axes.set_aspect("equal")
         axes.set_xlabel("$\\rho\\,\\cos\\,\\varphi$ [mm]")
@@ -316,14 +336,14 @@ class HingeProfile:
         guide = self.guide()
         return table(
             {
-                "crank_angle": (self.angles, "rad"),
+                "crank_angle": (self.angles_deg, "deg"),
                 "radius": (self.radius, "m"),
                 "slope": (self.slope, "m/rad"),
                 "curvature": (self.curvature, "1/m"),
                 "compression": (self.compression, "m"),
                 "pressure": (self.pressure, "Pa"),
                 "spring_force": (self.spring_force, "N"),
-                "force_angle": (self.force_angle, "rad"),
+                "force_angle": (self.force_angle_deg, "deg"),
                 "normal_force": (self.normal_force, "N"),
                 "moment": (self.moment, "N m"),
                 "guide_x": (guide.real, "m"),
@@ -378,7 +398,7 @@ def hinge_profile(
         spring=spring,
         start_radius=float(start_radius),
         roller_radius=float(roller_radius),
-        angles=read_only(even_angles(TURN, moment.angles.size)),
+        angles_deg=read_only(even_angles(360.0, moment.angles_deg.size)),
         radius=read_only(start_radius - 0.5 * compression),
         speed=moment.speed,
     )

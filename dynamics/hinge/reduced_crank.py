@@ -6,12 +6,13 @@ from typing import Literal, get_args
 import numpy as np
 from numpy.typing import ArrayLike
 
-from crankbase.checks.arrays import FloatArray, finite_vector
+from crankbase.checks.angles import checked_degrees
+from crankbase.checks.arrays import FloatArray
 from crankbase.checks.choices import check_choice
 from crankbase.errors import InputError
 from crankbase.summaries import summarized
 from dynamics.engine.forces import rod_models
-from dynamics.engine.motions import cylinder_motion, reduced_inertia
+from dynamics.engine.motions import parts_motion, reduced_inertia
 from dynamics.hinge.crosshead import CrossheadEngine
 
 Kinematics = Literal["exact", "series", "printed"]
@@ -42,23 +43,23 @@ class ReducedCrank:
 
 
 def reduced_crank(
-    engine: CrossheadEngine, angles: ArrayLike, kinematics: Kinematics = "exact"
+    engine: CrossheadEngine, kinematics: Kinematics = "exact", *, angles_deg: ArrayLike
 ) -> ReducedCrank:
     """Reduce an engine to its crank.
 
     Parameters
     ----------
     engine : CrossheadEngine
-    angles : array_like of shape (m,)
-        Crank angles from the top dead center [rad].
     kinematics : str, optional
         "exact"; "series", in which velocities end at the second harmonic; or "printed", the series
         with the sign of the rod's second harmonic as it is printed in the source.
+    angles_deg : array_like of shape (m,)
+        Crank angles from the top dead center [deg].
 
     Raises
     ------
     InputError
-        If there are no such kinematics, or an angle is not a finite number.
+        If there are no such kinematics, an angle is not a finite number, or they are radians.
 
     Notes
     -----
@@ -73,14 +74,15 @@ def reduced_crank(
     check_choice(
         "kinematics", kinematics, KINEMATICS, "these are the ways to describe the mechanism"
     )
-    places = finite_vector("angles", angles)
+    places_deg = checked_degrees("angles_deg", angles_deg, vector=True)
+    places = np.radians(places_deg)
     if kinematics != "exact":
         return _series(engine, places, 1.0 if kinematics == "series" else -1.0)
     layout = engine.layout
-    motion = cylinder_motion(layout, 1, places)
+    motion = parts_motion(layout, 1, places)
     rod_rise = motion.rod_point(engine.rod.center).first.imag
     return ReducedCrank(
-        *reduced_inertia(layout, rod_models(layout, "rigid"), places),
+        *reduced_inertia(layout, rod_models(layout, "rigid"), shaft_angles_deg=places_deg),
         travel_rate=-motion.piston.first.real,
         weight_moment=_weight_moment(engine, places, rod_rise),
     )

@@ -30,15 +30,15 @@ from dynamics.turning.steady_energy import energy_for_mean_speed, mean_speed, sl
 STEPS = 2880
 
 
-@summarized("mean_speed [rad/s]", "fluctuation", "flywheel [kg m^2]", "gain", "angles")
+@summarized("mean_speed [rad/s]", "fluctuation", "flywheel [kg m^2]", "gain", "angles_deg")
 @dataclass(frozen=True, eq=False)
 class SteadyHingeTurn:
     """One turn of a crank that repeats.
 
     Parameters
     ----------
-    angles : ndarray of shape (m,)
-        Even crank angles from the top dead center [rad].
+    angles_deg : ndarray of shape (m,)
+        Even crank angles from the top dead center [deg].
     speed : ndarray of shape (m,)
         [rad/s]
     mean_speed : float
@@ -49,7 +49,7 @@ class SteadyHingeTurn:
         Added inertia [kg m^2].
     """
 
-    angles: FloatArray
+    angles_deg: FloatArray
     speed: FloatArray
     mean_speed: float
     gain: float
@@ -75,7 +75,12 @@ class SteadyHingeTurn:
         curves = {"speed": RPM * self.speed}
         title = f"Speed over a turn, fluctuation {self.fluctuation:.2g}"
         return draw_over_angle(
-            axes, self.angles, curves, "crank speed [1/min]", title=title, angle_label=FROM_TOP
+            axes,
+            np.radians(self.angles_deg),
+            curves,
+            "crank speed [1/min]",
+            title=title,
+            angle_label=FROM_TOP,
         )
 
     def to_pandas(self) -> DataFrame:
@@ -91,7 +96,7 @@ class SteadyHingeTurn:
         MissingLibraryError
             If pandas is not installed.
         """
-        return table({"crank_angle": (self.angles, "rad"), "speed": (self.speed, "rad/s")})
+        return table({"crank_angle": (self.angles_deg, "deg"), "speed": (self.speed, "rad/s")})
 
 
 @dataclass(frozen=True, eq=False)
@@ -218,9 +223,9 @@ def moments_on_crank(
 ) -> tuple[FloatArray, ReducedCrank, FloatArray]:
     """Return even angles, the reduced crank and the sum of all moments on it at them."""
     angles = even_angles(TURN, STEPS)
-    reduced, moment = point.at_angles(angles)
+    reduced, moment = point.at_angles(angles_deg=np.degrees(angles))
     if hinge is not None:
-        moment = moment + hinge.moment_at(angles, pressure)
+        moment = moment + hinge.moment_at(pressure, angles_deg=np.degrees(angles))
     return angles, reduced, moment
 
 
@@ -277,7 +282,7 @@ def _turn(
     kinetic = energy.gained + at_top
     speed = np.sqrt(2.0 * kinetic / inertia)
     return SteadyHingeTurn(
-        angles=read_only(energy.angles),
+        angles_deg=read_only(np.degrees(energy.angles)),
         speed=read_only(speed),
         mean_speed=mean_speed(kinetic, inertia),
         gain=energy.left_over,

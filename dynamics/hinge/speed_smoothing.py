@@ -19,7 +19,9 @@ TRIED_PRESSURES, PRESSURE_STEP = 41, 1e-10
 STANDING = 100.0
 
 
-@summarized("pressure [Pa]", "ratio", "fluctuation", "unchanged", "moment_residual", "fitted_ratio")
+@summarized(
+    "pressure [Pa]", "ratio", "fluctuation", "unchanged", "moment_residual", "largest_residual"
+)
 @dataclass(frozen=True)
 class BestPressure:
     """The start pressure of a spring that evens a crank's speed most, the guides being given.
@@ -37,6 +39,8 @@ class BestPressure:
     moment_residual : float
         Root mean square of what the hinge's moment then lacks of the one for constant speed, by the
         root mean square of that one.
+    largest_residual : float
+        Largest of what it lacks, by the largest of the moment for constant speed.
     fitted_ratio : float
         Ratio of pressures that makes this residual least.
     """
@@ -46,6 +50,7 @@ class BestPressure:
     fluctuation: float
     unchanged: float | None
     moment_residual: float
+    largest_residual: float
     fitted_ratio: float
 
 
@@ -145,7 +150,7 @@ def best_pressure(
 
     def fluctuation(logarithm: float) -> float:
         pressure = math.exp(logarithm) * hinge.spring.pressure
-        moment = driving + hinge.moment_at(angles, pressure)
+        moment = driving + hinge.moment_at(pressure, angles_deg=np.degrees(angles))
         energy = integrated(angles, reduced.inertia, moment)
         try:
             return steady_at(energy, flywheel, point.speed).fluctuation
@@ -170,13 +175,14 @@ def best_pressure(
         )
     unchanged = fluctuation(0.0)
     ratio = math.exp(float(found.x))
-    wanted, given = point.moment, hinge.moment_at(point.angles)
-    residual = wanted - hinge.moment_at(point.angles, ratio * hinge.spring.pressure)
+    wanted, given = point.moment, hinge.moment_at(angles_deg=point.angles_deg)
+    residual = wanted - hinge.moment_at(ratio * hinge.spring.pressure, angles_deg=point.angles_deg)
     return BestPressure(
         pressure=ratio * hinge.spring.pressure,
         ratio=ratio,
         fluctuation=float(found.fun),
         unchanged=unchanged if unchanged < STANDING else None,
         moment_residual=math.sqrt(float(np.mean(residual**2) / np.mean(wanted**2))),
+        largest_residual=float(np.max(np.abs(residual)) / np.max(np.abs(wanted))),
         fitted_ratio=float(np.dot(wanted, given) / np.dot(given, given)),
     )

@@ -44,28 +44,33 @@ class PointMotion:
         """
         return speed**2 * self.second + crank_acceleration * self.first
 
-    def turned(self, angle: float) -> "PointMotion":
-        """Return the motion turned by an angle [rad] in the sense of rotation."""
-        turn = np.exp(1j * angle)
+    def turned(self, *, angle_deg: float) -> "PointMotion":
+        """Return the motion turned by an angle [deg] in the sense of rotation."""
+        turn = np.exp(1j * np.radians(angle_deg))
         return PointMotion(turn * self.place, turn * self.first, turn * self.second)
 
 
-@summarized("angle", "first", "second")
+@summarized("angle_deg [deg]", "first", "second")
 @dataclass(frozen=True, eq=False)
 class TurnMotion:
     """The angle through which a body turns, in the sense of rotation of the crank.
 
     Parameters
     ----------
-    angle : ndarray of shape (m,)
-        Angle [rad].
+    angle_rad : ndarray of shape (m,)
+        Angle [rad]; in degrees it is `angle_deg`.
     first, second : ndarray of shape (m,)
-        Its derivatives by the crank angle.
+        Its derivatives by the crank angle, of no unit.
     """
 
-    angle: FloatArray
+    angle_rad: FloatArray
     first: FloatArray
     second: FloatArray
+
+    @property
+    def angle_deg(self) -> FloatArray:
+        """Angle [deg], shape (m,)."""
+        return np.degrees(self.angle_rad)
 
     def acceleration(
         self, speed: float | FloatArray, crank_acceleration: float | FloatArray = 0.0
@@ -138,7 +143,7 @@ def carried_point(foot: PointMotion, turn: TurnMotion, place: complex) -> PointM
     accelerations printed in Yamanin, Zhukov, Baryshnikov 2018, doi
     10.21821/2309-5180-2018-10-1-191-200, whose signs and factors are wrong.
     """
-    arm = place * np.exp(1j * turn.angle)
+    arm = place * np.exp(1j * turn.angle_rad)
     return PointMotion(
         foot.place + arm,
         foot.first + 1j * turn.first * arm,

@@ -6,7 +6,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from crankbase.checks.arrays import finite_array, finite_vector, positive_number
+from crankbase.checks.angles import radians_of
+from crankbase.checks.arrays import finite_array, positive_number
 from crankbase.errors import InputError
 from dynamics.mechanism.motion import (
     PointMotion,
@@ -45,7 +46,7 @@ class SliderCrank:
     Examples
     --------
     >>> drive = SliderCrank(0.070, 0.265)
-    >>> round(float(drive.travel([math.pi]).place[0].real), 9)
+    >>> round(float(drive.travel(angle_deg=[180.0]).place[0].real), 9)
     0.14
     """
 
@@ -59,14 +60,15 @@ class SliderCrank:
         check_reach("crank_radius", self.crank_radius, self.rod_length, self.pin_offset)
 
     @property
-    def top_angle(self) -> float:
-        """Angle at which the piston is farthest from the shaft [rad]: sin = e / (L + R)."""
-        return math.asin(self.pin_offset / (self.rod_length + self.crank_radius))
+    def top_angle_deg(self) -> float:
+        """Angle at which the piston is farthest from the shaft [deg]: sin = e / (L + R)."""
+        return math.degrees(math.asin(self.pin_offset / (self.rod_length + self.crank_radius)))
 
     @property
-    def bottom_angle(self) -> float:
-        """Angle at which the piston is nearest to the shaft [rad]: pi + asin(e / (L - R))."""
-        return math.pi + math.asin(self.pin_offset / (self.rod_length - self.crank_radius))
+    def bottom_angle_deg(self) -> float:
+        """Angle at which the piston is nearest to the shaft [deg]: 180 + asin(e / (L - R))."""
+        sine = self.pin_offset / (self.rod_length - self.crank_radius)
+        return 180.0 + math.degrees(math.asin(sine))
 
     @property
     def top(self) -> float:
@@ -79,24 +81,24 @@ class SliderCrank:
         lowest = math.sqrt((self.rod_length - self.crank_radius) ** 2 - self.pin_offset**2)
         return self.top - lowest
 
-    def crankpin(self, angle: ArrayLike) -> PointMotion:
-        """Return the motion of the crankpin's center at angles [rad] of shape (m,)."""
-        return crankpin_motion(self.crank_radius, finite_vector("angle", angle))
+    def crankpin(self, *, angle_deg: ArrayLike) -> PointMotion:
+        """Return the motion of the crankpin's center at angles [deg] of shape (m,)."""
+        return crankpin_motion(self.crank_radius, radians_of("angle_deg", angle_deg, vector=True))
 
-    def rod(self, angle: ArrayLike) -> TurnMotion:
-        """Return the turning of the rod, -beta, at angles [rad] of shape (m,)."""
-        return rod_turn(self.crankpin(angle), self.rod_length, self.pin_offset)
+    def rod(self, *, angle_deg: ArrayLike) -> TurnMotion:
+        """Return the turning of the rod, -beta, at angles [deg] of shape (m,)."""
+        return rod_turn(self.crankpin(angle_deg=angle_deg), self.rod_length, self.pin_offset)
 
-    def rod_point(self, angle: ArrayLike, along: float, across: float = 0.0) -> PointMotion:
+    def rod_point(self, along: float, across: float = 0.0, *, angle_deg: ArrayLike) -> PointMotion:
         """Return the motion of a point of the rod.
 
         Parameters
         ----------
-        angle : array_like of shape (m,)
-            Crank angles [rad].
         along, across : float
             Distance from the crankpin's center towards the piston pin, and across the rod, positive
             to the side to which the crankpin moves as it passes the top [m].
+        angle_deg : array_like of shape (m,)
+            Crank angles [deg].
 
         Returns
         -------
@@ -109,15 +111,19 @@ class SliderCrank:
             If a value is not a finite number.
         """
         place = finite_array("along, across", [along, across])
-        return carried_point(self.crankpin(angle), self.rod(angle), complex(place[0], place[1]))
+        return carried_point(
+            self.crankpin(angle_deg=angle_deg),
+            self.rod(angle_deg=angle_deg),
+            complex(place[0], place[1]),
+        )
 
-    def piston(self, angle: ArrayLike) -> PointMotion:
-        """Return the motion of the piston pin, s + i e, at angles [rad] of shape (m,)."""
-        return self.rod_point(angle, self.rod_length)
+    def piston(self, *, angle_deg: ArrayLike) -> PointMotion:
+        """Return the motion of the piston pin, s + i e, at angles [deg] of shape (m,)."""
+        return self.rod_point(self.rod_length, angle_deg=angle_deg)
 
-    def travel(self, angle: ArrayLike) -> PointMotion:
+    def travel(self, *, angle_deg: ArrayLike) -> PointMotion:
         """Return how far the piston is from its top, real, and its derivatives by the angle [m]."""
-        piston = self.piston(angle)
+        piston = self.piston(angle_deg=angle_deg)
         return PointMotion(
             (self.top - piston.place.real).astype(np.complex128),
             (-piston.first.real).astype(np.complex128),

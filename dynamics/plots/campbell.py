@@ -15,6 +15,8 @@ from dynamics.plots.stars import KIND_COLORS
 RUNNING = "#eef3f8"
 # Least and further size of a resonance's dot [points], the latter at severity 1.
 DOT, DOT_GROWTH = 2.5, 9.0
+# Least distance of the orders' labels, as a share of the side along which they stand.
+LABEL_ROOM = 0.045
 # Share of the running range shown on both sides of it, and of the height what is highest takes.
 MARGIN, HEADROOM = 0.15, 1.12
 FREQUENCY_LABEL = "frequency [Hz]"
@@ -71,9 +73,20 @@ class CampbellFrame(NamedTuple):
         speed = 60.0 * self.top / order if over else right
         return speed, min(order * right / 60.0, self.top), over
 
-    def has_label(self, order: float) -> bool:
-        """Whether an order's line has its label at the end: whole ones that are seen."""
-        return float(order).is_integer() and self.line_end(order)[0] > self.ends[0]
+    def labeled(self, orders: Sequence[float]) -> list[float]:
+        """Return the orders whose lines have labels at their ends: whole ones that are seen and apart."""
+        found, last = [], -LABEL_ROOM
+        for order in sorted(orders):
+            speed, frequency, over = self.line_end(order)
+            if not float(order).is_integer() or speed <= self.ends[0]:
+                continue
+            # Up along the right side, then to the left along the top, in shares of both.
+            share = (self.ends[1] - speed) / (self.ends[1] - self.ends[0])
+            place = 1.0 + share if over else frequency / self.top
+            if place - last >= LABEL_ROOM:
+                found.append(order)
+                last = place
+        return found
 
 
 def campbell_frame(
@@ -124,15 +137,16 @@ def draw_campbell(
     frame = campbell_frame(natural, orders, speed_range, found)
     (low, high), (left, right), top = frame.running, frame.ends, frame.top
     axes.axvspan(low, high, color=RUNNING, zorder=0)
+    labeled = frame.labeled(orders.tolist())
     for order in orders.tolist():
-        _order_line(axes, order, frame)
+        _order_line(axes, order, frame, labeled=order in labeled)
     for place, frequency in enumerate(frame.natural.tolist()):
         color = COLORS[place % len(COLORS)]
         axes.axhline(frequency, color=color, linewidth=1.6, zorder=2)
         axes.annotate(
             mode_text(place, frequency),
             (left, frequency),
-            xytext=(4, 3),
+            xytext=(4, 5),
             textcoords="offset points",
             fontsize=8,
             color=color,
@@ -166,8 +180,8 @@ def draw_campbell(
         )
 
 
-def _order_line(axes: Axes, order: float, frame: CampbellFrame) -> None:
-    """Draw one order's line, its number where it leaves the diagram; whole orders are told."""
+def _order_line(axes: Axes, order: float, frame: CampbellFrame, *, labeled: bool) -> None:
+    """Draw one order's line, its number where it leaves the diagram if it is labeled."""
     axes.plot(
         frame.ends,
         [order * end / 60.0 for end in frame.ends],
@@ -176,7 +190,7 @@ def _order_line(axes: Axes, order: float, frame: CampbellFrame) -> None:
         zorder=1,
     )
     speed, frequency, over = frame.line_end(order)
-    if frame.has_label(order):
+    if labeled:
         axes.annotate(
             f"{order:g}",
             (speed, frequency),

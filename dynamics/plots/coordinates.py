@@ -25,8 +25,8 @@ def speed_axis(speeds: FloatArray) -> Coordinate:
 
 
 def angle_axis(angles: FloatArray) -> Coordinate:
-    """Return the coordinate of shaft angles [rad]."""
-    return angles, "rad", "shaft angle"
+    """Return the coordinate of shaft angles [deg]."""
+    return angles, "deg", "shaft angle"
 
 
 def time_axis(time: FloatArray) -> Coordinate:

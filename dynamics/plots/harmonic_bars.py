@@ -74,8 +74,8 @@ class Sum(Protocol):
     def strokes(self) -> int:
         """Strokes per cycle."""
 
-    def at(self, crank_angle: FloatArray) -> FloatArray:
-        """Return the sum at crank angles [rad]."""
+    def at(self, *, crank_angle_deg: FloatArray) -> FloatArray:
+        """Return the sum at crank angles [deg]."""
 
 
 def over_cycle(samples: FloatArray, found: Sum) -> tuple[FloatArray, FloatArray, FloatArray]:
@@ -94,11 +94,22 @@ def over_cycle(samples: FloatArray, found: Sum) -> tuple[FloatArray, FloatArray,
     """
     cycle = 180.0 * found.strokes
     degrees = np.linspace(0.0, cycle, POINTS)
-    return degrees, found.at(np.radians(degrees)), np.arange(len(samples)) * cycle / len(samples)
+    return (
+        degrees,
+        found.at(crank_angle_deg=degrees),
+        np.arange(len(samples)) * cycle / len(samples),
+    )
 
 
-def draw_samples(axes: Axes | None, samples: FloatArray, found: Sum, *, title: str = "") -> Axes:
-    """Draw samples of the torque of one throw, the sum of all harmonics, and the mean.
+def draw_samples(
+    axes: Axes | None,
+    samples: FloatArray,
+    found: Sum,
+    *,
+    summed: str = "sum of harmonics",
+    title: str = "",
+) -> Axes:
+    """Draw samples of the torque of one throw, the sum of harmonics, and the mean.
 
     Parameters
     ----------
@@ -107,6 +118,8 @@ def draw_samples(axes: Axes | None, samples: FloatArray, found: Sum, *, title: s
     samples : ndarray of shape (m,)
         Even over one cycle from crank angle zero [N m].
     found : Sum
+    summed : str, optional
+        Words for the sum.
     title : str, optional
 
     Returns
@@ -115,7 +128,7 @@ def draw_samples(axes: Axes | None, samples: FloatArray, found: Sum, *, title: s
     """
     axes = new_axes(axes)
     degrees, sums, sampled = over_cycle(samples, found)
-    axes.plot(degrees, sums, color=BLUE, label="sum of harmonics")
+    axes.plot(degrees, sums, color=BLUE, label=summed)
     axes.plot(sampled, samples, "o", color=ORANGE, markersize=3.5, label="table")
     axes.axhline(found.mean, color=GREEN, linestyle="--", linewidth=1.0, label="mean")
     axes.set_xlabel(ANGLE_LABEL)

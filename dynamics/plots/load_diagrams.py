@@ -14,8 +14,10 @@ from crankbase.errors import InputError
 from crankbase.library_types import Axes
 from dynamics.plots.quantities import KILO
 
-# Labels of angles keep this share of the diagram's width from each other.
-LABEL_ROOM = 0.075
+# Half width and half height of an angle's label as shares of the diagram's width, on a small screen.
+LABEL_HALF = (0.042, 0.024)
+# Where a label may stand: in these directions, so many of its own sizes away.
+DIRECTIONS, STEPS = 16, (1.15, 1.6, 2.1)
 # The outline of the journal is a symbol, its radius this share of the diagram's width.
 OUTLINE = 0.045
 MARGIN = 0.08
@@ -34,8 +36,8 @@ class Load(Protocol):
     """The force on a bearing; `dynamics.engine.loads.LoadDiagram` is one."""
 
     @property
-    def angles(self) -> FloatArray:
-        """Shaft angles over one cycle [rad]."""
+    def angles_deg(self) -> FloatArray:
+        """Shaft angles over one cycle [deg]."""
 
     @property
     def force(self) -> ComplexArray:
@@ -58,8 +60,8 @@ class Load(Protocol):
         """Largest size [N]."""
 
     @property
-    def maximum_angle(self) -> float:
-        """Where it is largest [rad]."""
+    def maximum_angle_deg(self) -> float:
+        """Where it is largest [deg]."""
 
 
 def check_polar(frame: str, mark_step_deg: float) -> None:
@@ -104,8 +106,10 @@ def draw_polar_loads(
     for number, (curve, (name, _)) in enumerate(zip(curves, loads, strict=True)):
         color = COLORS[number % len(COLORS)]
         closed = np.append(curve, curve[:1])
-        axes.plot(closed.real, closed.imag, color=color, linewidth=1.3, label=name)
-    _marks(axes, loads[0][1].angles, curves[0], mark_step_deg, LABEL_ROOM * (high[0] - low[0]))
+        # Dashes, where one curve lies on another.
+        style = "--" if number % 2 else "-"
+        axes.plot(closed.real, closed.imag, style, color=color, linewidth=1.3, label=name)
+    _marks(axes, loads[0][1].angles_deg, curves[0], mark_step_deg, high[0] - low[0])
     axes.set_xlim(low[0], high[0])
     axes.set_ylim(low[1], high[1])
     across, up = AXIS_LABELS[frame]
@@ -126,7 +130,7 @@ def draw_developed_loads(axes: Axes, loads: Sequence[tuple[str, Load]]) -> None:
     """
     for number, (name, load) in enumerate(loads):
         color = COLORS[number % len(COLORS)]
-        degrees = np.degrees(load.angles)
+        degrees = load.angles_deg
         mean, most = KILO * load.mean, KILO * load.maximum
         axes.plot(
             np.append(degrees, 2.0 * degrees[-1] - degrees[-2]),
@@ -136,9 +140,9 @@ def draw_developed_loads(axes: Axes, loads: Sequence[tuple[str, Load]]) -> None:
             label=f"{name}: mean {mean:.4g} kN, maximum {most:.4g} kN",
         )
         axes.axhline(mean, color=color, linewidth=0.9, linestyle="--")
-        axes.plot(np.degrees(load.maximum_angle), most, "o", color=color, markersize=5)
+        axes.plot(load.maximum_angle_deg, most, "o", color=color, markersize=5)
     axes.set_ylim(bottom=0.0)
-    span = np.degrees(loads[0][1].angles)
+    span = loads[0][1].angles_deg
     axes.set_xticks(np.arange(np.ceil(span[0] / 90.0) * 90.0, span[-1] + 90.0, 90.0))
     axes.set_xlabel("shaft angle [deg]")
     axes.set_ylabel("force [kN] (dashed: mean)")
@@ -178,27 +182,86 @@ def _outline(axes: Axes, frame: Frame, radius: float) -> None:
 
 
 def _marks(
-    axes: Axes, angles: FloatArray, curve: NDArray[np.complex128], step: float, room: float
+    axes: Axes, degrees: FloatArray, curve: NDArray[np.complex128], step: float, width: float
 ) -> None:
     """Put dots at whole steps of shaft angle, between samples by interpolation."""
-    degrees = np.degrees(angles)
     wanted = np.arange(np.ceil(degrees[0] / step - 1e-9) * step, degrees[-1] + 1e-6, step)
     points = np.interp(wanted, degrees, curve.real) + 1j * np.interp(wanted, degrees, curve.imag)
     axes.plot(points.real, points.imag, "o", color=COLORS[0], markersize=3.5)
-    labeled: list[complex] = []
-    middle = complex(curve.mean())
-    for angle, point in zip(wanted.tolist(), points.tolist(), strict=True):
-        if all(abs(point - other) > room for other in labeled):
-            labeled.append(point)
-            out = (point - middle) / max(abs(point - middle), 1e-12)
-            axes.annotate(
+    spots = label_spots(curve, points, width)
+    for angle, spot in zip(wanted.tolist(), spots, strict=True):
+        if spot is not None:
+            axes.text(
+                spot.real,
+                spot.imag,
                 # Adding zero turns -0 into 0.
                 f"{angle + 0.0:g}°",
-                (point.real, point.imag),
-                xytext=(11.0 * out.real, 9.0 * out.imag),
-                textcoords="offset points",
                 fontsize=8,
                 ha="center",
                 va="center",
-                bbox={"facecolor": "white", "edgecolor": "none", "alpha": 0.7, "pad": 0.5},
             )
+
+
+def label_spots(
+    curve: NDArray[np.complex128], points: NDArray[np.complex128], width: float
+) -> list[complex | None]:
+    """Return where labels of points on a closed curve stand: beside it, and clear of each other.
+
+    Parameters
+    ----------
+    curve : ndarray of shape (m,), complex
+        Right + i up, within a square.
+    points : ndarray of shape (n,), complex
+        Each gets its label as far away from the curve's middle as it can.
+    width : float
+        Of the square.
+
+    Returns
+    -------
+    list of n complex or None
+        Middles of the labels; None where there is no room.
+    """
+    half = np.array(LABEL_HALF) * width
+    along = np.append(curve, curve[:1])
+    parts = np.ceil(np.abs(np.diff(along)) / half[1]).astype(int) + 1
+    dense = np.concatenate(
+        [
+            start + (end - start) * np.arange(count) / count
+            for start, end, count in zip(along[:-1], along[1:], parts.tolist(), strict=True)
+        ]
+    )
+    low, high = square_round([curve])
+    turns = 2.0 * np.pi * np.arange(DIRECTIONS) / DIRECTIONS
+    found: list[complex | None] = []
+    placed: list[complex] = []
+
+    def apart(one: complex, others: NDArray[np.complex128], size: float) -> bool:
+        gap = others - one
+        inside = (np.abs(gap.real) < size * half[0]) & (np.abs(gap.imag) < size * half[1])
+        return not np.any(inside)
+
+    for point in points.tolist():
+        outward = np.angle(point - curve.mean())
+        spots = [
+            complex(
+                point.real + size * half[0] * np.cos(outward + turn),
+                point.imag + size * half[1] * np.sin(outward + turn),
+            )
+            for size in STEPS
+            for turn in sorted(turns, key=lambda own: min(own, 2.0 * np.pi - own))
+        ]
+        chosen = next(
+            (
+                spot
+                for spot in spots
+                if low[0] + half[0] < spot.real < high[0] - half[0]
+                and low[1] + half[1] < spot.imag < high[1] - half[1]
+                and apart(spot, dense, 1.0)
+                and apart(spot, np.array(placed, dtype=complex), 2.0)
+            ),
+            None,
+        )
+        found.append(chosen)
+        if chosen is not None:
+            placed.append(chosen)
+    return found

@@ -23,8 +23,8 @@ class Vectors(Protocol):
     """Vectors of one order; `dynamics.torque.star.Star` is such."""
 
     @property
-    def directions(self) -> FloatArray:
-        """Of the cylinders' vectors [rad]."""
+    def directions_deg(self) -> FloatArray:
+        """Of the cylinders' vectors [deg]."""
 
     @property
     def weights(self) -> FloatArray:
@@ -104,7 +104,7 @@ def finish_stars(axes: Axes, rows: int = 1, columns: int = 1) -> None:
 
 def _by_direction(star: Vectors) -> list[list[int]]:
     """Return the cylinders, from 0, in groups of one direction."""
-    units = np.exp(1j * star.directions)
+    units = np.exp(1j * np.radians(star.directions_deg))
     return grouped(range(units.size), lambda group, tip: abs(units[group[0]] - units[tip]) < 1e-6)
 
 

@@ -167,8 +167,10 @@ def damped_criticals(
     Returns
     -------
     tuple of DampedCritical
-        In ascending order and mode. Of a mode that an order meets within the range, with ring free,
-        ring locked or damped, there is one without a speed if the order has no maximum near it.
+        In ascending order, mode and speed. One order may have several peaks by one mode, as where forces
+        grow with the speed beside a resonance: each is told. Of a mode that an order meets within the range,
+        with ring free, ring locked or damped, there is one without a speed if the order has no maximum
+        near it.
 
     Raises
     ------

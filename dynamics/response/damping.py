@@ -25,6 +25,8 @@ from dynamics.response.linear_system import (
 )
 
 UNIT = "N m s/rad (torsional) or N s/m (axial)"
+# So many places with one damping are named; of more their number is told.
+NAMED = 2
 PASSIVE = "it is that of a passive element"
 
 
@@ -147,7 +149,7 @@ def damped(
             f"undamped: given True together with {what}; allowed is one of both, because what is "
             "damped is not undamped."
         )
-    said = ["damping of the chain itself, as its description gives it"] if own else []
+    said = [f"damping of the chain itself: {_own_damping(chain)}"] if own else []
     between = of_elements("relative", relative, chain)
     at_nodes = values_at_nodes(
         "absolute", absolute, chain.inertia.size, UNIT, "damping takes energy away"
@@ -194,6 +196,26 @@ def damped(
     if undamped:
         said.append("no damping, on purpose")
     return DampedChain(whole, system, tuple(said))
+
+
+def _own_damping(chain: Chain) -> str:
+    """Say what a chain's description damps: each value and where it is."""
+    joints = [f"{chain.names[one.left]} - {chain.names[one.right]}" for one in chain.dashpots]
+    found: dict[str, list[str]] = {}
+    for before, unit, values, places, what in (
+        ("loss factor ", " of", chain.loss_factor, chain.elements, "elements"),
+        ("", f" {UNIT} of", chain.damping, chain.elements, "elements"),
+        ("", f" {UNIT} between", [one.damping for one in chain.dashpots], joints, "pairs"),
+        ("", f" {UNIT} to ground at", chain.ground_damping, chain.names, "nodes"),
+    ):
+        groups: dict[str, list[str]] = {}
+        for value, place in zip(values, places, strict=True):
+            if value > 0.0:
+                groups.setdefault(f"{before}{value:.4g}{unit}", []).append(place)
+        found |= {
+            text: [f"{len(at)} {what}"] if len(at) > NAMED else at for text, at in groups.items()
+        }
+    return "; ".join(f"{text} {', '.join(at)}" for text, at in found.items())
 
 
 def of_elements(

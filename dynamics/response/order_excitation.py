@@ -5,12 +5,12 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from crankbase.checks.angles import radians_of
 from crankbase.checks.arrays import (
     ComplexArray,
     FloatArray,
     check_sizes,
     complex_array,
-    finite_vector,
     positive_vector,
     read_only,
 )
@@ -77,15 +77,15 @@ class OrderExcitation:
         """Angular frequency of each order at each speed [rad/s], (K, S)."""
         return np.outer(self.orders, self.speeds)
 
-    def at_angle(self, speed_index: int, shaft_angle: ArrayLike) -> FloatArray:
+    def at_angle(self, speed_index: int, *, shaft_angle_deg: ArrayLike) -> FloatArray:
         """Return the forces at shaft angles, all orders together, without their mean.
 
         Parameters
         ----------
         speed_index : int
             Which of the speeds, from 0.
-        shaft_angle : array_like of shape (m,)
-            [rad].
+        shaft_angle_deg : array_like of shape (m,)
+            [deg].
 
         Returns
         -------
@@ -97,7 +97,7 @@ class OrderExcitation:
             If there is no such speed, or an angle is not a finite number.
         """
         place = checked_speed_index(speed_index, self.speeds)
-        angles = finite_vector("shaft_angle", shaft_angle)
+        angles = radians_of("shaft_angle_deg", shaft_angle_deg, vector=True)
         return at_angles(self.orders, self.forces[:, place], angles)
 
     def at_speeds(self, speeds: ArrayLike) -> "OrderExcitation":

@@ -8,7 +8,8 @@ from typing import Any, TypedDict, Unpack
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from crankbase.checks.arrays import ComplexArray, FloatArray, finite_vector
+from crankbase.checks.angles import radians_of
+from crankbase.checks.arrays import ComplexArray, FloatArray
 from crankbase.checks.scalars import whole_number
 from crankbase.drawing.curves import Curves
 from crankbase.drawing.diagram_style import new_axes
@@ -88,15 +89,15 @@ class OrderSeries:
         """Number of the place with the largest amplitude of all orders together, from 0."""
         return int(np.argmax(np.max(self.synthesis.amplitude, axis=0)))
 
-    def at_angle(self, speed_index: int, shaft_angle: ArrayLike) -> FloatArray:
+    def at_angle(self, speed_index: int, *, shaft_angle_deg: ArrayLike) -> FloatArray:
         """Return the values over shaft angles, all orders together, without their mean.
 
         Parameters
         ----------
         speed_index : int
             Which of the speeds, from 0.
-        shaft_angle : array_like of shape (m,)
-            [rad].
+        shaft_angle_deg : array_like of shape (m,)
+            [deg].
 
         Returns
         -------
@@ -108,7 +109,7 @@ class OrderSeries:
             If there is no such speed, an angle is not finite, or the vibration is unbounded there.
         """
         place = checked_speed_index(speed_index, self.speeds)
-        angles = finite_vector("shaft_angle", shaft_angle)
+        angles = radians_of("shaft_angle_deg", shaft_angle_deg, vector=True)
         if np.any(self.unbounded[:, place]):
             order = self.orders[np.flatnonzero(self.unbounded[:, place])[0]]
             raise InputError(

@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike
 from crankbase.checks.arrays import FloatArray, finite_array, nonnegative_number
 from crankbase.checks.scalars import whole_number
 from crankbase.errors import InputError
-from dynamics.cycle import even_angles
+from dynamics.cycle import cycle_radians, even_angles
 from dynamics.engine.forces import MechanismForces, mechanism_forces
 from dynamics.engine.gas_forces import Pressure, gas_forces
 from dynamics.engine.layout import EngineLayout
@@ -34,12 +34,14 @@ def samples_and_gas(
         If there are less than 3 samples, or pressures or forces do not fit.
     """
     count = whole_number("samples", samples, 3, "fewer show no harmonic")
-    angles = even_angles(engine.cycle, count)
+    angles = even_angles(cycle_radians(engine.strokes), count)
     shape = (len(engine.cylinders), count)
     if pressure is None:
         return angles, np.zeros(shape)
     if _are_pressures(pressure):
-        return angles, gas_forces(engine, angles, pressure, crankcase_pressure)
+        return angles, gas_forces(
+            engine, pressure, crankcase_pressure, shaft_angles_deg=np.degrees(angles)
+        )
     given = finite_array("pressure", np.asarray(pressure))
     if given.shape != shape:
         raise InputError(
@@ -54,8 +56,10 @@ def forces_by_cause(
 ) -> tuple[MechanismForces, MechanismForces]:
     """Return the forces in the mechanism of the gas alone, and of moving masses alone."""
     running = nonnegative_number("speed", speed, "rad/s", "the shaft turns forward")
-    of_gas = mechanism_forces(engine, angles, 0.0, gas, model=model)
-    return of_gas, mechanism_forces(engine, angles, running, model=model)
+    of_gas = mechanism_forces(engine, 0.0, gas, model=model, shaft_angles_deg=np.degrees(angles))
+    return of_gas, mechanism_forces(
+        engine, running, model=model, shaft_angles_deg=np.degrees(angles)
+    )
 
 
 def _are_pressures(
@@ -69,5 +73,5 @@ def from_firing_top(
     engine: EngineLayout, place: int, angles: FloatArray, values: FloatArray
 ) -> Harmonics:
     """Return the harmonics of a cylinder's values (m,), its place from 0, from its firing top."""
-    since_firing = np.degrees(angles - engine.firing[place])
+    since_firing = np.degrees(angles - np.radians(engine.firing_deg[place]))
     return harmonics(values, engine.strokes, angles_deg=since_firing)

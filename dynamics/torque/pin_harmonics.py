@@ -1,9 +1,11 @@
 """Harmonics of the force of each cylinder on its crankpin, as a vibration model takes them."""
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Literal
 
+import numpy as np
 from numpy.typing import ArrayLike
 
 from crankbase.checks.arrays import FloatArray
@@ -28,7 +30,7 @@ from dynamics.torque.cycle_samples import (
 
 @summarized(
     "number",
-    "firing_angle [rad]",
+    "firing_angle_deg [deg]",
     "tangential: tangential.amplitude [N]",
     "radial: radial.amplitude [N]",
 )
@@ -37,14 +39,14 @@ class PinForceHarmonics:
     """Harmonics of one cylinder's force on its crankpin, by its cause [N].
 
     Phases count from the cylinder's own firing top: a harmonic of order k stands at
-    M_k sin(k (shaft angle - firing_angle) + a_k).
+    M_k sin(k (shaft angle - firing angle) + a_k).
 
     Parameters
     ----------
     number : int
         Of the cylinder.
-    firing_angle : float
-        Shaft angle of its firing top [rad].
+    firing_angle_deg : float
+        Shaft angle of its firing top [deg].
     tangential_gas, tangential_inertia, tangential : Harmonics
         T, in the sense of rotation: of the gas, of moving masses, of both. Crank radius times T is
         the torque.
@@ -53,7 +55,7 @@ class PinForceHarmonics:
     """
 
     number: int
-    firing_angle: float
+    firing_angle_deg: float
     tangential_gas: Harmonics
     tangential_inertia: Harmonics
     tangential: Harmonics
@@ -167,10 +169,10 @@ def pin_force_harmonics(
     ):
         parts += [by_gas, by_masses, by_gas + by_masses]
     found = []
-    for place, firing in enumerate(engine.firing):
+    for place, firing in enumerate(np.radians(engine.firing_deg)):
         split = [
             from_firing_top(engine, place, angles, part[place]).up_to(highest_order)
             for part in parts
         ]
-        found.append(PinForceHarmonics(place + 1, firing, *split))
+        found.append(PinForceHarmonics(place + 1, math.degrees(firing), *split))
     return tuple(found)

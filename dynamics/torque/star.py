@@ -41,26 +41,26 @@ class Star:
 
     A cylinder that fires at f and whose harmonic is M sin(k (x - f) + a) has the direction k f - a:
     there its harmonic rises through zero, in terms of k x. The sum over the cylinders is
-    resultant sin(k x - resultant_direction).
+    resultant sin(k x - its direction).
 
     Parameters
     ----------
     order : float
         k, in cycles per crankshaft revolution.
-    directions : ndarray of shape (n,)
-        Of the cylinders' vectors [rad], from 0 to below 2 pi.
+    directions_deg : ndarray of shape (n,)
+        Of the cylinders' vectors [deg], from 0 to below 360.
     weights : ndarray of shape (n,)
         Their lengths; negative where the mode shape turns a vector round.
     """
 
     order: float
-    directions: FloatArray
+    directions_deg: FloatArray
     weights: FloatArray
 
     @property
     def vectors(self) -> "np.ndarray[tuple[int], np.dtype[np.complex128]]":
         """The cylinders' vectors (n,)."""
-        return np.asarray(self.weights * np.exp(1j * self.directions))
+        return np.asarray(self.weights * np.exp(1j * np.radians(self.directions_deg)))
 
     @property
     def resultant(self) -> float:
@@ -68,11 +68,11 @@ class Star:
         return float(abs(self.vectors.sum()))
 
     @property
-    def resultant_direction(self) -> float:
-        """Direction of their sum [rad], from 0 to below 2 pi; 0 for a balanced order."""
+    def resultant_direction_deg(self) -> float:
+        """Direction of their sum [deg], from 0 to below 360; 0 for a balanced order."""
         if self.kind == "balanced":
             return 0.0
-        return _turned(cmath.phase(complex(self.vectors.sum())))
+        return math.degrees(_turned(cmath.phase(complex(self.vectors.sum()))))
 
     @property
     def largest(self) -> float:
@@ -126,7 +126,7 @@ class Star:
         return table(
             {
                 "cylinder": (np.arange(1, len(self.weights) + 1), "1"),
-                "direction": (self.directions, "rad"),
+                "direction": (self.directions_deg, "deg"),
                 "weight": (self.weights, "1"),
             }
         )
@@ -194,7 +194,7 @@ def star_diagram(
     return tuple(
         Star(
             order,
-            read_only(np.array([_turned(angle) for angle in row.tolist()])),
+            read_only(np.degrees([_turned(angle) for angle in row.tolist()])),
             read_only(own.copy()),
         )
         for order, row, own in zip(asked.tolist(), directions, lengths, strict=True)
@@ -214,7 +214,7 @@ def _firing_and_strokes(
                 f"strokes: given {told}; allowed is {engine.strokes} or nothing, because that is the "
                 "engine's."
             )
-        return np.array(engine.firing), engine.strokes
+        return np.radians(engine.firing_deg), engine.strokes
     else:
         raise InputError(
             f"engine: given {type(engine).__name__} with firing_angles_deg "
@@ -281,7 +281,9 @@ def _alike(one: Star, other: Star) -> bool:
         one.weights, other.weights, rtol=1e-9, atol=0.0
     ):
         return False
-    first, second = (star.directions - star.directions[0] for star in (one, other))
+    first, second = (
+        np.radians(star.directions_deg - star.directions_deg[0]) for star in (one, other)
+    )
     return _equal_directions(first, second) or _equal_directions(first, -second)
 
 

@@ -34,8 +34,12 @@ def throws_along_shaft(engine: EngineLayout) -> tuple[tuple[int, ...], ...]:
 def _shares(engine: EngineLayout, throw: list[int], number: int) -> bool:
     own = engine.cylinders[number - 1]
     for other in (engine.cylinders[member - 1] for member in throw):
-        turned = math.remainder(own.crank_angle - other.crank_angle, 2.0 * math.pi)
-        leaning = math.remainder(own.bank_angle - other.bank_angle, 2.0 * math.pi)
+        turned = math.remainder(
+            math.radians(own.crank_angle_deg - other.crank_angle_deg), 2.0 * math.pi
+        )
+        leaning = math.remainder(
+            math.radians(own.bank_angle_deg - other.bank_angle_deg), 2.0 * math.pi
+        )
         apart = abs(own.position - other.position)
         if abs(turned) > IN_LINE or abs(leaning) <= IN_LINE or apart >= CLOSE * own.bore:
             return False

@@ -13,9 +13,10 @@ from crankbase.drawing.legends import legend_above
 from crankbase.library_types import Axes, Dataset
 from crankbase.summaries import summarized
 from crankbase.tables.frames import grid
+from dynamics.cycle import cycle_radians
 from dynamics.engine.gas_forces import Pressure
 from dynamics.engine.layout import EngineLayout
-from dynamics.engine.motions import cylinder_motion
+from dynamics.engine.motions import parts_motion
 from dynamics.engine.orders import checked_cylinder
 from dynamics.gas.indicated import indicated_work
 from dynamics.gas.pressure import ATMOSPHERE
@@ -48,8 +49,8 @@ class EngineTorque:
     engine : EngineLayout
     speed : float
         Constant speed of the shaft [rad/s].
-    shaft_angles : ndarray of shape (m,)
-        Evenly over the cycle from zero, the closing sample left out [rad].
+    shaft_angles_deg : ndarray of shape (m,)
+        Evenly over the cycle from zero, the closing sample left out [deg].
     gas, inertia : ndarray of shape (n, m)
         Cylinder by cylinder, what gas and what moving masses give [N m].
     throws : tuple of tuples of int
@@ -60,7 +61,7 @@ class EngineTorque:
 
     engine: EngineLayout
     speed: float
-    shaft_angles: FloatArray
+    shaft_angles_deg: FloatArray
     gas: FloatArray
     inertia: FloatArray
     throws: tuple[tuple[int, ...], ...]
@@ -113,9 +114,11 @@ class EngineTorque:
 
         That is the work of the gas on all pistons, each bit taken positive.
         """
-        step = self.engine.cycle / self.shaft_angles.size
+        step = cycle_radians(self.engine.strokes) / self.shaft_angles_deg.size
         exchanged = float(np.sum(np.abs(self.gas))) * step
-        difference = self.mean * self.engine.cycle - float(np.sum(self.indicated_work))
+        difference = self.mean * cycle_radians(self.engine.strokes) - float(
+            np.sum(self.indicated_work)
+        )
         return difference / exchanged if exchanged > 0.0 else difference
 
     def harmonics(self, throw: int | None = None) -> Harmonics:
@@ -139,7 +142,9 @@ class EngineTorque:
             If there is no such cylinder.
         """
         place = checked_cylinder(self.engine, number) - 1
-        return from_firing_top(self.engine, place, self.shaft_angles, self.per_cylinder[place])
+        return from_firing_top(
+            self.engine, place, np.radians(self.shaft_angles_deg), self.per_cylinder[place]
+        )
 
     def plot(self, axes: Axes | None = None, throw: int | None = None) -> Axes:
         """Draw the torque of the engine with its mean, or that of one throw by cause, over the cycle.
@@ -173,7 +178,12 @@ class EngineTorque:
             colors = (COLORS[1], COLORS[2], COLORS[0])
         shown = {name: KILO * values for name, values in curves.items()}
         axes = draw_over_angle(
-            axes, self.shaft_angles, shown, "torque [kN m]", title=title, colors=colors
+            axes,
+            np.radians(self.shaft_angles_deg),
+            shown,
+            "torque [kN m]",
+            title=title,
+            colors=colors,
         )
         # Above the curves, which fill the axes.
         legend_above(axes)
@@ -204,7 +214,7 @@ class EngineTorque:
             {
                 "cylinder": number_axis(len(self.gas), "cylinder"),
                 "throw": number_axis(len(self.throws), "throw, from the free end"),
-                "shaft_angle": angle_axis(self.shaft_angles),
+                "shaft_angle": angle_axis(self.shaft_angles_deg),
             },
         )
 
@@ -267,13 +277,13 @@ def engine_torque(
     works = []
     for number, force in enumerate(gas, start=1):
         # A force towards the shaft on the piston's way there is a pressure on a growing volume.
-        inwards = -cylinder_motion(engine, number, angles).piston.first.real
+        inwards = -parts_motion(engine, number, angles).piston.first.real
         works.append(indicated_work(force, inwards, engine.strokes))
     groups = throws_along_shaft(engine) if throws is None else checked_throws(engine, throws)
     return EngineTorque(
         engine=engine,
         speed=float(speed),
-        shaft_angles=read_only(angles),
+        shaft_angles_deg=read_only(np.degrees(angles)),
         gas=read_only(from_gas.torque),
         inertia=read_only(from_masses.torque),
         throws=groups,

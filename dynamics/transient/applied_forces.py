@@ -118,7 +118,7 @@ class AppliedForces:
         times = (starts[:, np.newaxis] + step * places).reshape(-1)
         middle = float(starts[0]) + 0.5 * step
         by_orders = next(own for begins, own in reversed(self.excitations) if begins <= middle)
-        forces = by_orders.at(self.curve.angle(times), self.curve.speed(times))
+        forces = by_orders.at(np.radians(self.curve.angle_deg(times)), self.curve.speed(times))
         for load in self.loads:
             forces += load.load * load.share(times)[:, np.newaxis] * self.inputs[load.node]
         return forces.reshape(starts.size, places.size, -1)

@@ -25,7 +25,7 @@ class CycleMotion:
     """A cycle: its turns, angles (m,), motions (m, n) and torques (m, e), and how to look at them."""
 
     turns: int
-    shaft_angle: FloatArray
+    shaft_angle_deg: FloatArray
     motion: FloatArray
     torque: FloatArray
 
@@ -85,7 +85,9 @@ class CycleMotion:
             )
         picked = select_curve(chain, quantity, place, self.motion, self.torque)
         axes = new_axes(axes)
-        draw_over_angle(axes, self.shaft_angle, {picked.name: picked.values}, picked.label)
+        draw_over_angle(
+            axes, np.radians(self.shaft_angle_deg), {picked.name: picked.values}, picked.label
+        )
         write_title(axes, f"{picked.name}, {shown}")
         return axes
 
@@ -96,7 +98,7 @@ class CycleMotion:
     def _grid(self, quantity: Moving | None, **more: Any) -> Dataset:
         """Return what all cycles have and `more`, over shaft angle, node and element."""
         chain, _ = self._chain_and_speed()
-        axis = {"shaft_angle": angle_axis(self.shaft_angle)}
+        axis = {"shaft_angle": angle_axis(self.shaft_angle_deg)}
         return motion_grid(chain, axis, self.motion, self.torque, quantity, **more)
 
     def _half_way(self, values: FloatArray) -> FloatArray:
@@ -110,12 +112,12 @@ class CycleMotion:
         given = np.atleast_1d(finite_array("orders", orders))
         cycles = given * self.turns
         whole = np.round(cycles)
-        count = self.shaft_angle.size
+        count = self.shaft_angle_deg.size
         if np.any((np.abs(cycles - whole) > 1e-9 * whole) | (whole < 1) | (2.0 * whole >= count)):
             raise InputError(
                 f"orders: given {given.tolist()}; allowed are multiples of {1.0 / self.turns:g} above zero "
                 f"and below {0.5 * count / self.turns:g}, because the cycle has {self.turns} turns and "
                 f"{count} samples."
             )
-        waves = np.exp(-1j * np.outer(given, self.shaft_angle))
+        waves = np.exp(-1j * np.outer(given, np.radians(self.shaft_angle_deg)))
         return np.asarray(waves @ values * (2.0 / count))

@@ -1,6 +1,7 @@
 """Motion through time while the speed changes, cylinders fail or loads come and go."""
 
 import contextlib
+import math
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from typing import Literal, Unpack
@@ -46,8 +47,8 @@ class TransientMotion(ShaftRun):
 
     Parameters
     ----------
-    time, shaft_speed, shaft_angle : ndarray of shape (m,)
-        [s, rad/s, rad]
+    time, shaft_speed, shaft_angle_deg : ndarray of shape (m,)
+        [s, rad/s, deg]
     motion : ndarray of shape (m, n)
         Of the nodes, beside the even turning [rad or m]; in a free system less its rigid-body
         motion.
@@ -71,7 +72,7 @@ class TransientMotion(ShaftRun):
 
     time: FloatArray
     shaft_speed: FloatArray
-    shaft_angle: FloatArray
+    shaft_angle_deg: FloatArray
     motion: FloatArray
     rigid_motion: FloatArray
     torque: FloatArray
@@ -222,7 +223,7 @@ def transient_motion(
     return TransientMotion(
         time=times,
         shaft_speed=speed.speed(times),
-        shaft_angle=speed.angle(times),
+        shaft_angle_deg=speed.angle_deg(times),
         motion=elastic,
         rigid_motion=rigid_motion,
         torque=spring_torques(system.chain, elastic),
@@ -279,7 +280,9 @@ def _step_blocks(pieces: Sequence[TimeSegment]) -> Iterator[tuple[float, FloatAr
 def _steady_start(
     system: ViscousSystem, excitation: OrderExcitation, speed: SpeedCurve
 ) -> FloatArray:
-    found, state = steady_from(system, excitation, float(speed.speeds[0]), speed.start_angle)
+    found, state = steady_from(
+        system, excitation, float(speed.speeds[0]), math.radians(speed.start_angle_deg)
+    )
     if found.unbounded:
         raise InputError(
             f"start: given 'steady' at {speed.speeds[0]:g} rad/s; allowed is 'rest' there, because an "

@@ -2,6 +2,7 @@
 
 from typing import Any
 
+import numpy as np
 from numpy.typing import ArrayLike
 
 from crankbase.checks.arrays import FloatArray
@@ -18,7 +19,7 @@ class ShaftRun:
 
     time: FloatArray
     shaft_speed: FloatArray
-    shaft_angle: FloatArray
+    shaft_angle_deg: FloatArray
     motion: FloatArray
     torque: FloatArray
     system: ViscousSystem
@@ -37,7 +38,7 @@ class ShaftRun:
         return envelope_over(
             self.time,
             self.shaft_speed,
-            self.shaft_angle,
+            np.radians(self.shaft_angle_deg),
             motion,
             self.torque,
             self.turns if turns is None else turns,  # type: ignore[attr-defined]  # field or property
@@ -101,6 +102,6 @@ class ShaftRun:
             quantity,
             "motion beside even turning",
             shaft_speed=(("time",), self.shaft_speed, "rad/s", "shaft speed"),
-            shaft_angle=(("time",), self.shaft_angle, "rad", "shaft angle"),
+            shaft_angle=(("time",), self.shaft_angle_deg, "deg", "shaft angle"),
             **more,
         )

@@ -7,6 +7,7 @@ from dataclasses import KW_ONLY, dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
+from crankbase.checks.angles import radians_of
 from crankbase.checks.arrays import (
     FloatArray,
     finite_array,
@@ -25,6 +26,9 @@ from crankbase.units.units import RPM
 from dynamics.plots.angle_curves import draw_over_time
 from dynamics.plots.quantities import SPEED_LABEL
 from dynamics.response.order_excitation import check_ascending
+
+# [share] By which an angle may miss the ends of a curve.
+ROUND_OFF = 1e-14
 
 
 @summarized("times [s]", "speeds [rad/s]", "duration [s]")
@@ -49,8 +53,8 @@ class SpeedCurve:
     Examples
     --------
     >>> curve = SpeedCurve.ramp(50.0, 150.0, acceleration=20.0)
-    >>> curve.duration, curve.angle(curve.duration)
-    (5.0, array(500.))
+    >>> curve.duration, float(curve.angle_deg(curve.duration).round())
+    (5.0, 28648.0)
     """
 
     times: FloatArray
@@ -150,11 +154,6 @@ class SpeedCurve:
         )
 
     @property
-    def start_angle(self) -> float:
-        """The angle at the first time [rad]."""
-        return math.radians(self.start_angle_deg)
-
-    @property
     def duration(self) -> float:
         """From first to last time [s]."""
         return float(self.times[-1] - self.times[0])
@@ -169,8 +168,8 @@ class SpeedCurve:
         """
         return np.asarray(np.interp(self._checked(time), self.times, self.speeds))
 
-    def angle(self, time: ArrayLike) -> FloatArray:
-        """Return the shaft angle at times [s] within the curve [rad].
+    def angle_deg(self, time: ArrayLike) -> FloatArray:
+        """Return the shaft angle at times [s] within the curve [deg].
 
         Raises
         ------
@@ -181,28 +180,30 @@ class SpeedCurve:
         piece = np.clip(np.searchsorted(self.times, times, "right") - 1, 0, self.times.size - 2)
         since = times - self.times[piece]
         rates = np.diff(self.speeds) / np.diff(self.times)
-        return np.asarray(
+        return np.degrees(
             self._angles[piece] + since * (self.speeds[piece] + 0.5 * rates[piece] * since)
         )
 
-    def time_at(self, angle: ArrayLike) -> FloatArray:
-        """Return when the shaft passes angles [rad], such as that at which a cylinder would fire.
+    def time_at(self, *, angle_deg: ArrayLike) -> FloatArray:
+        """Return when the shaft passes angles [deg], such as that at which a cylinder would fire.
 
         Raises
         ------
         InputError
             If an angle is not passed.
         """
-        angles = finite_array("angle", angle)
+        angles = radians_of("angle_deg", angle_deg)
         known = self._angles
-        if np.any((angles < known[0]) | (angles > known[-1])):
+        # The ends as `angle_deg` gives them differ from these by round-off.
+        room = ROUND_OFF * max(abs(known[0]), abs(known[-1]))
+        if np.any((angles < known[0] - room) | (angles > known[-1] + room)):
             raise InputError(
-                f"angle: given {float(np.min(angles)):g} to {float(np.max(angles)):g} rad; allowed are "
-                f"{known[0]:g} to {known[-1]:g} rad, because the shaft passes those."
+                f"angle_deg: given {np.min(angle_deg):g} to {np.max(angle_deg):g}; allowed are "
+                f"{math.degrees(known[0]):g} to {math.degrees(known[-1]):g}, because the shaft passes those."
             )
         piece = np.clip(np.searchsorted(known, angles, "right") - 1, 0, known.size - 2)
         rate = (np.diff(self.speeds) / np.diff(self.times))[piece]
-        start, past = self.speeds[piece], angles - known[piece]
+        start, past = self.speeds[piece], np.clip(angles, known[0], known[-1]) - known[piece]
         # Smaller root of rate t^2 / 2 + start t = past, in the form that holds for rate 0.
         root = np.sqrt(np.maximum(start**2 + 2.0 * rate * past, 0.0))
         return np.asarray(self.times[piece] + 2.0 * past / (start + root))
@@ -211,7 +212,9 @@ class SpeedCurve:
     def _angles(self) -> FloatArray:
         """Shaft angle at the times given [rad], (m,)."""
         means = 0.5 * (self.speeds[1:] + self.speeds[:-1])
-        return self.start_angle + np.concatenate(([0.0], np.cumsum(means * np.diff(self.times))))
+        return math.radians(self.start_angle_deg) + np.concatenate(
+            ([0.0], np.cumsum(means * np.diff(self.times)))
+        )
 
     def _checked(self, time: ArrayLike) -> FloatArray:
         times = finite_array("time", time)

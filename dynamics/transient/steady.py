@@ -43,8 +43,8 @@ class SteadyMotion(CycleMotion):
         [rad/s]
     turns : int
         Of the shaft in one cycle.
-    shaft_angle : ndarray of shape (m,)
-        Even over the cycle, without its end [rad].
+    shaft_angle_deg : ndarray of shape (m,)
+        Even over the cycle, without its end [deg].
     motion : ndarray of shape (m, n)
         Of the nodes [rad or m]; zero if it is unbounded. Rigid-body motion of a free system is that
         which the forces bring about, of mean zero.
@@ -62,7 +62,7 @@ class SteadyMotion(CycleMotion):
 
     speed: float
     turns: int
-    shaft_angle: FloatArray
+    shaft_angle_deg: FloatArray
     motion: FloatArray
     torque: FloatArray
     unbounded: bool
@@ -73,7 +73,7 @@ class SteadyMotion(CycleMotion):
     @property
     def time(self) -> FloatArray:
         """Time from shaft angle zero [s], shape (m,)."""
-        return self.shaft_angle / self.speed
+        return np.radians(self.shaft_angle_deg) / self.speed
 
     def to_xarray(self, quantity: Moving | None = None) -> Dataset:
         """Return motions and torques over shaft angle, node and element.
@@ -185,7 +185,7 @@ def steady_from(
     found = SteadyMotion(
         speed=speed,
         turns=turns,
-        shaft_angle=angles,
+        shaft_angle_deg=np.degrees(angles),
         motion=motion,
         torque=spring_torques(system.chain, motion),
         unbounded=unbounded,

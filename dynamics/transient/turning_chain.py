@@ -93,7 +93,7 @@ class TurningChain:
         return np.asarray(speeds @ self._momentum)
 
     def torques(
-        self, twist: FloatArray, speeds: FloatArray, angles: FloatArray, reference: FloatArray
+        self, twist: FloatArray, speeds: FloatArray, even_turning: FloatArray, reference: FloatArray
     ) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
         """Return torques on the unknowns of springs, dampers and gas, and what accelerates.
 
@@ -103,8 +103,8 @@ class TurningChain:
             Unknowns less even turning [rad], of c copies of the chain.
         speeds : ndarray of shape (c, q)
             [rad/s]
-        angles : ndarray of shape (c,)
-            Even turning [rad].
+        even_turning : ndarray of shape (c,)
+            Of the shaft, beside which the twist is counted [rad].
         reference : ndarray of shape (c,)
             Shaft speed that dampers to ground turn with [rad/s].
 
@@ -116,7 +116,7 @@ class TurningChain:
             Inertia of rods and pistons on each throw [kg m^2], and the torque by its change that
             brakes the throw, I' w^2 / 2 [N m].
         """
-        at_throws = (angles[:, np.newaxis] * self.even + twist) @ self.throws.T
+        at_throws = (even_turning[:, np.newaxis] * self.even + twist) @ self.throws.T
         inertia, slope, torque = self.curves.at(at_throws)
         springs = -twist @ self.stiffness
         vibrating = speeds - reference[:, np.newaxis] * self.even
@@ -135,10 +135,12 @@ class TurningChain:
         return np.asarray(np.linalg.solve(mass, given[..., np.newaxis])[..., 0])
 
     def energies(
-        self, twist: FloatArray, speeds: FloatArray, angles: FloatArray
+        self, twist: FloatArray, speeds: FloatArray, even_turning: FloatArray
     ) -> tuple[FloatArray, FloatArray]:
         """Return kinetic and strain energy (c,) [J]; arguments as for `torques`."""
-        inertia, _, _ = self.curves.at((angles[:, np.newaxis] * self.even + twist) @ self.throws.T)
+        inertia, _, _ = self.curves.at(
+            (even_turning[:, np.newaxis] * self.even + twist) @ self.throws.T
+        )
         kinetic = np.sum(speeds @ self.constant_mass * speeds, axis=1)
         kinetic += np.sum(inertia * (speeds @ self.throws.T) ** 2, axis=1)
         return 0.5 * kinetic, 0.5 * np.sum(twist @ self.stiffness * twist, axis=1)

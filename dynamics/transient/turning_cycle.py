@@ -42,8 +42,8 @@ class TurningCycle(CycleMotion):
         Of the shaft in the cycle.
     load : float
         Constant moment that brakes [N m].
-    shaft_angle : ndarray of shape (m,)
-        Mean speed times time, even over the cycle, without its end [rad].
+    shaft_angle_deg : ndarray of shape (m,)
+        Mean speed times time, even over the cycle, without its end [deg].
     motion : ndarray of shape (m, n)
         Angle of each node beside its even turning [rad]; the mean includes the twist by the torque
         passed on.
@@ -66,7 +66,7 @@ class TurningCycle(CycleMotion):
     mean_speed: float
     turns: int
     load: float
-    shaft_angle: FloatArray
+    shaft_angle_deg: FloatArray
     motion: FloatArray
     speed: FloatArray
     torque: FloatArray
@@ -246,7 +246,7 @@ def _sampled_cycle(
         mean_speed=speed,
         turns=turns,
         load=float(state.load(np.array([speed]), 0.0)[0]),
-        shaft_angle=angles,
+        shaft_angle_deg=np.degrees(angles),
         motion=motion,
         speed=speeds,
         torque=spring_torques(chain.system.chain, motion),

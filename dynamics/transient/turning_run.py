@@ -36,8 +36,8 @@ class TurningRun(ShaftRun):
     ----------
     time : ndarray of shape (m,)
         [s]
-    shaft_angle, shaft_speed : ndarray of shape (m,)
-        Of even turning with the same angular momentum about the shaft [rad, rad/s].
+    shaft_angle_deg, shaft_speed : ndarray of shape (m,)
+        Of even turning with the same angular momentum about the shaft [deg, rad/s].
     motion : ndarray of shape (m, n)
         Angle of each node beside that [rad], twist by mean torques included.
     speed : ndarray of shape (m, n)
@@ -58,7 +58,7 @@ class TurningRun(ShaftRun):
     """
 
     time: FloatArray
-    shaft_angle: FloatArray
+    shaft_angle_deg: FloatArray
     shaft_speed: FloatArray
     motion: FloatArray
     speed: FloatArray
@@ -242,7 +242,7 @@ def _assembled(
     works = states[:, 2 * count : 2 * count + WORKS].T
     return TurningRun(
         time=times,
-        shaft_angle=angle,
+        shaft_angle_deg=np.degrees(angle),
         shaft_speed=chain.mean_speed(speeds),
         motion=motion,
         speed=speeds @ chain.expand.T,

@@ -1,6 +1,7 @@
 """Quantities that repeat with every turn of the shaft, ready for quick evaluation at any angle."""
 
 import functools
+import math
 from collections.abc import Callable
 from dataclasses import dataclass
 
@@ -9,7 +10,7 @@ import numpy as np
 from crankbase.checks.arrays import ComplexArray, FloatArray
 from dynamics.cycle import even_angles
 from dynamics.engine.layout import EngineLayout
-from dynamics.engine.motions import cylinder_motion, reduced_inertia
+from dynamics.engine.motions import parts_motion, reduced_inertia
 from dynamics.engine.orders import turn_spectrum
 from dynamics.mechanism.rods import RodModel
 
@@ -95,12 +96,12 @@ def _engine_samples(
     places = []
     height = np.zeros(angles.shape)
     for number, (cylinder, model) in enumerate(zip(engine.cylinders, models, strict=True), start=1):
-        motion = cylinder_motion(engine, number, angles)
-        upwards = np.exp(1j * cylinder.bank_angle)
+        motion = parts_motion(engine, number, angles)
+        upwards = np.exp(1j * math.radians(cylinder.bank_angle_deg))
         places.append(motion.piston.place.real)
         height += cylinder.piston_mass * (upwards * motion.piston.place).real
         height += model.mass * (upwards * motion.rod_point(model.center).place).real
     for mass in engine.rotating:
-        height += mass.static_moment * np.cos(mass.angle + angles)
-    inertia, _ = reduced_inertia(engine, models, angles)
+        height += mass.static_moment * np.cos(math.radians(mass.angle_deg) + angles)
+    inertia, _ = reduced_inertia(engine, models, shaft_angles_deg=np.degrees(angles))
     return np.array([*places, inertia, height])

@@ -57,7 +57,7 @@ class WorkShare:
     work: FloatArray
 
 
-@summarized("time [s]", "angle [rad]", "speed [rad/s]", "energy_error", "stopped", "remark")
+@summarized("time [s]", "angle_deg [deg]", "speed [rad/s]", "energy_error", "stopped", "remark")
 @dataclass(frozen=True, eq=False)
 class FreeTurning:
     """How an engine turned by itself.
@@ -66,8 +66,8 @@ class FreeTurning:
     ----------
     time : ndarray of shape (m,)
         [s]
-    angle : ndarray of shape (m,)
-        Of the shaft [rad].
+    angle_deg : ndarray of shape (m,)
+        Of the shaft [deg].
     speed : ndarray of shape (m,)
         [rad/s]
     acceleration : ndarray of shape (m,)
@@ -81,7 +81,7 @@ class FreeTurning:
     """
 
     time: FloatArray
-    angle: FloatArray
+    angle_deg: FloatArray
     speed: FloatArray
     acceleration: FloatArray
     kinetic_energy: FloatArray
@@ -153,7 +153,7 @@ class FreeTurning:
         """
         columns = {
             "time": (self.time, "s"),
-            "angle": (self.angle, "rad"),
+            "angle": (self.angle_deg, "deg"),
             "speed": (self.speed, "rad/s"),
             "acceleration": (self.acceleration, "rad/s^2"),
             "kinetic_energy": (self.kinetic_energy, "J"),
@@ -368,7 +368,7 @@ def _assembled(
     acceleration = (shares.sum(axis=0) - 0.5 * inertia_slope * speed**2) / inertia
     return FreeTurning(
         time=read_only(time),
-        angle=read_only(angle),
+        angle_deg=read_only(np.degrees(angle)),
         speed=read_only(speed),
         acceleration=read_only(acceleration),
         kinetic_energy=read_only(0.5 * inertia * speed**2),

@@ -7,6 +7,7 @@ from typing import Literal
 import numpy as np
 
 from crankbase.checks.arrays import FloatArray
+from dynamics.cycle import cycle_radians
 from dynamics.engine.gas_forces import Pressure, gas_forces
 from dynamics.engine.layout import EngineLayout
 from dynamics.engine.motions import piston_ends
@@ -48,7 +49,7 @@ def piston_gas(engine: EngineLayout, gas: Gas, crankcase_pressure: float) -> Pis
     if callable(gas):
         return PistonGas(_from_places(engine, gas), True)
     # Refuses what does not fit.
-    gas_forces(engine, [0.0], gas, crankcase_pressure)
+    gas_forces(engine, gas, crankcase_pressure, shaft_angles_deg=[0.0])
     return PistonGas(_from_pressures(engine, gas, crankcase_pressure), False)
 
 
@@ -62,7 +63,7 @@ def _from_pressures(
     count = len(engine.cylinders)
     pressures = list(gas) if isinstance(gas, Sequence) else [gas] * count
     areas = np.array([cylinder.area for cylinder in engine.cylinders])
-    firing = np.array(engine.firing)
+    firing = np.radians(engine.firing_deg)
     # Cylinders with the same pressure are asked for together.
     groups: dict[int, tuple[Pressure, list[int]]] = {}
     for place, own in enumerate(pressures):
@@ -71,7 +72,7 @@ def _from_pressures(
     def forces(angle: float, _places: FloatArray, _directions: FloatArray) -> FloatArray:
         found = np.empty(count)
         for pressure, members in groups.values():
-            found[members] = pressure.at(angle - firing[members])
+            found[members] = pressure.at(angle_deg=np.degrees(angle - firing[members]))
         return np.asarray(areas * (found - crankcase_pressure))
 
     return forces
@@ -82,7 +83,7 @@ def _from_places(
 ) -> Callable[[float, FloatArray, FloatArray], FloatArray]:
     count = len(engine.cylinders)
     lowest, highest = np.array([piston_ends(engine, number + 1) for number in range(count)]).T
-    firing, cycle = np.array(engine.firing), engine.cycle
+    firing, cycle = np.radians(engine.firing_deg), cycle_radians(engine.strokes)
 
     def forces(angle: float, places: FloatArray, directions: FloatArray) -> FloatArray:
         positions = np.clip((places - lowest) / (highest - lowest), 0.0, 1.0).tolist()

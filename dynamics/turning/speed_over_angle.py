@@ -51,35 +51,35 @@ OUTER = (5.0 / 18.0, 4.0 / 9.0, 5.0 / 18.0)
 STOPPED_SHARE = 1e-9
 
 
-@summarized("mean_speed [rad/s]", "fluctuation", "speed [rad/s]", "stopped_at [rad]")
+@summarized("mean_speed [rad/s]", "fluctuation", "speed [rad/s]", "stopped_at_deg [deg]")
 @dataclass(frozen=True, eq=False)
 class SpeedOverAngle:
     """How a shaft turned over given angles.
 
     Parameters
     ----------
-    angle : ndarray of shape (m,)
-        [rad]
+    angle_deg : ndarray of shape (m,)
+        [deg]
     speed : ndarray of shape (m,)
         [rad/s]
     time : ndarray of shape (m,)
         From the first angle [s].
     energy : ndarray of shape (m,)
         Kinetic energy I w^2 / 2 [J].
-    stopped_at : float or None
-        Angle at which the shaft stopped [rad]; the arrays then end before it.
+    stopped_at_deg : float or None
+        Angle at which the shaft stopped [deg]; the arrays then end before it.
     """
 
-    angle: FloatArray
+    angle_deg: FloatArray
     speed: FloatArray
     time: FloatArray
     energy: FloatArray
-    stopped_at: float | None = None
+    stopped_at_deg: float | None = None
 
     @property
     def mean_speed(self) -> float:
         """Angle turned divided by the time that it took [rad/s]."""
-        return float((self.angle[-1] - self.angle[0]) / self.time[-1])
+        return float(math.radians(self.angle_deg[-1] - self.angle_deg[0]) / self.time[-1])
 
     @property
     def fluctuation(self) -> float:
@@ -100,7 +100,11 @@ class SpeedOverAngle:
         """
         axes = new_axes(axes)
         draw_over_angle(
-            axes, self.angle, {"speed": RPM * self.speed}, "speed [1/min]", cyclic=False
+            axes,
+            np.radians(self.angle_deg),
+            {"speed": RPM * self.speed},
+            "speed [1/min]",
+            cyclic=False,
         )
         write_title(axes, "Speed over the shaft angle")
         return axes
@@ -120,7 +124,7 @@ class SpeedOverAngle:
         """
         return table(
             {
-                "angle": (self.angle, "rad"),
+                "angle": (self.angle_deg, "deg"),
                 "speed": (self.speed, "rad/s"),
                 "time": (self.time, "s"),
                 "kinetic_energy": (self.energy, "J"),
@@ -185,11 +189,11 @@ def speed_over_angle(
     angles = np.linspace(first, first + length, count + 1)
     states, stopped = _integrate_speed(inertia, moment, angles, speed)
     return SpeedOverAngle(
-        angle=read_only(angles[: len(states)].copy()),
+        angle_deg=read_only(np.degrees(angles[: len(states)])),
         speed=read_only(np.array([speed for speed, _, _ in states])),
         time=read_only(np.array([time for _, time, _ in states])),
         energy=read_only(np.array([energy for _, _, energy in states])),
-        stopped_at=stopped,
+        stopped_at_deg=None if stopped is None else math.degrees(stopped),
     )
 
 

@@ -2,6 +2,7 @@
 
 import math
 
+from dynamics.cycle import cycle_radians
 from dynamics.engine.layout import EngineLayout
 from dynamics.gas.pressure import ATMOSPHERE
 from dynamics.mechanism.rod_model_names import RodModelName
@@ -48,6 +49,6 @@ def turn_steadily(
         moments.inertia,
         lambda speed, angle: math.fsum(moments.at(angle, speed)[0]),
         mean_speed,
-        engine.cycle / (2.0 * math.pi),
+        cycle_radians(engine.strokes) / (2.0 * math.pi),
         samples=samples,
     )

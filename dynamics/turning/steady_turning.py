@@ -116,7 +116,7 @@ def steady_turning(
             turns=turns,
             samples=samples,
         )
-        return SteadyTurning(load, found) if found.stopped_at is None else None
+        return SteadyTurning(load, found) if found.stopped_at_deg is None else None
 
     def residual(unknowns: FloatArray) -> list[float]:
         try:

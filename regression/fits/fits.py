@@ -21,12 +21,13 @@ from regression.fits.determined_terms import determined_terms, is_indicator
 from regression.fits.equation_text import term_effects
 from regression.fits.forms import Basis, FittedForm, Form, form_named
 from regression.fits.groups import group_named
-from regression.fits.selection import backward
+from regression.fits.selection import backward, left_out_predictions
 from regression.fits.statistics import (
     LeastSquares,
     adjusted,
     coefficient_of_determination,
     least_squares,
+    tolerance_limit,
 )
 from regression.fits.terms import Term, code, design_matrix, term_name
 from regression.plots.equations import draw_effects
@@ -35,6 +36,9 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 Array = NDArray[np.float64]
+
+# Numbers that the selections without each run hold at a time; more take minutes for a study.
+LARGEST_SELECTION = 3_000_000
 
 
 @summarized(
@@ -62,14 +66,22 @@ class Fit:
         R2 of the response itself at the runs, for a form in logarithms too; 1 for a constant
         response. The adjusted one is None without degrees of freedom.
     q_squared : float or None
-        Leave-one-out Q2 = 1 - PRESS / total sum of squares, of the response itself; None if some
-        run alone determines a coefficient (as with as many runs as coefficients).
+        Leave-one-out Q2 = 1 - PRESS / total sum of squares, of the response itself. Each run is left out
+        of the selection of the terms too, but for large studies (runs^2 times terms above
+        `LARGEST_SELECTION`), where one run of hundreds hardly changes it. None if some run alone
+        determines a coefficient before the selection (as with as many runs as coefficients).
     largest_error, mean_error : float
         At the runs.
     largest_heldout_error, mean_heldout_error : float or None
         At the held-out designs; None if there were none.
     runs, heldout_runs : int
         Numbers of runs fitted and held out.
+    band_error : float or None
+        The error that 95 % of new designs keep to (`regression.fits.statistics.tolerance_limit`): of the
+        runs, each left out in turn, or of the held-out designs, whichever is larger; None if there is
+        neither.
+    band_designs : int
+        Number of designs that it is taken from.
     lowest, highest : tuple of float
         Of each column at the runs.
     undetermined : tuple of str
@@ -93,6 +105,8 @@ class Fit:
     highest: tuple[float, ...]
     undetermined: tuple[str, ...] = ()
     dropped: tuple[str, ...] = ()
+    band_error: float | None = None
+    band_designs: int = 0
 
     def __repr__(self) -> str:
         """Say in a line what it is; coefficients and statistics would fill screens."""
@@ -280,10 +294,14 @@ def fit_form(
     dropped: tuple[Term, ...] = ()
     # Solved in full first: that says which term the runs do not determine.
     solution = least_squares(matrix, target, _names(terms, names, log_factors))
+    small = len(values) ** 2 * len(terms) <= LARGEST_SELECTION
+    left_out = left_out_predictions(matrix, target, terms) if drop_terms and small else None
     if drop_terms:
         kept, gone = backward(matrix, target, terms)
         dropped, terms = tuple(terms[i] for i in gone), tuple(terms[i] for i in kept)
         solution = least_squares(matrix[:, kept], target, _names(terms, names, log_factors))
+    if not (drop_terms and small):
+        left_out = solution.leave_one_out
     fitted = FittedForm(
         form,
         names,
@@ -298,12 +316,17 @@ def fit_form(
     errors = np.abs(predicted / values - 1.0)
     heldout = _heldout_errors(fitted, kind, heldout_x, heldout_y, heldout_scale)
     r_squared = coefficient_of_determination(values, predicted)
+    unseen, q_squared = [] if heldout is None else [heldout], None
+    if left_out is not None:
+        left_out = sizes * (np.exp(left_out) if kind.logarithmic else left_out)
+        q_squared = coefficient_of_determination(values, left_out)
+        unseen.append(np.abs(left_out / values - 1.0))
     return Fit(
         fitted=fitted,
         statistics=solution,
         r_squared=r_squared,
         adjusted_r_squared=adjusted(r_squared, len(values), len(terms)),
-        q_squared=_leave_one_out(solution, values, sizes, kind.logarithmic),
+        q_squared=q_squared,
         largest_error=float(np.max(errors)),
         mean_error=float(np.mean(errors)),
         largest_heldout_error=float(np.max(heldout)) if heldout is not None else None,
@@ -314,6 +337,8 @@ def fit_form(
         highest=tuple(np.max(points, axis=0).tolist()),
         undetermined=_names(undetermined, names, log_factors),
         dropped=_names(dropped, names, log_factors),
+        band_error=max(map(tolerance_limit, unseen), default=None),
+        band_designs=sum(map(len, unseen)),
     )
 
 
@@ -372,15 +397,3 @@ def _heldout_errors(
     sizes = checked_sizes("heldout_scale", heldout_scale, values)
     errors: Array = np.abs(sizes * fitted.predict(points) / values - 1.0)
     return errors
-
-
-def _leave_one_out(
-    solution: LeastSquares, values: Array, sizes: Array, logarithmic: bool
-) -> float | None:
-    """Return Q2 from each run's prediction by the fit to all others, by the hat matrix."""
-    left_out = solution.leave_one_out
-    if left_out is None:
-        return None
-    return coefficient_of_determination(
-        values, sizes * (np.exp(left_out) if logarithmic else left_out)
-    )

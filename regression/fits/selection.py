@@ -18,10 +18,11 @@ from dataclasses import dataclass
 from typing import Protocol, TypeVar
 
 import numpy as np
+from numpy.typing import NDArray
 
 from crankbase.errors import InputError
-from regression.fits.statistics import Array, press_without_each
-from regression.fits.terms import Term, removable
+from regression.fits.statistics import FULL_LEVERAGE, Array
+from regression.fits.terms import Term, divisors
 
 # Forms whose largest held-out error is within this share of the smallest count as equally good.
 PARSIMONY = 0.10
@@ -44,26 +45,114 @@ def backward(matrix: Array, y: Array, terms: Sequence[Term]) -> tuple[list[int],
         Places of the terms that stay, in order, and of those that go, in the order of their going.
         Nothing goes where no fit with one term less has a finite PRESS.
     """
-    kept, dropped = list(range(len(terms))), list[int]()
-    press = _press(matrix, y)
-    while True:
-        places = removable([terms[number] for number in kept])
-        if not places:
-            return kept, dropped
-        without = press_without_each(matrix[:, kept], y, places)
-        best = int(np.argmin(without))
-        if not np.isfinite(without[best]) or without[best] > press:
-            return kept, dropped
-        press = float(without[best])
-        dropped.append(kept.pop(places[best]))
+    dropped: list[int] = []
+    whole = np.asarray(np.linalg.pinv(matrix), dtype=np.float64)
+    _drop(whole[None], matrix, y, terms, np.zeros((1, 0), dtype=int), dropped)
+    return [place for place in range(len(terms)) if place not in dropped], dropped
 
 
-def _press(matrix: Array, y: Array) -> float:
-    orthogonal = np.linalg.qr(matrix)[0]
-    left = 1.0 - np.sum(orthogonal**2, axis=1)
-    if float(np.min(left)) <= 1e-9:
-        return float(np.inf)
-    return float(np.sum(((y - orthogonal @ (orthogonal.T @ y)) / left) ** 2))
+def left_out_predictions(matrix: Array, y: Array, terms: Sequence[Term]) -> Array | None:
+    """Predict every run by the fit to all others, whose terms are selected without it too.
+
+    Parameters
+    ----------
+    matrix, y, terms
+        As in `backward`.
+
+    Returns
+    -------
+    (n,) ndarray or None
+        None if some run alone determines a coefficient of the form before the selection.
+    """
+    runs = len(y)
+    whole = np.asarray(np.linalg.pinv(matrix), dtype=np.float64)
+    leverage = np.sum(matrix * whole.T, axis=1)
+    if runs <= len(terms) or float(np.max(leverage)) >= FULL_LEVERAGE:
+        return None
+    # Without run i, by the formula of Sherman and Morrison: (A'A - a a')^-1 and with it the pseudoinverse.
+    own = (whole @ whole.T @ matrix.T).T  # (n, p): (A'A)^-1 a of every run
+    mixed = (matrix @ whole) / (1.0 - leverage)[:, None]
+    inverses = whole[None] + own[:, :, None] * mixed[:, None, :]
+    inverses[np.arange(runs), :, np.arange(runs)] = 0.0
+    inverses = _drop(inverses, matrix, y, terms, np.arange(runs)[:, None])
+    predicted: Array = np.einsum("ip,ipn,n->i", matrix, inverses, y, optimize=True)
+    return predicted
+
+
+def _drop(
+    inverses: Array,
+    matrix: Array,
+    y: Array,
+    terms: Sequence[Term],
+    left_out: NDArray[np.intp],
+    dropped: list[int] | None = None,
+) -> Array:
+    """Drop terms of several fits of one form side by side, each to other runs.
+
+    Without column j the hat matrix loses v v^T, where v is the unit vector along row j of the pseudoinverse:
+    v lies in the space of all columns and is orthogonal to the others. So residuals, leverages and the
+    pseudoinverse itself follow from those before.
+
+    Parameters
+    ----------
+    inverses : (m, p, n) ndarray
+        Pseudoinverse of the matrix of each fit, 0 at the runs that it leaves out.
+    matrix, y, terms
+        As in `backward`.
+    left_out : (m, number) ndarray
+        Which runs each fit leaves out.
+    dropped : list, optional
+        Takes the places of what goes from the first fit, in order.
+
+    Returns
+    -------
+    (m, p, n) ndarray
+        Pseudoinverses of what is left; 0 for terms that went.
+    """
+    fits = len(inverses)
+    taking_part = np.ones((fits, len(y)))
+    np.put_along_axis(taking_part, left_out, 0.0, axis=1)
+    residuals = taking_part * (y - (inverses @ y) @ matrix.T)
+    leverage = np.einsum("np,mpn->mn", matrix, inverses)
+    divides = np.array([[one in divisors(term) for term in terms] for one in terms])
+    high = np.array([len(term) > 1 for term in terms])
+    kept = np.ones((fits, len(terms)), dtype=bool)
+    press = _press(residuals, 1.0 - leverage)
+    active = np.arange(fits)
+    while active.size:
+        # Hierarchy: what divides another kept term stays.
+        may_go = kept[active] & high & ~(kept[active] @ divides.T)
+        places = np.flatnonzero(may_go.any(axis=0))
+        if not places.size:
+            break
+        rows = inverses[np.ix_(active, places)]
+        length = np.linalg.norm(rows, axis=2, keepdims=True)
+        unit = rows / np.where(length > 0.0, length, 1.0)
+        without = residuals[active, None] + unit * (unit @ y)[..., None]
+        errors = _press(without, 1.0 - leverage[active, None] + unit**2)
+        errors[~may_go[:, places]] = np.inf
+        best = np.argmin(errors, axis=1)
+        smallest = errors[np.arange(len(active)), best]
+        going = np.flatnonzero(np.isfinite(smallest) & (smallest <= press[active]))
+        active, best = active[going], best[going]
+        press[active] = smallest[going]
+        gone, direction = places[best], unit[going, best]
+        kept[active, gone] = False
+        residuals[active] = without[going, best]
+        leverage[active] -= direction**2
+        shares = np.einsum("mpn,mn->mp", inverses[active], direction)
+        inverses[active] -= shares[:, :, None] * direction[:, None, :]
+        inverses[active, gone] = 0.0
+        if dropped is not None and active.size:
+            dropped.append(int(gone[0]))
+    return inverses
+
+
+def _press(residuals: Array, left: Array) -> Array:
+    """PRESS along the last axis, infinite where a run cannot be missed."""
+    possible = np.all(left > 1.0 - FULL_LEVERAGE, axis=-1)
+    squares = np.sum((residuals / np.where(possible[..., None], left, 1.0)) ** 2, axis=-1)
+    return np.where(possible, squares, np.inf)
 
 
 class CrossValidatedForm(Protocol):

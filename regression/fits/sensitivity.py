@@ -20,30 +20,36 @@ ELASTICITY_STEP = 1e-4
 SOBOL_POINTS = 4096
 SOBOL_SEED = 1
 # A response that varies over the ranges by less than this share has nothing to share out.
-_CONSTANT = 1e-9
+CONSTANT = 1e-9
 
 
 @dataclass(frozen=True)
 class SobolIndices:
-    """Shares of a response's variance over the ranges, all factors uniform and independent.
+    """Shares of a response's variance, uniform over the ranges or over what of them constraints leave.
 
     Attributes
     ----------
     names : tuple of str
         Of the factors.
     first : tuple of float
-        Share that a factor causes alone. They sum up to 1 at most; what is missing is caused by
-        factors together.
+        Share that a factor causes alone, Var E(y | x_i) / Var y. Without constraints they sum up to 1 at
+        most; what is missing is caused by factors together.
     total : tuple of float
-        Share that a factor causes alone and together with others.
+        Share that a factor causes alone and together with others, E Var(y | all but x_i) / Var y. Under
+        constraints a factor also tells of others, and this may be less than the first.
     points : int
-        Number of points of each of the two samples that they are estimated from.
+        Number of points of each of the samples that they are estimated from.
+    shapley : tuple of float or None
+        Under constraints, the shares that add up to 1: means, over all orders in which the factors may
+        become known, of the variance that each takes away. Without constraints they lie between first and
+        total and are not calculated.
     """
 
     names: tuple[str, ...]
     first: tuple[float, ...]
     total: tuple[float, ...]
     points: int
+    shapley: tuple[float, ...] | None = None
 
 
 def elasticities(model: Model, factors: Sequence[Factor], nominal: Sequence[float]) -> list[float]:
@@ -119,8 +125,8 @@ def sobol_indices(
     ----------
     model : callable
     factors : sequence of Factor
-        Each uniform over its range, a category over its labels; constraints between them are not
-        regarded.
+        Each uniform over its range, a category over its labels, independent of each other; under
+        constraints `constrained_indices` is for them.
     points : int
         A power of 2.
     seed : int
@@ -153,7 +159,7 @@ def sobol_indices(
     )
     values = model(sample.T)
     size = float(np.max(np.abs(values)))
-    if float(np.ptp(values)) <= _CONSTANT * size:
+    if float(np.ptp(values)) <= CONSTANT * size:
         return None
     names = tuple(factor.name for factor in factors)
     if len(factors) == 1:  # all of the variance is its own; scipy fails on one factor

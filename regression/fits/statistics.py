@@ -21,6 +21,8 @@ Array = NDArray[np.float64]
 DEPENDENT_COLUMN = 1e-10
 # A run of this leverage alone determines a coefficient: it cannot be predicted from the others.
 FULL_LEVERAGE = 1.0 - 1e-9
+# Share of new designs whose error a band holds, and how sure that is where there are enough designs.
+COVERAGE, CONFIDENCE = 0.95, 0.90
 
 
 @dataclass(frozen=True, eq=False)
@@ -226,33 +228,35 @@ def coefficient_of_determination(values: Array, predicted: Array) -> float:
     return 1.0 - float(np.sum(residual**2)) / total
 
 
-def press_without_each(matrix: Array, y: Array, places: Sequence[int]) -> Array:
-    """Return PRESS of the fits without one column each, infinite where a row cannot be missed.
+def tolerance_limit(errors: Array) -> float:
+    """Return the error that `COVERAGE` of new designs keep to, with `CONFIDENCE`.
 
-    Without column j the hat matrix loses v v^T, where v is the unit vector along row j of the
-    matrix's pseudoinverse: v lies in the space of all columns and is orthogonal to the others. So
-    every residual and leverage follows from the full fit.
+    The limit free of any distribution (Wilks, Annals of Mathematical Statistics 12, 1941): the share of
+    new errors below the r-th of n sorted ones has the distribution Beta(r, n - r + 1). It takes 45 errors;
+    the largest of fewer is less sure, n / (n + 1) on the average.
 
     Parameters
     ----------
-    matrix : (n, p) ndarray
-        Of full rank.
-    y : (n,) ndarray
-    places : sequence of int
-        Columns to leave out, one at a time.
+    errors : (n,) ndarray
+        Of designs like the new ones, at least one.
 
-    Returns
-    -------
-    (len(places),) ndarray
+    Examples
+    --------
+    >>> [float(tolerance_limit(np.arange(n) + 1.0)) for n in (8, 45, 76, 77, 129, 500)]
+    [8.0, 45.0, 76.0, 76.0, 127.0, 482.0]
     """
-    orthogonal, triangular = np.linalg.qr(matrix)
-    rows = np.linalg.solve(triangular, orthogonal.T)[list(places)]
-    unit = rows / np.linalg.norm(rows, axis=1, keepdims=True)
-    residuals = y - orthogonal @ (orthogonal.T @ y)
-    leverage = np.sum(orthogonal**2, axis=1)
-    without = residuals + unit * (unit @ y)[:, None]
-    left = 1.0 - (leverage - unit**2)
-    possible = np.all(left > 1.0 - FULL_LEVERAGE, axis=1)
-    press = np.full(len(places), np.inf)
-    press[possible] = np.sum((without[possible] / left[possible]) ** 2, axis=1)
-    return press
+    number = len(errors)
+    # Chance that so many of new errors, or fewer, are larger than the limit, one after the other.
+    larger, chance, left = 0, 0.0, 1.0 - CONFIDENCE
+    while larger < number:
+        chance += math.exp(
+            math.lgamma(number + 1)
+            - math.lgamma(larger + 1)
+            - math.lgamma(number - larger + 1)
+            + larger * math.log(1.0 - COVERAGE)
+            + (number - larger) * math.log(COVERAGE)
+        )
+        if chance > left:
+            break
+        larger += 1
+    return float(np.sort(errors)[::-1][max(0, larger - 1)])

@@ -78,15 +78,6 @@ def divisors(term: Term) -> set[Term]:
     return {divisor for size in range(len(term)) for divisor in itertools.combinations(term, size)}
 
 
-def removable(terms: Sequence[Term]) -> list[int]:
-    """Return the places of the terms that may go: of degree 2 or more, and dividing no other.
-
-    So hierarchy is kept, and every column stays in the equation.
-    """
-    needed = set[Term]().union(*(divisors(term) for term in terms))
-    return [place for place, term in enumerate(terms) if len(term) > 1 and term not in needed]
-
-
 def term_name(term: Term, names: Sequence[str], times: str = " * ") -> str:
     """Name a term in words of its columns, such as "web_width^2"; "1" is the constant.
 

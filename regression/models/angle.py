@@ -29,8 +29,8 @@ def fold_angle(gamma_deg: ArrayLike) -> Any:
     >>> fold_angle(240.0), fold_angle(-90.0), fold_angle(540.0)
     (120.0, 90.0, 180.0)
     """
-    if isinstance(gamma_deg, float) and math.isfinite(gamma_deg):
-        return fold_angle_deg(gamma_deg)
+    if gamma_deg.__class__ in (float, int) and math.isfinite(gamma_deg):
+        return fold_angle_deg(float(gamma_deg))
     angles = finite_array("gamma_deg", gamma_deg)
     if not angles.size:
         raise InputError(
@@ -94,3 +94,18 @@ def between_values(angle: Any, values: Sequence[Any]) -> Any:
             f"gamma_deg: given an array of shape {np.shape(angle)} for dimensions of shape "
             f"{np.shape(values[0])}; allowed are shapes that can be broadcast together."
         ) from None
+
+
+def between_ends(angle: Any, ends: Sequence[tuple[Any, Any]]) -> tuple[Any, Any]:
+    """Apply the angle law to the ends of e_0, e_180 and rho: the smallest and the largest value.
+
+    The law is a mean of e_0 and e_180, so that it rises with both, and rises or falls with rho.
+    """
+    *values, ratios = ends
+    low, high = (
+        [between_values(angle, [*(pair[end] for pair in values), ratio]) for ratio in ratios]
+        for end in (0, 1)
+    )
+    if isinstance(low[0], float):
+        return min(low), max(high)
+    return np.minimum(*low), np.maximum(*high)

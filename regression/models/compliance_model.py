@@ -14,13 +14,19 @@ from numpy.typing import ArrayLike, NDArray
 
 from crankbase.errors import InputError
 from geometry.throw import CrankThrow
-from regression.models.angle import between_values, fold_angle
-from regression.models.extrapolation import OutsideRangeWarning
+from regression.models.angle import fold_angle
 from regression.models.family_throw import query_for_throw
-from regression.models.lookup import Lookup, make_lookup, make_lookup_between_neighbors
-from regression.models.model_content import ModelContent
+from regression.models.lookup import (
+    Lookup,
+    Lookups,
+    make_lookup,
+    make_lookup_between_neighbors,
+    make_lookups,
+    make_lookups_between_neighbors,
+)
+from regression.models.model_values import ModelValues
 from regression.models.response_query import ResponseValues
-from regression.response_kinds import ANGLE_LAWS, AXIAL, INFLUENCE, TORSIONAL
+from regression.response_kinds import ANGLE_LAWS
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -28,7 +34,7 @@ if TYPE_CHECKING:
 Value = float | NDArray[np.float64]
 
 
-class ComplianceModel(ModelContent):
+class ComplianceModel(ModelValues):
     """Regression equations for the compliances of a family of crank throws.
 
     Parameters
@@ -50,8 +56,9 @@ class ComplianceModel(ModelContent):
         SI units of factors that are no fields of a throw.
     relations : dict of str to str
         Dimensions that followed from others in the study, and how.
-    constraints : tuple of str
-        What had to hold in the study.
+    constraints : tuple of str or None
+        What had to hold in the study: a throw that breaks one counts as outside the range of the fit.
+        None if that is not known, as of files of older releases; lookups then say so.
     constant_groups : dict of str to float
         Dimensionless groups that did not vary although their dimensions did.
     throw : dict, optional
@@ -73,95 +80,6 @@ class ComplianceModel(ModelContent):
     ``model = ComplianceModel.load("model.json")`` and then
     ``model.axial_compliance(web_width=0.300, web_thickness=0.068, pin_length=0.139)``.
     """
-
-    def axial_compliance(
-        self,
-        *,
-        gamma_deg: ArrayLike | None = None,
-        strict: bool = False,
-        **dimensions: ArrayLike | str,
-    ) -> Value:
-        """Axial compliance e_n [m/N].
-
-        Parameters
-        ----------
-        gamma_deg : float or array_like, optional
-            Angle to the neighboring cranks [deg], folded to 0 ... 180; the throw is then between
-            identical neighbors instead of supported as in `lookup`. Needs e_0, e_180 and rho in the
-            model.
-        strict : bool
-            Refuse what lies outside the range of the fit.
-        **dimensions : float, str or array_like
-            The factors by name [SI], choices as labels; arrays are broadcast together. A fixed
-            dimension may be given if it has the model's value. An equation in dimensionless groups
-            takes any size: what is not given is as in the study, and ratios that did not vary must
-            agree with it.
-
-        Returns
-        -------
-        float or ndarray
-            A float if all dimensions are plain numbers.
-
-        Raises
-        ------
-        InputError
-            If a factor is missing, a dimension is unknown, not positive or not finite, a fixed one or
-            a fixed ratio has another value, or, if `strict`, something lies outside the range; with an
-            angle, if the equation of rho gives no positive number.
-
-        Warns
-        -----
-        OutsideRangeWarning
-            For each dimension or ratio outside the range of the fit; the value is not clipped.
-        """
-        return self._value(AXIAL, gamma_deg, strict, dimensions)
-
-    def torsional_compliance(self, *, strict: bool = False, **dimensions: ArrayLike | str) -> Value:
-        """Torsional compliance [rad/(N m)]; else as `axial_compliance`."""
-        return self._value(TORSIONAL, None, strict, dimensions)
-
-    def influence_coefficient(
-        self,
-        *,
-        gamma_deg: ArrayLike | None = None,
-        strict: bool = False,
-        **dimensions: ArrayLike | str,
-    ) -> Value:
-        """Lengthening per unit radial force on the pin, c [m/N]; else as `axial_compliance`."""
-        return self._value(INFLUENCE, gamma_deg, strict, dimensions)
-
-    def value(
-        self,
-        response: str,
-        /,
-        *,
-        gamma_deg: ArrayLike | None = None,
-        strict: bool = False,
-        **dimensions: ArrayLike | str,
-    ) -> Value:
-        """Value of any response of the model by its name [SI]; else as `axial_compliance`."""
-        return self._value(response, gamma_deg, strict, dimensions)
-
-    def _value(
-        self, name: str, gamma_deg: ArrayLike | None, strict: bool, dimensions: Mapping[str, Any]
-    ) -> Value:
-        """Answer, with warnings for the caller of the public method, two frames up."""
-        if gamma_deg is None:
-            value = self._compiled.fast_lookup(name, dimensions)
-            if value is not None:
-                return value
-            answers = [self.answer(name, dimensions)]
-            values: Value = answers[0].values
-        else:
-            angle = fold_angle(gamma_deg)
-            answers = [self.answer(part, dimensions) for part in self.angle_law(name)]
-            values = between_values(angle, [answer.values for answer in answers])
-        # Each dimension is told of once.
-        for one in {one.name: one for answer in answers for one in answer.outside}.values():
-            if strict:
-                raise InputError(one.error_sentence)
-            warnings.warn(one.remark, OutsideRangeWarning, stacklevel=3)
-        return values
 
     def lookup(
         self,
@@ -197,7 +115,7 @@ class ComplianceModel(ModelContent):
             if np.ndim(given):
                 raise InputError(
                     f"{name}: given an array of shape {np.shape(given)}; allowed is one number, "
-                    "because a lookup tells about one throw."
+                    "because `lookup` tells about one throw: `lookups` takes arrays."
                 )
         if gamma_deg is None:
             return self._lookup(response, dimensions, strict)
@@ -210,12 +128,63 @@ class ComplianceModel(ModelContent):
             self._compiled.angle_law_remarks,
         )
 
+    def lookups(
+        self,
+        response: str,
+        /,
+        *,
+        gamma_deg: ArrayLike | None = None,
+        strict: bool = False,
+        **dimensions: ArrayLike | str,
+    ) -> Lookups:
+        """Values of a response for many throws at once, with their error bands.
+
+        Parameters
+        ----------
+        response, gamma_deg, strict, **dimensions
+            As in `axial_compliance` and `lookup`; arrays are broadcast together.
+
+        Returns
+        -------
+        Lookups
+            With arrays of the values, their bands and whether each lies inside; nothing is warned about.
+
+        Raises
+        ------
+        InputError
+            As in `axial_compliance`; if the model does not hold the response.
+        """
+        parts = (response,) if gamma_deg is None else self.angle_law(response)
+        answers = {part: self._answered(part, dimensions, strict) for part in parts}
+        compiled = self._compiled
+        found = [
+            make_lookups(self.responses[part], compiled.bands[part], answer, compiled.remarks)
+            for part, answer in answers.items()
+        ]
+        if gamma_deg is None:
+            return found[0]
+        known = self.responses.get(response)
+        return make_lookups_between_neighbors(
+            fold_angle(gamma_deg),
+            found,
+            found[0].symbol if known is None else known.symbol,
+            self._compiled.angle_law_remarks,
+        )
+
     def _lookup(self, name: str, dimensions: Mapping[str, Any], strict: bool) -> Lookup:
+        value = self._compiled.fast_lookup(name, dimensions)
+        if value is None:
+            answer = self._answered(name, dimensions, strict)
+        else:
+            answer = ResponseValues(value, (), True)
+        compiled = self._compiled
+        return make_lookup(self.responses[name], compiled.bands[name], answer, compiled.remarks)
+
+    def _answered(self, name: str, dimensions: Mapping[str, Any], strict: bool) -> ResponseValues:
         answer = self.answer(name, dimensions)
         if strict and answer.outside:
             raise InputError(answer.outside[0].error_sentence)
-        band = self._compiled.bands[name]
-        return make_lookup(self.responses[name], band, float(answer.values), answer.outside)
+        return answer
 
     def dimensions_of(self, throw: CrankThrow) -> dict[str, Any]:
         """What to ask the model for a throw: its dimensions and labels by name.
@@ -272,16 +241,6 @@ class ComplianceModel(ModelContent):
         for name, reason in refused.items():
             warnings.warn(f"{name} is left out: {reason}", stacklevel=2)
         return found
-
-    def answer(self, response: str, dimensions: Mapping[str, ArrayLike | str]) -> ResponseValues:
-        """Values of a response with what lies outside its range, without warnings."""
-        return self._compiled.query(response).evaluate(dimensions)
-
-    def places(
-        self, response: str, dimensions: Mapping[str, ArrayLike | str]
-    ) -> NDArray[np.float64]:
-        """Places in the ranges of an equation's columns, -1 to 1 inside; (columns, ...)."""
-        return self._compiled.query(response).places(dimensions)
 
     def plot(
         self,

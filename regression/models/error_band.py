@@ -1,8 +1,8 @@
 """The band in which a looked-up value lies: the equation's error and the finite elements' own.
 
 Two errors stand between an equation and the throw. The equation misses finite elements by up to m,
-|equation / fe - 1| <= m, the larger of what was seen at held-out designs and at the runs themselves: the
-former lie inside the box, while the runs reach its corners, where an equation is worst. And finite
+|equation / fe - 1| <= m. m is what 95 % of new designs keep to, by designs that the equation did not see: the
+runs, each left out of the fit and of the selection of its terms, and the designs held out of both. And finite
 elements miss the solution by an estimate f. Under a given force a discretized throw is too stiff, so
 compliances come out too small: the solution lies between fe and fe (1 + f). Of other responses the sign
 is unknown. Hence::
@@ -10,17 +10,24 @@ is unknown. Hence::
     compliances:  equation / (1 + m)            to  equation (1 + f) / (1 - m)
     others:       equation (1 - f) / (1 + m)    to  equation (1 + f) / (1 - m)
 
-m is the largest of a number of designs, not a bound; nor does the band hold outside the range.
+Models of older releases know the largest errors at the runs and at held-out designs only; m is then the
+larger of these. No band holds outside the range.
 """
 
 import math
 from dataclasses import dataclass
+from typing import Any
 
+import numpy as np
+
+from regression.fits.statistics import COVERAGE
 from regression.models.response_model import ResponseModel
 from regression.response_kinds import TOO_SMALL
 
 # Smaller relative errors are rounding, and not told by their value.
 LEAST_SAID = 1e-5
+# The largest error of so many designs holds 95 % of new ones on the average.
+FEWEST = 19
 # A larger factor is the same as none: errors of nearly 100 %, or estimates beyond all measure.
 _OPEN = 1e30
 
@@ -49,6 +56,14 @@ class ErrorBand:
         high = None if self.upper is None else value * self.upper
         return (low, high) if value >= 0.0 else (high, low)
 
+    def around_all(self, values: Any) -> tuple[Any, Any]:
+        """Lower and upper ends round an array of values; an open end is infinite."""
+        far = np.copysign(np.inf, values) if self.upper is None else values * self.upper
+        ends = values * self.lower, far
+        if np.min(values) >= 0.0:
+            return ends
+        return tuple(np.where(values >= 0.0, *pair) for pair in (ends, ends[::-1]))
+
 
 def percent(share: float) -> str:
     """Write an error; below 0.001 % it is rounding.
@@ -62,7 +77,9 @@ def percent(share: float) -> str:
 
 
 def equation_error(response: ResponseModel) -> float:
-    """Largest relative error of an equation, at held-out designs or at the runs."""
+    """Relative error of an equation that counts in its band."""
+    if response.band_error is not None:
+        return response.band_error
     return max(response.largest_error, response.largest_heldout_error or 0.0)
 
 
@@ -75,22 +92,38 @@ def error_band(name: str, response: ResponseModel) -> ErrorBand:
         Of the response; it says whether finite elements can only be too small.
     response : ResponseModel
     """
-    held_out = response.largest_heldout_error
     m = equation_error(response)
     f = response.largest_fe_error or 0.0
     one_sided = name.startswith(TOO_SMALL)
     lower = (1.0 if one_sided else max(0.0, 1.0 - f)) / (1.0 + m)
     upper = (1.0 + f) / (1.0 - m) if m < 1.0 else math.inf
-    designs = f"{response.heldout_runs} held-out designs"
-    if held_out is None:
-        designs = f"the {response.runs} fitted runs themselves, without held-out designs too small an error"
-    elif held_out < m:
-        designs = f"the {response.runs} fitted runs, {100.0 * held_out:.2g} % at {designs}"
     elements = (
         "the error of the finite elements was not estimated"
         if response.largest_fe_error is None
         else f"the finite elements' own estimate is {percent(f)}"
         + (", by which they are too small" if one_sided else " either way")
     )
-    text = f"largest error {100.0 * m:.2g} % at {designs}; {elements}"
+    text = f"{_told(response)}; {elements}"
     return ErrorBand(lower, upper if upper < _OPEN else None, text)
+
+
+def _told(response: ResponseModel) -> str:
+    """Say of which designs the equation's error is."""
+    error, held_out = equation_error(response), response.largest_heldout_error
+    if response.band_error is not None:
+        held = f"{response.heldout_runs} held-out designs" if response.heldout_runs else ""
+        left_out = response.band_designs > response.heldout_runs
+        runs = f"{response.runs} runs, each left out of the fit in turn" if left_out else ""
+        designs = ", and ".join(filter(None, (runs, held)))
+        of = (
+            f"{100.0 * COVERAGE:g} % of new throws"
+            if response.band_designs >= FEWEST
+            else f"designs not seen, too few for {100.0 * COVERAGE:g} % of new throws,"
+        )
+        return f"{of} are predicted within {percent(error)}, by {designs}"
+    designs = f"{response.heldout_runs} held-out designs"
+    if held_out is None:
+        designs = f"the {response.runs} fitted runs themselves, without held-out designs too small an error"
+    elif held_out < error:
+        designs = f"the {response.runs} fitted runs, {100.0 * held_out:.2g} % at {designs}"
+    return f"largest error {100.0 * error:.2g} % at {designs}"

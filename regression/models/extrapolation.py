@@ -1,14 +1,16 @@
 """Values outside the range that an equation was fitted over: how far, and what to say of them."""
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from crankbase.errors import InputError
 from regression.throw_values import SAME, format_value
 
-# Lengths so many times as large as the range's end are most likely of another unit: 70 for 0.070 m.
-WRONG_UNIT = 100.0
+# So many times as large as the range's end, or as small, or so many widths beyond it, an equation
+# says nothing; most likely the unit is another: 70 for 0.070 m.
+FARTHEST = 100.0
 
 
 class OutsideRangeWarning(UserWarning):
@@ -54,7 +56,7 @@ class OutOfRange:
         """One sentence for a value that is given all the same."""
         return (
             f"{self._given}; the range of the fit is {self._range}, and "
-            f"{100.0 * self.distance:.3g} % of its width beyond it the error is unknown{self.unit_hint}."
+            f"{100.0 * self.distance:.3g} % of its width beyond it the error is unknown."
         )
 
     @property
@@ -63,14 +65,24 @@ class OutOfRange:
         return (
             f"{self._given}; allowed is the range of the fit, {self._range}, because an answer "
             f"{100.0 * self.distance:.3g} % of its width beyond it has no known error and strict "
-            f"answers are asked for{self.unit_hint}."
+            "answers are asked for."
         )
 
-    @property
-    def unit_hint(self) -> str:
-        """A question where a length is so large that its unit is doubtful."""
-        wrong = self.unit == "m" and self.value > WRONG_UNIT * self.highest
-        return " (mm given in place of m?)" if wrong else ""
+    def check_distance(self) -> None:
+        """Refuse a value that is out by so much that an equation says nothing of it.
+
+        Raises
+        ------
+        InputError
+        """
+        large = self.value > FARTHEST * self.highest > 0.0
+        small = 0.0 < FARTHEST * self.value < self.lowest
+        if large or small or self.distance > FARTHEST:
+            hint = " (mm given in place of m?)" if large and self.unit == "m" else ""
+            raise InputError(
+                f"{self._given}; allowed is the range of the fit, {self._range}, or what is near it, because "
+                f"{FARTHEST:g} times beyond it the equation says nothing{hint}."
+            )
 
     @property
     def _given(self) -> str:
@@ -90,33 +102,35 @@ def edges(lowest: float, highest: float) -> tuple[float, float]:
 
 
 def find_out_of_range(
-    name: str, values: float | NDArray[np.float64], lowest: float, highest: float, unit: str
-) -> OutOfRange | None:
-    """Find what is out of a range; None if nothing is."""
+    name: str, values: Any, lowest: float, highest: float, unit: str, size: Any = 1.0
+) -> tuple[OutOfRange, Any] | None:
+    """Find what is out of a range.
+
+    Parameters
+    ----------
+    name, lowest, highest, unit
+        As in `OutOfRange`.
+    values : float or ndarray
+    size : float or ndarray
+        What the range is multiplied with: the size of the throw, for a length.
+
+    Returns
+    -------
+    finding : OutOfRange
+        With the farthest value, and the range at its size.
+    outside : bool or ndarray
+        Where the values are out. The result is None if they are so nowhere.
+    """
     low, high = edges(lowest, highest)
-    if isinstance(values, float):
-        if low <= values <= high:
+    at_study = values / size
+    if isinstance(at_study, float):
+        if low <= at_study <= high:
             return None
-        return OutOfRange(name, values, 1, lowest, highest, unit, alone=True)
-    least, most = float(np.min(values)), float(np.max(values))
-    if low <= least and most <= high:
+        return OutOfRange(name, values, 1, lowest * size, highest * size, unit, alone=True), True
+    if low <= np.min(at_study) and np.max(at_study) <= high:
         return None
-    number = int(np.count_nonzero((values < low) | (values > high)))
-    farthest = least if lowest - least >= most - highest else most
-    return OutOfRange(name, farthest, number, lowest, highest, unit)
-
-
-def worst(found: list[OutOfRange]) -> list[OutOfRange]:
-    """Join findings of pieces of one array: one for each name, with the farthest value."""
-    joined: dict[str, OutOfRange] = {}
-    for one in found:
-        other = joined.get(one.name)
-        if other is None:
-            joined[one.name] = one
-        if other is None or one.alone:  # each piece finds the same number
-            continue
-        far = one if one.distance > other.distance else other
-        joined[one.name] = OutOfRange(
-            one.name, far.value, one.number + other.number, one.lowest, one.highest, one.unit
-        )
-    return list(joined.values())
+    outside = (at_study < low) | (at_study > high)
+    place = int(np.argmax(np.maximum(lowest - at_study, at_study - highest)))
+    value, scale = (float(np.broadcast_to(one, outside.shape)[place]) for one in (values, size))
+    number = int(np.count_nonzero(outside))
+    return OutOfRange(name, value, number, lowest * scale, highest * scale, unit), outside

@@ -6,11 +6,13 @@ Here the numbers and labels of a question are checked and completed, before any 
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from functools import cached_property, reduce
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from crankbase.checks.choices import did_you_mean
 from crankbase.errors import InputError
 from crankbase.model import field_extra
 from regression.throw_values import SAME, declaration, field_unit, format_value
@@ -83,18 +85,42 @@ class Family:
             elif name in self.ranges or name in self.fixed or name in self.relations:
                 found[name] = _checked_numbers(name, value, self._lower_limit(name), self)
             else:
+                known = (*self.factors, *self.relations, *self.fixed, *self.labels)
                 raise InputError(
-                    f"{name}: unknown dimension; allowed are {', '.join(self.factors)}, the factors "
-                    "of this model."
+                    f"{name}: unknown dimension; {did_you_mean(name, known)}allowed are "
+                    f"{', '.join(self.factors)}, the factors of this model."
                 )
         return found
 
     def size(self, given: Mapping[str, Given]) -> Given:
-        """How many times as large as the study's throws the given one is: by its first fixed length."""
+        """How many times as large as the study's throws the given one is.
+
+        By its first fixed length. If no length is fixed, the size nearest to 1 at which the lengths lie in
+        their ranges, and where there is none, at which some do and the others lie beyond one end.
+        """
         for name, value in given.items():
-            if self.fixed.get(name) and self.unit(name) == "m":
+            if self.fixed.get(name) and self.unit(name) == "m" and np.all(value):
                 return value / self.fixed[name]
-        return 1.0
+        if self._fixes_a_length:
+            return 1.0
+        lengths = [(given[n], ends) for n, ends in self._varied_lengths.items() if n in given]
+        if all(low <= np.min(value) and np.max(value) <= high for value, (low, high) in lengths):
+            return 1.0
+        least = [value / high for value, (_, high) in lengths]
+        most = [value / low for value, (low, _) in lengths]
+        ends = reduce(np.maximum, least), reduce(np.minimum, most)
+        size = np.minimum(np.maximum(1.0, np.minimum(*ends)), np.maximum(*ends))
+        return size if size.ndim else float(size)
+
+    @cached_property
+    def _fixes_a_length(self) -> bool:
+        return any(value and self.unit(name) == "m" for name, value in self.fixed.items())
+
+    @cached_property
+    def _varied_lengths(self) -> dict[str, tuple[float, float]]:
+        """Lengths that vary, but for those that may be absent: they say nothing of the size."""
+        ranges = self.ranges.items()
+        return {name: ends for name, ends in ranges if self.unit(name) == "m" and ends[0] > 0.0}
 
     def completed(self, given: Mapping[str, Given], size: Given = 1.0) -> dict[str, Given]:
         """Add what is fixed, and what follows by the relations from what is known.

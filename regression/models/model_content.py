@@ -8,17 +8,26 @@ from typing import Any, ClassVar, Self
 
 from pydantic import ConfigDict, Field, FiniteFloat, model_validator
 
+from crankbase.checks.choices import did_you_mean
 from crankbase.errors import InputError
 from crankbase.model import InputModel
 from regression.models.error_band import error_band
 from regression.models.family import Family
 from regression.models.family_throw import angle_law_remarks
 from regression.models.model_file import read_model, write_model
+from regression.models.query_making import make_response_query
 from regression.models.response_model import IS, ResponseModel
-from regression.models.response_query import ResponseQuery, make_response_query
+from regression.models.response_query import ResponseQuery
+from regression.models.study_constraints import StudyConstraint
+from regression.plans.constraints import read_constraint
 from regression.response_kinds import ANGLE_LAWS, is_positive_response
 from regression.throw_values import check_dimension
 
+# Of models from files of an older release that lack them.
+UNKNOWN_CONSTRAINTS = (
+    "The model's file does not hold the constraints of its study: whether the study excluded such a "
+    "design is not known."
+)
 # Short ways are kept for so many different sets of names.
 _MOST_WAYS = 1000
 
@@ -36,7 +45,7 @@ class ModelContent(InputModel):
     labels: dict[str, str] = Field(default_factory=dict)
     units: dict[str, str] = Field(default_factory=dict)
     relations: dict[str, str] = Field(default_factory=dict)
-    constraints: tuple[str, ...] = ()
+    constraints: tuple[str, ...] | None = ()
     constant_groups: dict[str, FiniteFloat] = Field(default_factory=dict)
     throw: dict[str, Any] | None = None
     material: dict[str, str | FiniteFloat] = Field(default_factory=dict)
@@ -167,6 +176,7 @@ class CompiledModel:
     ----------
     family : Family
     bands : dict of str to ErrorBand
+    constraints : tuple of StudyConstraint
 
     Raises
     ------
@@ -182,13 +192,29 @@ class CompiledModel:
         )
         self.bands = {name: error_band(name, response) for name, response in responses.items()}
         self._throw = model.throw
+        self._unknown = model.constraints is None
+        units = self.family.all_units
+        self.constraints = tuple(
+            StudyConstraint(read_constraint(text, f"constraints[{place}]", units), units)
+            for place, text in enumerate(model.constraints or ())
+        )
         self._queries = {
             name: make_response_query(
-                name, response, self.family, model.material, model.constant_groups
+                name,
+                response,
+                self.family,
+                model.material,
+                model.constant_groups,
+                self.constraints,
             )
             for name, response in responses.items()
         }
-        self._ways: dict[tuple[str, ...], Callable[[Mapping[str, Any]], float | None]] = {}
+        self._ways: dict[tuple[Any, ...], Callable[..., Any]] = {}
+
+    @property
+    def remarks(self) -> tuple[str, ...]:
+        """What is to be known of every lookup."""
+        return (UNKNOWN_CONSTRAINTS,) if self._unknown else ()
 
     @cached_property
     def angle_law_remarks(self) -> tuple[str, ...]:
@@ -199,8 +225,8 @@ class CompiledModel:
         """Return the query for a response, or say which there are."""
         if name not in self._queries:
             raise InputError(
-                f"response: given {name!r}; allowed are {', '.join(self._queries)}, which this "
-                "model holds."
+                f"response: given {name!r}; {did_you_mean(name, self._queries, cutoff=0.8)}allowed are "
+                f"{', '.join(self._queries)}, which this model holds."
             )
         return self._queries[name]
 
@@ -209,10 +235,27 @@ class CompiledModel:
         key = (name, *dimensions)
         way = self._ways.get(key)
         if way is None:
-            if len(self._ways) >= _MOST_WAYS:
-                self._ways.clear()
-            way = self._ways[key] = self.query(name).fast_evaluator(tuple(dimensions))
-        return way(dimensions)
+            way = self._keep(key, self.query(name).fast_evaluator(tuple(dimensions)))
+        value: float | None = way(dimensions)
+        return value
+
+    def fast_lookups(
+        self, names: tuple[str, ...], dimensions: Mapping[str, Any]
+    ) -> list[float] | None:
+        """Look several values up, as `fast_lookup` one."""
+        key = (names, *dimensions)
+        way = self._ways.get(key)
+        if way is None:
+            first, *others = map(self.query, names)
+            way = self._keep(key, first.fast_evaluator_with(others, tuple(dimensions)))
+        values: list[float] = way(dimensions)
+        return None if None in values else values
+
+    def _keep(self, key: tuple[Any, ...], way: Callable[..., Any]) -> Callable[..., Any]:
+        if len(self._ways) >= _MOST_WAYS:
+            self._ways.clear()
+        self._ways[key] = way
+        return way
 
 
 def _column_ranges(responses: Mapping[str, ResponseModel]) -> dict[str, tuple[float, float]]:

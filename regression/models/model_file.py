@@ -13,9 +13,9 @@ from crankbase.text_limits import LARGEST_TABLE_FILE, check_file_size
 from regression.fits.terms import polynomial_terms
 
 FILE_FORMAT = "crankfem compliance model"
-FORMAT_VERSION = 2
-# Files of this version are brought up to date when read.
-OLD_VERSION = 1
+FORMAT_VERSION = 3
+# Files of these versions are brought up to date when read.
+OLD_VERSIONS = (1, 2)
 _WANTED = "allowed is a compliance model file as crankfem saves it"
 
 
@@ -94,17 +94,19 @@ def read_model(path: str | os.PathLike[str]) -> dict[str, Any]:
     content = dict(record)
     del content["format"]
     version = content.pop("version", None)
-    if version not in (OLD_VERSION, FORMAT_VERSION):
+    if version not in (*OLD_VERSIONS, FORMAT_VERSION):
         raise InputError(
-            f"{shown}: given format version {version!r}; allowed are {OLD_VERSION} and "
-            f"{FORMAT_VERSION}, because this release of crankfem reads no others."
+            f"{shown}: given format version {version!r}; allowed are 1 to {FORMAT_VERSION}, because this "
+            "release of crankfem reads no others."
         )
     if content.pop("checksum", None) != checksum(content):
         raise InputError(
             f"{shown}: given a file whose checksum does not fit its content; it was changed or "
             "damaged after it was written, so its numbers cannot be trusted: fit the model again."
         )
-    if version == OLD_VERSION:
+    if version in OLD_VERSIONS:
+        content.setdefault("constraints", None)  # what the file does not tell is not known
+    if version == 1:
         try:
             return _upgraded_content(content)
         except (AttributeError, KeyError, TypeError) as error:

@@ -1,12 +1,16 @@
 """The relations of a study applied to a question: what follows from what is known."""
 
 from collections.abc import Mapping
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
 
 from crankbase.errors import InputError
+from regression.plans.compiled import Compiled, compile_expression
 from regression.plans.relations import evaluate_expression, evaluation_order, read_expression
+
+Pairs = tuple[tuple[str, str], ...]
 
 
 def related(
@@ -33,21 +37,37 @@ def related(
     InputError
         If an expression has no value for what is known.
     """
-    expressions = {name: read_expression(text, name, units) for name, text in relations.items()}
     values = dict(known)
     found: dict[str, Any] = {}
-    for name in evaluation_order(expressions):
-        expression = expressions[name]
-        if name in known or not set(expression.names) <= values.keys():
+    for name, names, value in _compiled(tuple(relations.items()), tuple(units.items())):
+        if name in known or not names <= values.keys():
             continue
-        arrays = np.broadcast_arrays(*(values[used] for used in expression.names))
-        used = dict(zip(expression.names, arrays, strict=True))
-        result = evaluate_expression(expression, used, units, units[name])
+        with np.errstate(all="ignore"):
+            result = value(values)
         if not np.all(np.isfinite(result)):
             raise InputError(
                 f"{name}: given dimensions for which {relations[name]} has no value; allowed are "
                 "those for which it has one, because this model needs it."
             )
-        found[name] = float(result) if result.ndim == 0 else result
-        values[name] = found[name]
+        found[name] = values[name] = result if np.ndim(result) else float(result)
     return found
+
+
+@lru_cache(maxsize=100)
+def _compiled(relations: Pairs, units: Pairs) -> tuple[tuple[str, frozenset[str], Compiled], ...]:
+    """Compile relations in the order in which they can be calculated.
+
+    Raises
+    ------
+    InputError
+        If a text is no expression, or is of another unit than its field.
+    """
+    by_name = dict(units)
+    expressions = {name: read_expression(text, name, by_name) for name, text in relations}
+    for name, expression in expressions.items():
+        ones = dict.fromkeys(expression.names, np.array(1.0))
+        evaluate_expression(expression, ones, by_name, by_name[name])  # refuses another unit
+    return tuple(
+        (name, frozenset(expressions[name].names), compile_expression(expressions[name]))
+        for name in evaluation_order(expressions)
+    )

@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from crankbase.checks.choices import did_you_mean
 from crankbase.checks.scalars import is_number
 from crankbase.errors import InputError
 from regression.models.angle import between_values
@@ -116,8 +117,9 @@ def check_minimized(model: ComplianceModel, name: str, argument: str = "minimize
 def _unknown(argument: str, model: ComplianceModel, name: str) -> InputError:
     family = model.family
     names = (*family.ranges, *family.relations, *family.fixed)
+    meant = did_you_mean(name, (*model.responses, *names))
     return InputError(
-        f"{argument}: given {name!r}; allowed are the responses {', '.join(model.responses)} and the "
+        f"{argument}: given {name!r}; {meant}allowed are the responses {', '.join(model.responses)} and the "
         f"dimensions {', '.join(names)}."
     )
 

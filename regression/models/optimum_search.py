@@ -1,9 +1,9 @@
 """The best throw of a model's family under limits, such as the thinnest web for a compliance.
 
-The search goes over the model's box: its ranges and choices, the study's constraints, and for equations
-in dimensionless groups their ranges too. Relations of the study are kept. A limit counts as met only if
-it is met at the worst end of the model's error band (`regression.models.error_band`), so that its promise
-covers the error of the equation and of the finite elements, as far as those are known.
+The search goes over the model's box: its ranges and choices, and the study's constraints. Relations of the
+study are kept. A limit counts as met only if it is met at the worst end of the model's error band
+(`regression.models.error_band`), so that its promise covers the error of the equation and of the finite
+elements, as far as those are known.
 
 Differential evolution (seeded, so that it repeats) looks over the whole box; sequential quadratic
 programming then brings the best design onto its limits.
@@ -273,8 +273,8 @@ def _infeasible(problem: _Problem, found: _SearchResult) -> str:
     ]
     if not missed:
         return (
-            "limits: given a box in which no throw keeps the study's constraints and the ranges of the "
-            f"equations' groups; the nearest is at {at}, because there they are broken least."
+            "limits: given a box in which no throw keeps the study's constraints; the nearest is at "
+            f"{at}, because there they are broken least."
         )
     shown = "; ".join(
         f"{check.limit.name} {check.limit.sign} "

@@ -82,7 +82,7 @@ class SearchSpace:
         )
 
     def excess(self, points: Points) -> list[Any]:
-        """How far the study's constraints and the equations' group ranges are broken."""
+        """How far the study's constraints are broken."""
         return [constraint(points) for constraint in self.constraints]
 
     def throw(self, known: Mapping[str, float | str]) -> tuple[CrankThrow | None, list[str]]:
@@ -134,8 +134,7 @@ def search_space(model: ComplianceModel, fixed: Mapping[str, float | str]) -> Se
                 f"{family.format_value(name, family.ranges[name][1])}, the range of the model."
             )
         numbers[name] = float(value)
-    constraints = [_group_range(model, name) for name in _grouped(model)]
-    constraints += [_constraint(model, text) for text in model.constraints]
+    constraints = [_constraint(model, text) for text in model.constraints or ()]
     return SearchSpace(
         model=model,
         ranges={name: ends for name, ends in family.ranges.items() if name not in numbers},
@@ -144,25 +143,6 @@ def search_space(model: ComplianceModel, fixed: Mapping[str, float | str]) -> Se
         labels=labels,
         constraints=tuple(constraints),
     )
-
-
-def _grouped(model: ComplianceModel) -> list[str]:
-    """Responses whose equations have groups for columns; of those with the same ranges one."""
-    seen: dict[Any, str] = {}
-    for name, response in model.responses.items():
-        if response.basis == "groups":
-            seen.setdefault((response.factors, response.lowest, response.highest), name)
-    return list(seen.values())
-
-
-def _group_range(model: ComplianceModel, response: str) -> Excess:
-    """How far the groups of an equation leave their ranges, as a share of these."""
-
-    def excess(points: Points) -> Any:
-        # The last part is rounding at the ends of a range.
-        return np.max(np.abs(model.places(response, points.factors)), axis=0) - (1.0 + 1e-9)
-
-    return excess
 
 
 def _constraint(model: ComplianceModel, text: str) -> Excess:

@@ -39,6 +39,8 @@ JUDGED = (
     "mean_heldout_error",
     "runs",
     "heldout_runs",
+    "band_error",
+    "band_designs",
 )
 
 Share = Annotated[FiniteFloat, Field(ge=0.0, description="a relative error")]
@@ -70,6 +72,11 @@ class ResponseModel(InputModel):
         Relative to the finite element value, at the runs and at held-out designs.
     runs, heldout_runs : int
         Numbers of finite element runs fitted and held out.
+    band_error : float or None
+        The error that 95 % of new designs keep to, by designs that its equation did not see; None in
+        models of older releases.
+    band_designs : int
+        How many designs those are.
     largest_fe_error : float or None
         Largest estimate of the relative error of the finite element values themselves.
     dropped_terms : tuple of str
@@ -109,6 +116,8 @@ class ResponseModel(InputModel):
     mean_heldout_error: Share | None = None
     runs: int = Field(ge=1, description="a number of runs")
     heldout_runs: int = Field(ge=0, description="a number of runs")
+    band_error: Share | None = None
+    band_designs: int = Field(default=0, ge=0, description="a number of designs")
     largest_fe_error: Share | None = None
     dropped_terms: tuple[str, ...] = ()
     equation: str

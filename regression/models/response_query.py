@@ -6,29 +6,29 @@ the long way, which says what is the matter.
 """
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from functools import partial
+from functools import cached_property
 from operator import itemgetter
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from crankbase.errors import InputError
-from fem.material import Material
-from regression.fits.groups import GROUPS, group_named
-from regression.models.evaluator import PIECE, CompiledEquation, compile_equation, pieces
-from regression.models.extrapolation import OutOfRange, edges, find_out_of_range, worst
+from regression.models.evaluator import PIECE, CompiledEquation, pieces
+from regression.models.extrapolation import FARTHEST, edges, find_out_of_range
 from regression.models.family import Family, Given
-from regression.models.response_model import IS, ResponseModel
-from regression.response_kinds import is_positive_response, response_scale
+from regression.models.response_model import IS
+from regression.models.study_constraints import Finding, StudyConstraint, worst
+from regression.response_kinds import is_positive_response
 
 # Ratios that did not vary in a study agree with it within this (of 1, or of the ratio if larger): a
 # throw scaled by hand is rounded, and so small a part changes no compliance noticeably.
 AGREES = 1e-5
 
 Reader = Callable[[Mapping[str, Given]], Any]
+# The throw's size among the known dimensions; no name has a space.
+_SIZE = "its size"
 # The plain numbers; a subclass of float counts too, but goes the long way.
 _PLAIN = (float, int, np.float64)
 
@@ -56,10 +56,20 @@ class Ratio:
 
 @dataclass(frozen=True)
 class ResponseValues:
-    """Values of a response, and what of the query lies outside the range."""
+    """Values of a response, and what of the query lies outside the study.
+
+    Attributes
+    ----------
+    values : float or ndarray
+    outside : tuple
+        What lies outside a range or breaks a constraint.
+    inside : bool or ndarray
+        Where nothing does.
+    """
 
     values: Any
-    outside: tuple[OutOfRange, ...]
+    outside: tuple[Finding, ...]
+    inside: Any
 
 
 @dataclass(frozen=True, eq=False)
@@ -79,6 +89,8 @@ class ResponseQuery:
     equation : CompiledEquation
     scale : callable or None
         What the equation's value is multiplied with, from the dimensions.
+    constraints : tuple of StudyConstraint
+        Of the study, which hold between the lengths of a throw of its size.
     """
 
     name: str
@@ -88,8 +100,9 @@ class ResponseQuery:
     needed: tuple[str, ...]
     equation: CompiledEquation
     scale: Reader | None
+    constraints: tuple[StudyConstraint, ...] = ()
 
-    @property
+    @cached_property
     def lower_limit(self) -> float:
         """Lower limit that the response must exceed: 0 by nature, or none."""
         return 0.0 if is_positive_response(self.name) else -math.inf
@@ -102,53 +115,92 @@ class ResponseQuery:
         callable
             Dimensions to the value, or None where the long way must be gone.
         """
+        read, value_of = self._fast_reader(names), self._fast_value
+
+        def answer(dimensions: Mapping[str, Given]) -> float | None:
+            found = read(dimensions)
+            return None if found is None else value_of(*found)
+
+        return answer
+
+    def shares_columns(self, other: "ResponseQuery") -> bool:
+        """Whether what the fast evaluator reads and checks for another response serves this one too."""
+        return self.scale is other.scale is None and self._ranges == other._ranges
+
+    def fast_evaluator_with(
+        self, others: Sequence["ResponseQuery"], names: Sequence[str]
+    ) -> Callable[[Mapping[str, Given]], list[float | None]]:
+        """Make a fast evaluator of several responses, whose columns are read once if they share them."""
+        queries = (self, *others)
+        if not all(self.shares_columns(other) for other in others):
+            alone = [query.fast_evaluator(names) for query in queries]
+            return lambda dimensions: [evaluate(dimensions) for evaluate in alone]
+        read, values = self._fast_reader(names), [query._fast_value for query in queries]
+
+        def answers(dimensions: Mapping[str, Given]) -> list[float | None]:
+            found = read(dimensions)
+            return [None] if found is None else [value_of(*found) for value_of in values]
+
+        return answers
+
+    def _fast_value(self, columns: Sequence[Any], dimensions: Mapping[str, Given]) -> float | None:
+        try:
+            found: float = self.equation.scalar(columns)
+            if self.scale is not None:
+                found *= self.scale(dimensions)
+        except ArithmeticError:
+            return None
+        return found if self.lower_limit < found < math.inf else None
+
+    def _fast_reader(
+        self, names: Sequence[str]
+    ) -> Callable[[Mapping[str, Given]], tuple[list[Any], Mapping[str, Given]] | None]:
+        """Make what checks plain numbers and reads columns and dimensions from them."""
         family, given = self.family, set(names)
         complete = set(self.needed) <= given | family.fixed.keys() | family.labels.keys()
-        known = given <= {*family.factors, *family.fixed}
-        if not complete or not known or (self.scale is not None and family.relations):
+        if self.scale is not None:
+            whole = bool(family.ranges) and family.ranges.keys() <= given
+            complete &= whole and not family.relations
+        if not complete or not given <= {*family.factors, *family.fixed}:
             return _needs_full_evaluation
         numbers = tuple(name for name in names if name not in family.categories)
         labels = tuple((n, family.categories[n]) for n in names if n in family.categories)
-        limits = tuple((c.read, *edges(c.lowest, c.highest)) for c in self.columns)
-        ratios: tuple[tuple[Reader, float, float], ...] = ()
-        if self.scale is not None:
-            ratios = tuple(
-                (ratio.read, *_agreeing(ratio.value))
-                for ratio in self.ratios
-                if given & set(ratio.names)
-            )
-        elif given & family.fixed.keys():
-            fixed = ((name, family.fixed[name]) for name in names if name in family.fixed)
-            ratios = tuple((itemgetter(name), *edges(value, value)) for name, value in fixed)
-        value, scale, least = self.equation.scalar, self.scale, self.lower_limit
-        rest = {**family.fixed, **family.labels} if scale is not None else {}
+        limits: list[tuple[Reader, float, float]] = [
+            (itemgetter(name), *edges(low, high)) for name, (low, high, _) in self._ranges.items()
+        ]
+        fixed = [(name, family.fixed[name]) for name in names if name in family.fixed]
+        limits += [(itemgetter(name), *edges(value, value)) for name, value in fixed]
+        limits += [
+            (ratio.read, *_agreeing(ratio.value))
+            for ratio in self.ratios
+            if not set(ratio.names) <= family.fixed.keys()
+        ]
+        checks, readers = tuple(limits), tuple(column.read for column in self.columns)
+        tests = tuple(constraint.holds for constraint in self.constraints)
+        scaled = self.scale is not None
+        rest = {} if set(self.needed) <= given else {**family.fixed, **family.labels}
 
-        def answer(dimensions: Mapping[str, Given]) -> float | None:
+        def read_all(
+            dimensions: Mapping[str, Given],
+        ) -> tuple[list[Any], Mapping[str, Given]] | None:
             for name in numbers:
                 given = dimensions[name]
-                if given.__class__ not in _PLAIN or (scale is not None and not given > 0.0):
+                if given.__class__ not in _PLAIN or (scaled and not given > 0.0):
                     return None
             for name, allowed in labels:
                 if dimensions[name].__class__ is not str or dimensions[name] not in allowed:
                     return None
             if rest:
                 dimensions = {**rest, **dimensions}
-            for read, low, high in ratios:
+            for read, low, high in checks:
                 if not low <= read(dimensions) <= high:
                     return None
-            columns = []
-            for read, low, high in limits:
-                column = read(dimensions)
-                if not low <= column <= high:
+            for test in tests:
+                if not test(dimensions):
                     return None
-                columns.append(column)
-            try:
-                found = value(columns) if scale is None else value(columns) * scale(dimensions)
-            except ArithmeticError:
-                return None
-            return found if least < found < math.inf else None
+            return [read(dimensions) for read in readers], dimensions
 
-        return answer
+        return read_all
 
     def evaluate(self, given: Mapping[str, Given]) -> ResponseValues:
         """Evaluate any query, or say what is wrong with it.
@@ -164,43 +216,44 @@ class ResponseQuery:
             If something is missing, unknown or unusable, a fixed dimension or ratio is another than
             in the study, or the equation has no finite value there, or one that no throw has.
         """
-        used, shape = self._used(given)
-        found: list[OutOfRange] = []
+        used, shape, size = self._used(given)
+        found: list[Finding] = []
         values: Any
         if shape == ():
-            values = self._piece(used, self.equation.scalar, found)
+            values, inside = self._piece({**used, _SIZE: size}, self.equation.scalar, found)
         else:
-            values = np.empty(shape)
-            flat = values.reshape(-1)
-            for start, piece in pieces(used, shape):
-                flat[start : start + PIECE] = self._piece(piece, self.equation.array, found)
-        hint = next((one.unit_hint for one in found if one.unit_hint), "")
+            values, inside = np.empty(shape), np.ones(shape, dtype=bool)
+            flat, flat_inside = values.reshape(-1), inside.reshape(-1)
+            for start, piece in pieces({**used, _SIZE: size}, shape):
+                place = slice(start, start + PIECE)
+                flat[place], flat_inside[place] = self._piece(piece, self.equation.array, found)
+        outside = tuple(worst(found))
+        for one in outside:
+            one.check_distance()
         if not np.all(np.isfinite(values)):
             beyond = "far outside the range of the fit" if found else "small or large"
             raise InputError(
                 f"dimensions: given ones so {beyond} that its equation has no finite value; allowed are "
-                f"those near the range, for beyond it the equation says nothing{hint}."
+                "those near the range, for beyond it the equation says nothing."
             )
         if not np.min(values) > self.lower_limit:
             raise InputError(
                 f"{self.name}: given {float(np.min(values)):g}; allowed is a number above zero, as every "
-                "throw has it: an equation that gives another one does not hold for these "
-                f"dimensions{hint}."
+                "throw has it: an equation that gives another one does not hold for these dimensions."
             )
-        return ResponseValues(values, tuple(worst(found)))
+        return ResponseValues(values, outside, inside)
 
-    def places(self, given: Mapping[str, Given]) -> NDArray[np.float64]:
-        """Places of points in the ranges of the columns, -1 to 1 inside; (columns, n)."""
-        used, shape = self._used(given)
-        rows = [
-            (2.0 * column.read(used) - column.lowest - column.highest)
-            / (column.highest - column.lowest)
-            for column in self.columns
-        ]
-        return np.array([np.broadcast_to(row, shape) for row in rows])
+    @cached_property
+    def _ranges(self) -> dict[str, tuple[float, float, str]]:
+        """Range and unit of each number that varied: all forms of a study share those of its factors."""
+        if self.scale is None:
+            numbers = [column for column in self.columns if IS not in column.name]
+            return {one.name: (one.lowest, one.highest, one.unit) for one in numbers}
+        family = self.family
+        return {name: (*ends, family.unit(name)) for name, ends in family.ranges.items()}
 
-    def _used(self, given: Mapping[str, Given]) -> tuple[dict[str, Given], tuple[int, ...]]:
-        """Check and complete what was given, to what the answer depends on; return its shape too."""
+    def _used(self, given: Mapping[str, Given]) -> tuple[dict[str, Given], tuple[int, ...], Given]:
+        """Check and complete what was given, to what the answer depends on; its shape, and the size."""
         family = self.family
         checked = family.checked(given)
         shape = _common_shape(checked)
@@ -209,153 +262,87 @@ class ResponseQuery:
             family.check_fixed(checked)
         else:
             size = family.size(checked)
+            _check_size(size)
         family.check_related(checked, size)
-        missing = self._missing(checked)
-        known = family.completed(checked, size) if missing else checked
-        missing = self._missing(known)
+        complete = all(name in checked for name in self.needed)
+        known = checked if complete else family.completed(checked, size)
+        missing = [name for name in self.needed if name not in known]
         if missing:
             raise InputError(
                 f"{missing[0]}: missing; the model needs its factors {', '.join(family.factors)}."
             )
-        return {name: known[name] for name in dict.fromkeys((*self.needed, *checked))}, shape
-
-    def _missing(self, known: Mapping[str, Given]) -> list[str]:
-        return [name for name in self.needed if name not in known]
+        used = dict.fromkeys((*self.needed, *checked))
+        return {name: known[name] for name in used}, shape, size
 
     def _piece(
         self,
         known: Mapping[str, Given],
         evaluate: Callable[[Sequence[Any]], Any],
-        found: list[OutOfRange],
-    ) -> Any:
-        """Evaluate one piece (or one point), and collect what lies outside."""
+        found: list[Finding],
+    ) -> tuple[Any, Any]:
+        """Evaluate one piece (or one point), and collect what lies outside; say also where nothing does."""
         for ratio in self.ratios:
             _check_ratio(ratio, ratio.read(known))
         columns = [column.read(known) for column in self.columns]
-        for column, values in zip(self.columns, columns, strict=True):
-            beyond = find_out_of_range(
-                column.name, values, column.lowest, column.highest, column.unit
-            )
-            if beyond is not None:
-                found.append(beyond)
+        inside: Any = True
+        for one in self._outside(known, columns):
+            found.append(one[0])
+            inside = inside & np.logical_not(one[1])
         try:
             with np.errstate(all="ignore"):
                 value = evaluate(columns)
-                return value if self.scale is None else value * self.scale(known)
+                return (value if self.scale is None else value * self.scale(known)), inside
         except (ArithmeticError, ValueError):
-            return np.nan  # told of by the caller
+            return np.nan, inside  # told of by the caller
+
+    def _outside(
+        self, known: Mapping[str, Given], columns: Sequence[Given]
+    ) -> Iterator[tuple[Finding, Any]]:
+        """Find what lies outside the study, and where."""
+        size = known[_SIZE]
+        if self._ranges and self._ranges.keys() <= known.keys():
+            asked = [
+                (name, known[name], *ends, size if ends[2] == "m" and self.scale else 1.0)
+                for name, ends in self._ranges.items()
+            ]
+        else:  # factors that are not given: the equation's own columns are what is known
+            asked = [
+                (one.name, values, one.lowest, one.highest, one.unit, 1.0)
+                for one, values in zip(self.columns, columns, strict=True)
+            ]
+        for values in asked:
+            found = find_out_of_range(*values)
+            if found is not None:
+                yield found
+        for constraint in self.constraints:
+            broken = constraint.find_broken(_at_study_size(constraint, known, size))
+            if broken is not None:
+                yield broken
+
+
+def _at_study_size(
+    constraint: StudyConstraint, known: Mapping[str, Given], size: Given
+) -> dict[str, Given]:
+    return {
+        name: known[name] / size if constraint.units[name] == "m" else known[name]
+        for name in constraint.read.names
+    }
+
+
+def _check_size(size: Given) -> None:
+    """Refuse a throw so much larger or smaller than the study's that its unit must be wrong."""
+    least, most = float(np.min(size)), float(np.max(size))
+    if least * FARTHEST < 1.0 or most > FARTHEST:
+        hint = " (mm given in place of m?)" if most > FARTHEST else ""
+        raise InputError(
+            f"dimensions: given a throw {most if hint else least:.3g} times as large as those of the study; "
+            f"allowed is up to {FARTHEST:g} times as large or as small, because no crank is of such a "
+            f"size{hint}."
+        )
 
 
 def _needs_full_evaluation(_: Mapping[str, Given]) -> None:
     """Return nothing: the full evaluation is needed."""
-
-
-def make_response_query(
-    name: str,
-    response: ResponseModel,
-    family: Family,
-    material: Mapping[str, Any],
-    constant_groups: Mapping[str, float],
-) -> ResponseQuery:
-    """Prepare a response for queries.
-
-    Parameters
-    ----------
-    name : str
-        Of the response; it says whether its values are above zero.
-    response : ResponseModel
-    family : Family
-    material : mapping
-        Of the study; an equation in dimensionless groups needs its constants.
-    constant_groups : mapping
-        Groups that did not vary in the study, besides those that follow from its fixed dimensions.
-
-    Raises
-    ------
-    InputError
-        If a column is none of the family's, or the material's constants are missing.
-    """
-    readers = [_column_source(name, response.basis, family) for name in response.factors]
-    columns = tuple(
-        Column(name, read, low, high, unit)
-        for name, (read, _, unit), low, high in zip(
-            response.factors, readers, response.lowest, response.highest, strict=True
-        )
-    )
-    needed = dict.fromkeys(name for _, names, _ in readers for name in names)
-    equation = compile_equation(response.fitted)
-    if response.basis == "factors":
-        return ResponseQuery(name, family, columns, (), tuple(needed), equation, None)
-    ratios, names = _ratios(family, constant_groups)
-    needed |= dict.fromkeys(("pin_diameter", *names))
-    try:
-        constants = Material(**material)
-    except InputError as error:
-        raise InputError(
-            f"material: given {dict(material)}; an equation in dimensionless groups needs its "
-            f"constants ({error})"
-        ) from None
-    scale = partial(response_scale, response.unit, material=constants)
-    scale({"pin_diameter": 1.0})  # refuses a unit that has no scale
-    return ResponseQuery(name, family, columns, ratios, tuple(needed), equation, scale)
-
-
-def _column_source(name: str, basis: str, family: Family) -> tuple[Reader, tuple[str, ...], str]:
-    """How a column is read, what it needs, and its unit."""
-    field, is_label, label = name.partition(IS)
-    if is_label:
-        if label not in family.categories.get(field, ()):
-            raise InputError(
-                f"factors: given {name}, which is no label of a category of the model; allowed are "
-                f"those of {', '.join(family.categories) or 'no category'}."
-            )
-        return (lambda known: (known[field] == label) * 1.0), (field,), ""
-    if basis == "groups":
-        group = group_named(name)
-        return group.value, group.dimensions, ""
-    return itemgetter(name), (name,), family.unit(name)
-
-
-def _ratios(
-    family: Family, constant_groups: Mapping[str, float]
-) -> tuple[tuple[Ratio, ...], tuple[str, ...]]:
-    """What must agree with the study so that a throw of another size is one of its family."""
-    fixed = family.fixed
-    groups = [group for group in GROUPS.values() if set(group.dimensions) <= fixed.keys()]
-    found = {
-        group.name: Ratio(group.name, group.dimensions, group.value, group.value(fixed))
-        for group in groups
-    }
-    for name, value in constant_groups.items():
-        group = group_named(name)
-        groups.append(group)
-        found.setdefault(name, Ratio(name, group.dimensions, group.value, value))
-    names = [name for group in groups for name in group.dimensions]
-    covered = {name for name in names if fixed.get(name)}
-    reference = (
-        "pin_diameter"
-        if "pin_diameter" in fixed
-        else next(
-            (name for name, value in fixed.items() if value and family.unit(name) == "m"), None
-        )
-    )
-    for name, value in fixed.items():
-        if name in covered or name == reference or name in names:
-            continue
-        if family.unit(name) != "m" or reference is None:
-            found[name] = Ratio(name, (name,), itemgetter(name), value)
-        else:
-            below = fixed[reference]
-            read = _ratio_reader(name, reference)
-            shown = "D_shm" if reference == "pin_diameter" else reference
-            ratio = Ratio(f"{name}/{shown}", (name, reference), read, value / below)
-            found[ratio.name] = ratio
-            names += [name, reference]
-    return tuple(found.values()), tuple(dict.fromkeys((*names, *fixed)))
-
-
-def _ratio_reader(above: str, below: str) -> Reader:
-    return lambda known: known[above] / known[below]
 
 
 def _agreeing(value: float) -> tuple[float, float]:

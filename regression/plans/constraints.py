@@ -83,8 +83,8 @@ def constraint_violations(
     sides = np.array([np.broadcast_to(side, (count,)) for side in found], dtype=float)
     reasons: list[str | None] = [None] * count
     for sign, left, right in zip(constraint.signs, sides[:-1], sides[1:], strict=True):
-        holds = _holds(sign, left, right)
-        for place in np.flatnonzero(~holds):
+        kept = holds(sign, left, right)
+        for place in np.flatnonzero(~kept):
             if reasons[place] is None:
                 reasons[place] = (
                     f"the constraint {constraint.text!r} is broken: "
@@ -113,9 +113,12 @@ def _sides(constraint: Constraint, values: Values, units: Units) -> tuple[str, l
     return unit, [side.to(unit).magnitude for side in found]
 
 
-def _holds(sign: str, left: NDArray[np.float64], right: NDArray[np.float64]) -> NDArray[np.bool_]:
-    """Compare; what is not finite holds nothing."""
+def holds(sign: str, left: Any, right: Any) -> NDArray[np.bool_]:
+    """Compare values or arrays by a sign; what is not finite holds nothing."""
     with np.errstate(invalid="ignore"):
         margin = EQUAL_WITHIN * np.maximum(np.abs(left), np.abs(right))
         gap = right - left if sign.startswith("<") else left - right
-        return np.isfinite(gap) & (gap >= -margin if "=" in sign else gap > margin)
+        kept: NDArray[np.bool_] = np.isfinite(gap) & (
+            gap >= -margin if "=" in sign else gap > margin
+        )
+        return kept

@@ -18,6 +18,9 @@ FEW_POINTS = 1500
 # More points than this are not thinned by distance: the table of distances would not fit.
 LARGEST_THINNED = 4000
 
+# Part of a range at each end from which points are moved to it.
+OUTER = 0.25
+
 # The search for points that can be used ends at so many for each one wanted, or at this many in all if
 # that is less; it never ends before the smallest number.
 SEARCHED_EACH, SEARCHED, SEARCHED_AT_LEAST = 50, 100_000, 2000
@@ -67,6 +70,25 @@ def latin_hypercube_points(
         if distance > best_distance:
             best, best_distance = candidate, distance
     return best
+
+
+def with_points_at_ends(points: Points, choices: Sequence[int]) -> Points:
+    """Move every second point to the ends of those ranges of which it lies in the outer quarters.
+
+    There, where polynomials err most, a space-filling design has no points.
+
+    Parameters
+    ----------
+    points : (n, k) ndarray
+        In the unit cube.
+    choices : sequence of int
+        As of `latin_hypercube_points`; choices stay.
+    """
+    moved = points.copy()
+    outer = points[1::2]
+    ends = np.where(outer < OUTER, 0.0, np.where(outer > 1.0 - OUTER, 1.0, outer))
+    moved[1::2] = np.where(np.array(choices) > 0, outer, ends)
+    return moved
 
 
 def sobol_points(count: int, choices: Sequence[int], seed: Sequence[int]) -> Points:

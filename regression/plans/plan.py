@@ -168,12 +168,15 @@ class PlannedDesign:
         What its results depend on, as JSON content: throw, material, accuracy, stresses.
     key : str
         Hash of the inputs and the model version.
+    added : bool
+        Whether it was added to the plan later.
     """
 
     role: str
     values: tuple[float, ...]
     inputs: dict[str, Any]
     key: str
+    added: bool = False
 
 
 @dataclass(frozen=True)

@@ -9,7 +9,13 @@ from numpy.typing import NDArray
 
 from crankbase.errors import InputError
 from geometry.throw import CrankThrow
-from regression.plans.constraints import Constraint, constraint_violations, read_constraint
+from regression.plans.constraints import (
+    EQUAL_WITHIN,
+    Constraint,
+    constraint_excess,
+    constraint_violations,
+    read_constraint,
+)
 from regression.plans.factors import (
     FREE_NAME,
     Factor,
@@ -135,6 +141,16 @@ class Variants:
             self._variant(row, place, known, reasons[place])
             for place, row in enumerate(values.tolist())
         )
+
+    def keep_constraints(self, values: NDArray[np.float64]) -> NDArray[np.bool_]:
+        """Tell which factor values (n, k) keep the constraints, whether throws can be built or not."""
+        known = self._quantities(values)
+        kept = np.ones(len(values), dtype=bool)
+        for path, expression in self.relations.items():
+            known[path] = evaluate_expression(expression, known, self.units, self.units[path])
+        for constraint in self.constraints:
+            kept &= constraint_excess(constraint, known, self.units) <= EQUAL_WITHIN
+        return kept
 
     def _quantities(self, values: NDArray[np.float64]) -> dict[str, NDArray[np.float64]]:
         columns = {

@@ -118,3 +118,10 @@ def draw_sobol(
     axes.set_yticks(places, list(names), fontsize=8)
     axes.invert_yaxis()
     axes.grid(axis="y", visible=False)
+
+
+def draw_shapley(axes: "Axes", names: Sequence[str], shares: Sequence[float]) -> None:
+    """Draw the Shapley effects of factors, shares of the variance that add up to 1."""
+    label = "Shapley effect: share of the variance"
+    draw_rows(axes, names, shares, label, texts=[f"{share:.2f}" for share in shares])
+    axes.set_xlim(0.0, 1.15 * max(shares))

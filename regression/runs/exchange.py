@@ -25,7 +25,7 @@ ROLES = (RUN, HELD_OUT, MEASURED)
 AGREE = 0.005
 
 
-def read_rows(path: Path, plan: StudyPlan) -> tuple[ExtraRow, ...]:
+def read_rows(path: Path, plan: StudyPlan, *, alone: bool = False) -> tuple[ExtraRow, ...]:
     """Read a CSV table of results for a study.
 
     Parameters
@@ -36,6 +36,9 @@ def read_rows(path: Path, plan: StudyPlan) -> tuple[ExtraRow, ...]:
         ("axial_compliance_pinned error"), and optionally role ("run", "held out" or "measured", the
         default), source, status and model_version. Dimensions that have no column are the study's.
     plan : StudyPlan
+    alone : bool
+        Whether equations are fitted without results that the study computes. Then lines that are fitted
+        or held out need not have all responses of the study, only all the same ones.
 
     Raises
     ------
@@ -46,7 +49,8 @@ def read_rows(path: Path, plan: StudyPlan) -> tuple[ExtraRow, ...]:
     if not lines or not any(cell.strip() for cell in lines[0]):
         raise InputError(f"{path.name}, line 1: empty; the first line must name the columns.")
     listed = read_columns(path.name, lines[0], plan)
-    reader = _RowReader(path.name, plan)
+    given = tuple(column.name for column in listed if column.kind == "response")
+    reader = _RowReader(path.name, plan, given if alone else None)
     rows = []
     for number, cells in enumerate(lines[1:], start=2):
         if not any(cell.strip() for cell in cells):
@@ -67,10 +71,12 @@ def read_rows(path: Path, plan: StudyPlan) -> tuple[ExtraRow, ...]:
 class _RowReader:
     """Makes rows of a study from the cells of a table."""
 
-    def __init__(self, file: str, plan: StudyPlan) -> None:
+    def __init__(self, file: str, plan: StudyPlan, needed: tuple[str, ...] | None = None) -> None:
         self._file, self._plan = file, plan
         self._variants = plan.variants()
-        self._needed = tuple(n for n in RESPONSES if plan.stresses or n != "fillet_stress_factor")
+        every = tuple(n for n in RESPONSES if plan.stresses or n != "fillet_stress_factor")
+        self._needed = every if needed is None else needed
+        self._whose = "the study" if needed is None else "the table"
 
     def row(self, number: int, columns: list[Column], cells: list[str]) -> ExtraRow | None:
         """Read one line; None if it tells of a design without a result."""
@@ -191,7 +197,7 @@ class _RowReader:
         if lacking:
             raise InputError(
                 f"{line}: given no {', '.join(lacking)}; a line that is fitted or held out must have all "
-                "responses of the study, because its equations share their designs; others are "
+                f"responses of {self._whose}, because its equations share their designs; others are "
                 f"'{MEASURED}'."
             )
         version = given["about"].get("model_version", str(MODEL_VERSION))

@@ -1,7 +1,7 @@
 """Write a study's rows to a table that other programs read: CSV or Parquet."""
 
 import csv
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -116,12 +116,15 @@ def export_table(table: StudyTable, path: str | Path) -> int:
     path = Path(path)
     check_export(path)
     with atomic_file(path, "table") as part:
-        (_write_csv if path.suffix == ".csv" else _write_parquet)(part, table)
+        if path.suffix == ".csv":
+            write_csv(part, columns(table))
+        else:
+            _write_parquet(part, table)
     return len(table.rows)
 
 
-def _write_csv(path: Path, table: StudyTable) -> None:
-    listed = columns(table)
+def write_csv(path: Path, listed: Sequence[Column]) -> None:
+    """Write columns of one length as CSV, with a line of headers."""
     with path.open("w", encoding="utf-8", newline="") as file:
         writer = csv.writer(file, lineterminator="\n")
         writer.writerow([column.header for column in listed])

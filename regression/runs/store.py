@@ -129,9 +129,17 @@ class ResultStore:
     ) -> None:
         """Record a study's plan and its designs as (role, key, factor values) in order.
 
-        Designs that were recorded for it before and are not among these are no longer its own.
+        Designs that were recorded for it before and are not among these are no longer its own, but for
+        those that were added to it, which follow these.
         """
         with self._writing() as connection:
+            added = connection.execute(
+                "SELECT role, design, factors FROM study_designs WHERE study = ? AND added "
+                "ORDER BY place",
+                (study,),
+            ).fetchall()
+            rows = [(*row, None) for row in _design_rows(designs)]
+            rows += [(*row, 1) for row in added]
             connection.execute(
                 "INSERT INTO studies (study, plan) VALUES (?, ?) "
                 "ON CONFLICT (study) DO UPDATE SET plan = excluded.plan",
@@ -139,12 +147,23 @@ class ResultStore:
             )
             connection.execute("DELETE FROM study_designs WHERE study = ?", (study,))
             connection.executemany(
-                "INSERT INTO study_designs (study, place, role, design, factors) "
-                "VALUES (?, ?, ?, ?, ?)",
-                [
-                    (study, place, role, key, json.dumps(dict(factors), allow_nan=False))
-                    for place, (role, key, factors) in enumerate(designs)
-                ],
+                "INSERT INTO study_designs (study, place, role, design, factors, added) "
+                "VALUES (?, ?, ?, ?, ?, ?)",
+                [(study, place, *row) for place, row in enumerate(rows)],
+            )
+
+    def add_designs(
+        self, study: str, designs: Iterable[tuple[str, str, Mapping[str, float | str]]]
+    ) -> None:
+        """Add designs to those of a registered study, as (role, key, factor values) in order."""
+        with self._writing() as connection:
+            (first,) = connection.execute(
+                "SELECT coalesce(max(place) + 1, 0) FROM study_designs WHERE study = ?", (study,)
+            ).fetchone()
+            connection.executemany(
+                "INSERT INTO study_designs (study, place, role, design, factors, added) "
+                "VALUES (?, ?, ?, ?, ?, 1)",
+                [(study, place, *row) for place, row in enumerate(_design_rows(designs), first)],
             )
 
     def record(self, outcome: Outcome, model_version: int | None = None) -> None:
@@ -214,6 +233,15 @@ class ResultStore:
             rows = self._connection.execute("SELECT study, plan FROM studies ORDER BY rowid")
             return {study: _plan(text) for study, text in rows}
 
+    def added_designs(self, study: str) -> tuple[dict[str, Any], ...]:
+        """Return the factor values of the runs that were added to a study, in order, but damaged ones."""
+        with self._reading():
+            rows = self._connection.execute(
+                "SELECT * FROM study_designs WHERE study = ? ORDER BY place", (study,)
+            ).fetchall()
+        read = [_plan(row["factors"]) for row in map(dict, rows) if row.get("added")]
+        return tuple(factors for factors in read if factors is not None)
+
     def study_designs(self, study: str) -> tuple[tuple[str, str, dict[str, Any]], ...]:
         """Return a study's designs as `register_study` was given them, in order.
 
@@ -273,6 +301,14 @@ def _plan(text: object) -> dict[str, Any] | None:
     except (ValueError, RecursionError):
         return None
     return found if isinstance(found, dict) else None
+
+
+def _design_rows(
+    designs: Iterable[tuple[str, str, Mapping[str, float | str]]],
+) -> list[tuple[str, str, str]]:
+    return [
+        (role, key, json.dumps(dict(factors), allow_nan=False)) for role, key, factors in designs
+    ]
 
 
 def _overwritten(columns: Iterable[str]) -> str:

@@ -17,7 +17,7 @@ from regression.runs.store_rows import (
 # Marks our files in SQLite's header: "crfm".
 APPLICATION_ID = 0x6372666D
 # In the header's user version: 0 is the first release's, raised whenever a table changes.
-SCHEMA_VERSION = 3
+SCHEMA_VERSION = 4
 # The versions that brought rows from elsewhere, and checksums of rows.
 EXTRA_ROWS_SINCE, CHECKSUMS_SINCE = 2, 3
 
@@ -60,6 +60,7 @@ TABLES = (
         role TEXT NOT NULL,            -- 'run' (fitted) or 'held out' (judged by)
         design TEXT NOT NULL,          -- key in designs
         factors TEXT,                  -- JSON: factor to its value, SI units
+        added INTEGER,                 -- 1 of a run added to the plan's, null of others
         PRIMARY KEY (study, place)
     )
     """,
@@ -104,7 +105,7 @@ def results_view() -> str:
     columns = ", ".join((*dimensions, *responses))
     return (
         "CREATE VIEW results AS SELECT s.study, s.place, s.role, s.design AS key, d.status, d.reason, "
-        f"s.factors, {columns}, d.seconds, d.unknowns, d.model_version, d.worker, d.attempts, "
+        f"s.factors, s.added, {columns}, d.seconds, d.unknowns, d.model_version, d.worker, d.attempts, "
         "d.finished_at, d.inputs, d.responses, d.errors "
         "FROM study_designs s LEFT JOIN designs d ON d.key = s.design ORDER BY s.study, s.place"
     )
@@ -181,7 +182,8 @@ def prepare(connection: sqlite3.Connection) -> None:
                 connection.execute(f"ALTER TABLE {table} ADD COLUMN {name} {kind}")
     if "designs" in tables and version < SCHEMA_VERSION:
         connection.execute(FILL_MODEL_VERSION)
-        _add_checksums(connection)
+        if version < CHECKSUMS_SINCE:
+            _add_checksums(connection)
     connection.execute("DROP VIEW IF EXISTS results")
     connection.execute(results_view())
     connection.execute(f"PRAGMA application_id={APPLICATION_ID}")

@@ -15,13 +15,18 @@ from regression.plans.plan import (
     MODEL_VERSION,
     PlannedStudy,
     StudyPlan,
-    planned_design,
 )
 from regression.records import HELD_OUT, MEASURED, RUN, ExtraRow, Outcome, content_key
 from regression.runs.exchange import read_rows
+from regression.runs.registered_designs import (
+    known_designs,
+    register_designs,
+    registered_designs,
+    with_added,
+)
 from regression.runs.store import ResultStore
 from regression.runs.store_file import is_database
-from regression.runs.store_results import StoreResults, factor_value, read_store
+from regression.runs.store_results import StoreResults, read_store
 from regression.runs.store_rows import damaged_rows_warning
 from regression.runs.study_table import StudyTable, study_table
 from regression.runs.supervised import design_limits
@@ -105,10 +110,11 @@ def run_plan(
         from regression.runs.dask_cluster import check_address
 
         check_address(dask)
-    planned = plan.planned
-    unique = {design.key: design.inputs for design in planned.designs}
+    own = plan.planned  # a study that cannot be planned leaves no store behind
     with ResultStore(store) as results:
-        _register(results, plan, planned)
+        register_designs(results, plan, own)
+        planned = with_added(results, plan)
+        unique = {design.key: design.inputs for design in planned.designs}
         known = {k: found for k, found in results.outcomes(unique).items() if not found.lost}
         if results.damaged and note is not None:
             note(
@@ -188,7 +194,7 @@ def read_study(store: str | Path, study: str | None = None) -> StudyTable:
         if len(plans) != 1:
             raise _study_choice_text(results, study, plans or held)
         plan = StudyPlan.from_record(next(iter(plans.values())))
-        return _table(results, plan, _as_registered(results, plan), 0)
+        return _table(results, plan, registered_designs(results, plan), 0)
 
 
 def _study_choice_text(
@@ -249,7 +255,9 @@ class ImportSummary:
     damaged: str = ""
 
 
-def import_results(plan: StudyPlan, store: str | Path, file: str | Path) -> ImportSummary:
+def import_results(
+    plan: StudyPlan, store: str | Path, file: str | Path, *, alone: bool = False
+) -> ImportSummary:
     """Take earlier results or measured values into a study.
 
     Parameters
@@ -261,6 +269,8 @@ def import_results(plan: StudyPlan, store: str | Path, file: str | Path) -> Impo
         A CSV table, or the store of another study. Designs of that store that are exactly the
         study's own count as computed; its other designs, and the rows of a table, are kept as rows
         of their own that never replace a result of the study.
+    alone : bool
+        Whether the study is not going to compute its designs; see `read_rows`.
 
     Returns
     -------
@@ -276,72 +286,39 @@ def import_results(plan: StudyPlan, store: str | Path, file: str | Path) -> Impo
         raise InputError(f"import: given {str(path)!r}, which is a folder; allowed is a file.")
     if not path.is_file():
         raise InputError(f"import: given {str(path)!r}; there is no such file.")
-    planned = plan.planned
+    planned = known_designs(store, plan)
     found, damaged = StoreResults((), (), 0), ""
     if is_database(path):
         with ResultStore(path, readonly=True) as other:
             found = read_store(other, plan, {design.key for design in planned.designs})
             damaged = damaged_rows_warning(other.damaged, path) if other.damaged else ""
     else:
-        found = replace(found, rows=read_rows(path, plan))
+        found = replace(found, rows=read_rows(path, plan, alone=alone))
     with ResultStore(store) as results:
-        _register(results, plan, planned)
+        register_designs(results, plan, planned)
         known = results.outcomes(one.key for one in found.finished)
         new = [one for one in found.finished if one.key not in known or known[one.key].lost]
         for outcome in new:
             results.record(outcome, MODEL_VERSION)
-        coinciding = _coinciding(results, planned, found.rows)
+        coinciding = _coinciding(results, planned, found.rows, alone)
         added = results.add_extra_rows(plan.key, found.rows)
         return ImportSummary(len(new), added, found.left_out, coinciding, damaged)
 
 
-def _coinciding(results: ResultStore, planned: PlannedStudy, rows: Iterable[ExtraRow]) -> int:
-    """Count the computed rows at which the study has, or will have, a result of its own."""
+def _coinciding(
+    results: ResultStore, planned: PlannedStudy, rows: Iterable[ExtraRow], alone: bool
+) -> int:
+    """Count the computed rows at which the study has, or unless alone will have, a result of its own."""
     outcomes = results.outcomes(design.key for design in planned.designs)
-    failed = {key for key, found in outcomes.items() if found.status == "failed"}
-    own = np.array([d.values for d in planned.designs if d.key not in failed])
+    status = {key: found.status for key, found in outcomes.items()}
+    others = {"failed", "lost", None} if alone else {"failed"}
+    own = np.array([d.values for d in planned.designs if status.get(d.key) not in others])
     own = own.reshape(-1, len(planned.plan.factors))
     return sum(
         bool(np.isclose(own, row.values, rtol=SAME, atol=0.0).all(axis=1).any())
         for row in rows
         if row.role != MEASURED and row.values is not None
     )
-
-
-def _register(results: ResultStore, plan: StudyPlan, planned: PlannedStudy) -> None:
-    """Write down which designs the study has."""
-    designs: list[tuple[str, str, Mapping[str, float | str]]] = []
-    for design in planned.designs:
-        values = zip(plan.factors, design.values, strict=True)
-        shown = {f.name: f.labels[round(v)] if f.labels else v for f, v in values}
-        designs.append((design.role, design.key, shown))
-    results.register_study(plan.key, plan.as_record(), designs)
-
-
-def _as_registered(results: ResultStore, plan: StudyPlan) -> PlannedStudy:
-    """Return a study with the designs under which its store knows it.
-
-    They are those of the plan, unless a later release of numpy or scipy draws other points.
-    """
-    planned = plan.planned
-    registered = results.study_designs(plan.key)
-    if not registered or [key for _, key, _ in registered] == [d.key for d in planned.designs]:
-        return planned
-    try:
-        values = [
-            tuple(factor_value(factor, shown[factor.name]) for factor in plan.factors)
-            for _, _, shown in registered
-        ]
-    except (KeyError, TypeError, ValueError):  # the list is damaged
-        return planned
-    designs = []
-    made = plan.variants().at(np.array(values))
-    for (role, _, _), row, variant in zip(registered, values, made, strict=True):
-        if variant.throw is None:  # it was one when the study was registered
-            return planned
-        designs.append(planned_design(plan, role, row, variant.throw))
-    # What was excluded of the points drawn then is not known.
-    return replace(planned, designs=tuple(designs), excluded=())
 
 
 def _table(

@@ -98,6 +98,8 @@ class StudyTable:
         Designs that the plan left out because they cannot be built.
     computed : int
         Designs computed now, not taken from the store.
+    added : int
+        Runs that were added to the plan's, with a result or without.
     extra : tuple of ExtraRow
         All imported rows, the measured ones too.
     damaged : dict of str to str
@@ -117,6 +119,7 @@ class StudyTable:
     failures: tuple[tuple[str, tuple[float, ...], str], ...]
     excluded: tuple[ExcludedDesign, ...] = ()
     computed: int = 0
+    added: int = 0
     extra: tuple[ExtraRow, ...] = ()
     rows: tuple[StudyRow, ...] = field(default=(), repr=False)
     damaged: Mapping[str, str] = field(default_factory=dict)
@@ -280,6 +283,7 @@ def study_table(
         failures=tuple((row.role, row.values or (), row.reason) for row in own if row.reason),
         excluded=tuple(excluded),
         computed=computed,
+        added=sum(design.added for design in designs),
         extra=extra,
         rows=rows,
         damaged=damaged,

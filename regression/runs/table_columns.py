@@ -17,8 +17,8 @@ from regression.response_kinds import is_positive_response
 
 # Columns that say something of a row as a whole.
 ABOUT = ("role", "source", "status", "model_version")
-# Columns of an exported table that an import has no use for.
-IGNORED = ("seconds", "unknowns", "reason")
+# Columns of exported tables that an import has no use for.
+IGNORED = ("seconds", "unknowns", "reason", "design", "file")
 HEADER = re.compile(r"\s*([^\[\]]*?)\s*(?:\[([^\[\]]*)\]\s*)?")
 
 

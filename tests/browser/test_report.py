@@ -154,7 +154,7 @@ def test_names_are_no_markup_in_the_browser(open_page, tmp_path):
     name = "<b>R&D<a href=http://evil.example/> %{x}"
     figures = {
         "load": polar_load(
-            LoadDiagram(name, np.linspace(0.0, 12.0, 90), 1e3 * np.exp(1j * np.arange(90.0)), 0.0),
+            LoadDiagram(name, np.linspace(0.0, 688.0, 90), 1e3 * np.exp(1j * np.arange(90.0)), 0.0),
             "crank",
             name,
         ),

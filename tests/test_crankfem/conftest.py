@@ -17,6 +17,7 @@ from crankfem.files.engine.engine_file import load_engine
 from crankfem.files.reading.data_files import input_path
 from fem.analysis import analyze_throw
 from geometry.throw import CrankThrow
+from json_units import numbers_with_units
 from plans import plan_of_levels
 from regression.fits.fits import fit_form
 from regression.models.compliance_model import ComplianceModel
@@ -41,8 +42,10 @@ class Answer:
     err: str
 
     def json(self):
-        """Return standard output as strict JSON."""
-        return strict_json(self.out)
+        """Return standard output as strict JSON, in which every number has a unit."""
+        content = strict_json(self.out)
+        numbers_with_units(content)
+        return content
 
 
 def strict_json(text):
@@ -233,7 +236,7 @@ def least_engine(six_cylinders):
         "engine.cylinders": "1",
         "engine.crank_angles": '["0 deg"]',
         "engine.firing_order": "[1]",
-        "thrust_bearing.bearing": "1",
+        "thrust_bearing.main_bearing": "2",
     }
     return edited(six_cylinders, changes)
 

@@ -71,7 +71,7 @@ def test_what_decides_stands_before_the_verdict_with_the_values_assumed(record, 
     print_assessment(record)
     assert capsys.readouterr().out.splitlines()[-2:] == [
         "Verdict: undecided, acceptable with this: give that.",
-        "With the values assumed: Fine.",
+        "With the values used: Fine.",
     ]
 
 
@@ -80,5 +80,5 @@ def test_a_verdict_that_only_its_barred_ranges_hang_on_says_so(record, capsys):
     print_assessment(record)
     assert capsys.readouterr().out.splitlines()[-2:] == [
         "Verdict: Fine.",
-        "It hangs on what is assumed: no speeds need be barred with this.",
+        "It hangs on what is assumed or uncertain: no speeds need be barred with this.",
     ]

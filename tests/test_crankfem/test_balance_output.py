@@ -7,6 +7,7 @@ import pytest
 from comparing import close
 from crankbase.errors import InputError
 from crankfem.analyses.mechanism import balance_records
+from crankfem.analyses.mechanism.acceleration_records import acceleration_record
 from crankfem.analyses.mechanism.plots.balance_plots import (
     plot_accelerations,
     plot_balance,
@@ -59,7 +60,7 @@ def test_records_are_json_and_hold_the_numbers():
     assert (first["force_balanced"], first["moment_balanced"]) == (True, False)
     assert (second["force_balanced"], second["moment_balanced"]) == (False, True)
     assert second["force"]["major"] == found.of(2).force.major
-    assert second["force"]["angle_deg"] == math.degrees(found.of(2).force.angle)
+    assert second["force"]["angle_deg"] == found.of(2).force.angle_deg
     parts = [second["parts"][name]["force"] for name in ("reciprocating", "rotating", "lateral")]
     for place in (0, 1):
         total = sum(part["forward"][place] for part in parts)
@@ -84,8 +85,10 @@ def test_tables(capsys, monkeypatch):
     assert "about z = 0.2 m" in moments
     assert moments.count("balanced") == 3  # the second and fourth order, and the note
     effects = hinged_rod_effects(vee(), SPEED, cylinders=[1, 2])
-    mechanism_tables.print_hinged_rods(balance_records.hinged_rods_record(effects))
+    pistons = acceleration_record(vee(), SPEED, (1, 2))
+    mechanism_tables.print_hinged_rods(balance_records.hinged_rods_record(effects), pistons)
     shown = capsys.readouterr().out
+    assert "less cylinder 2, at the same alpha: -52.8" in shown
     assert "hinged: movement alone" in shown
     assert "-12.2 %" in shown
 

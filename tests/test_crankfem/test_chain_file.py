@@ -267,7 +267,7 @@ SPRING = '[[chain.elements]]\nstiffness = "3 N m/rad"\n'
             r"elements\[0\].diameter: missing",
         ),
         (NODES.replace('"b"', '"a"') + SPRING, r"chain.nodes\[1\].name: given 'a' a second time"),
-        (NODES.replace('inertia = "1', 'mass = "1'), r"chain.nodes\[0\].mass: unknown field"),
+        (NODES.replace('inertia = "1', 'mass = "1', 1), r"chain.nodes\[0\].mass: unknown field"),
         (
             NODES + SPRING + '[[chain.gears]]\ndriver = "a"\ndriven = "b"\nratio = 0\n',
             "gear.ratio: given 0",

@@ -32,7 +32,7 @@ def test_an_engine_is_shown_as_understood(call):
         "firing order 1-5-3-6-2-4",
         "web_thickness │ h │ 68",
         "a quarter is solved",
-        "thrust bearing at main bearing 7 of 7, counted from 1 at the free end (bearing = 6 in the file",
+        "thrust bearing at main bearing 7 of 7, counted from 1 at the free end",
         "a rule of a classification society",
         "the rule 'KR generator set', because the engine drives a generator (engine.drives)",
     ):

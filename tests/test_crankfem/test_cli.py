@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 import typer.main
 
+import crankfem as cf
 from comparing import close
 from crankbase.errors import InputError, MissingLibraryError
 from crankfem.cli import app as cli
@@ -20,6 +21,7 @@ from crankfem.cli.console import RunProgress
 from crankfem.files.engine.engine_file import SECTIONS
 from crankfem.files.reading.data_files import input_path, shipped_names
 from crankfem.jobs.exit_codes import MEANINGS
+from fem.shaft import solve_shaft
 from regression.models.compliance_model import ComplianceModel
 
 ENTRY = [sys.executable, "-c", "from crankfem.cli.entry import main; main()"]
@@ -574,6 +576,61 @@ def test_throw_as_json(call):
         assert total == close([0.0, content["radial_force"], 0.0], abs=1.0)
 
 
+@pytest.mark.slow
+def test_throw_between_neighbors_under_a_pin_force(call):
+    arguments = ("--accuracy", "0.1", "--gamma", "90 deg", "--pin-force", "30 kN")
+    record = call("throw", "6chn25-34", *arguments, "--json").json()
+    assert list(record["supports"]) == ["pinned", "guided", "neighbors 90 deg"]
+    engine = cf.load_engine("6chn25-34")
+    throw = cf.analyze_throw(engine.throw, engine.material, accuracy=0.1).superelement
+    # 41 throws of a helix, assembled: all pulled, and all loaded by the radial force.
+    turned = [throw.turned(angle_deg=90.0 * place) for place in range(41)]
+    loads = np.zeros((6 * 42, 2))
+    loads[6 * 41 + 2, 0] = 1.0
+    for place, own in enumerate(turned):
+        loads[6 * place : 6 * place + 12, 1] += 3e4 * own.radial_loads[:, 0]
+    motions = solve_shaft(turned, loads)
+    pulled, opened = motions[6 * 21 + 2] - motions[6 * 20 + 2]
+    found = record["supports"]["neighbors 90 deg"]
+    assert found["axial_compliance"] == close(pulled, rel=1e-8)
+    assert found["influence_coefficient"] == close(opened / 3e4, rel=1e-8)
+    assert found["axial_force"] == close(opened / pulled, rel=1e-8)
+    for own in record["supports"].values():
+        assert own["axial_force"] == close(-own["reactions"]["right"]["force"][2])
+        assert own["axial_force"] == close(3e4 * own["axial_force_per_radial"])
+
+
+def test_a_pin_force_of_three_components(call):
+    arguments = ("--accuracy", "0.1", "--pin-force", "4, -10, 1 kN")
+    answer = call("throw", "yamz-5340", *arguments)
+    out = " ".join(answer.out.split())
+    assert "Reactions to a force of 4, -10, 1 kN (x, y, z) on the pin, length kept" in out
+    assert (
+        "P: axial force at the right end that keeps the length under a force of 4, -10, 1 kN" in out
+    )
+    record = call("throw", "yamz-5340", *arguments, "--json").json()
+    assert record["pin_force"] == [4e3, -1e4, 1e3]
+    for own in record["supports"].values():
+        total = sum(np.array(own["reactions"][side]["force"]) for side in ("left", "right"))
+        assert total == close([-4e3, 1e4, -1e3], abs=1e-3)
+        assert own["axial_force"] == close(-own["reactions"]["right"]["force"][2])
+
+
+@pytest.mark.parametrize(
+    ("arguments", "fragment"),
+    [
+        (("--pin-force", "1, 2 kN"), "--pin-force: given '1, 2 kN'; allowed is one radial force"),
+        (("--pin-force", "100"), "--pin-force: given '100', a bare number"),
+        (("--pin-force", "1e40 N"), "none beyond 1e+30 N"),
+        (("--gamma", "inf"), "--gamma: given inf; allowed is a finite angle"),
+    ],
+)
+def test_throw_refuses_angles_and_forces(call, arguments, fragment):
+    answer = call("throw", "6chn25-34", *arguments)
+    assert (answer.code, answer.out) == (2, "")
+    assert fragment in " ".join(answer.err.split())
+
+
 def test_throw_as_tables(call):
     answer = call("throw", "yamz-5340", "--accuracy", "0.1")
     assert answer.code == 0
@@ -655,7 +712,7 @@ def test_an_interrupt_ends_with_a_word_and_130(call, monkeypatch):
     def interrupted(*_, **__):
         raise KeyboardInterrupt
 
-    monkeypatch.setattr("regression.runs.study.run_plan", interrupted)
+    monkeypatch.setattr("crankfem.analyses.study.growth.run_plan", interrupted)
     answer = call("doe", "6chn25-34")
     assert answer.code == 130
     assert answer.out == ""
@@ -688,8 +745,8 @@ def test_results_without_numbers_never_become_json(capsys):
 
     with pytest.raises(ValueError, match="not JSON compliant"):
         print_json({"value": float("nan")})
-    print_json({"value": 1.5})
-    assert json.loads(capsys.readouterr().out) == {"value": 1.5}
+    print_json({"mass": 1.5})
+    assert json.loads(capsys.readouterr().out) == {"mass": 1.5, "units": {"mass": "kg"}}
 
 
 @pytest.mark.parametrize(
@@ -741,7 +798,7 @@ def test_pictures_of_stresses_need_a_folder(call, tmp_path):
 
 def test_the_page_tells_all_commands_and_exit_codes():
     page = (Path(__file__).parents[2] / "docs" / "command-line.md").read_text(encoding="utf-8")
-    assert sorted(re.findall(r"^\| `(\w+)` \| .* \| .* \|$", page, re.M)) == COMMANDS
+    assert sorted(re.findall(r"^\| `([\w-]+)` \| .* \| .* \|$", page, re.M)) == COMMANDS
     for code, meaning in MEANINGS.items():
         assert f"| {code} | {meaning} |" in page
 

@@ -8,13 +8,16 @@ from pathlib import Path
 import pytest
 from rich.console import Console
 
+from comparing import close
 from crankfem.analyses.vibration.speed_table import speed_table
+from crankfem.analyses.vibration.tables import mode_table
 from crankfem.cli import console
 from crankfem.cli.commands.run import _print
 from crankfem.cli.tables.run_tables import print_verdict
 from crankfem.report.conclusions import conclusions, headline, verdict_line
 from crankfem.report.engine_schematic import engine_schematic
-from crankfem.report.summary import summary, worst_of_each
+from crankfem.report.summary import summary, uncertain_sentence, worst_of_each
+from crankfem.report.text_filters import loaded_most
 from dynamics.plots.mode_shapes import chain_places, crosses_on_axis
 
 STORED = Path(__file__).with_name("report_results.json")
@@ -124,14 +127,17 @@ def test_damping_is_advised_only_where_it_can_help(results):
         copy.deepcopy(results), part(3.0, 15e6, "forced"), part(6.0, 10e6, "at resonance")
     )
     text = " ".join(conclusions(help_))
-    assert "must fall by 20 %; the orders away from resonance make 15 MPa" in text
+    assert "must fall by 20 %; all orders away from resonance together make 15 MPa" in text
     assert "more damping, or another frequency of torsional mode 1, may do that" in text
     # Here 22 MPa are left whatever the damping.
     none = with_parts(
         copy.deepcopy(results), part(1.5, 22e6, "forced"), part(6.0, 3e6, "near resonance", 2)
     )
     text = " ".join(conclusions(none))
-    assert "more damping alone cannot do that: the orders away from resonance make 22 MPa" in text
+    assert (
+        "more damping alone cannot do that: all orders away from resonance together make 22 MPa"
+        in text
+    )
     fine = with_parts(copy.deepcopy(results), part(6.0, 10e6, "at resonance"))
     assert "must fall" not in " ".join(conclusions(fine))
 
@@ -154,7 +160,7 @@ def test_a_verdict_that_hangs_on_assumptions_is_undecided(results):
         "Verdict: Undecided: torsional stress of crankshaft 115 %"
     )
     found = conclusions(results)
-    assert found[0].startswith("With the values assumed: torsional stress of crankshaft")
+    assert found[0].startswith("With the values used: torsional stress of crankshaft")
     assert any("Acceptable with a tensile strength of 590 MPa." in line for line in found)
 
 
@@ -201,6 +207,9 @@ def test_no_table_of_critical_speeds_is_printed_twice(results, verbose, monkeypa
     assessment |= {"running_rpm": [200.0, 515.0], "beside": []}
     assessment["limits"] = [one | {"judged_to_rpm": 575.0} for one in assessment["limits"]]
     assessment["barred"] = [one | {"ends": "not kept"} for one in assessment["barred"]]
+    results["study"] = None
+    for own in results["throw"]["supports"].values():
+        own["axial_force"] = own["axial_force_per_radial"] * results["throw"]["radial_force"]
     lines = printed(results, 200, monkeypatch, capsys, verbose)
     assert sum(line.strip() == "Critical speeds" for line in lines) == (0 if verbose else 1)
     assert any(line.startswith("Throw by finite elements") for line in lines) == verbose
@@ -224,6 +233,78 @@ def test_a_critical_speed_stands_once_with_all_that_is_known_of_it(results):
     assert shown[names.index("speed")] == f"{peak['speed_rpm']:.1f}"
     assert shown[names.index("lowest")] == f"{own['low_rpm']:.1f}"
     assert shown[names.index("amplitude")] == "1.42 mrad"
+
+
+def test_each_of_two_peaks_of_one_mode_has_a_row(results):
+    vibration = results["vibration"]
+    peaks = vibration["forced"]["torsional"]["resonances"]
+    first = next(one for one in peaks if one["order"] == 12.0)
+    peaks.append({**first, "speed_rpm": 0.9 * first["speed_rpm"], "amplitude": 0.5e-3})
+    table = speed_table(vibration, most=99)
+    names = [column.name for column in table.columns]
+    rows = [
+        dict(zip(names, texts, strict=True))
+        for texts in table.texts()
+        if texts[0] == "torsional" and texts[names.index("order")] == "12"
+    ]
+    assert [row["amplitude"] for row in rows] == ["0.5 mrad", "1.42 mrad"]
+    # Bounds belong to the peak they are about.
+    assert (rows[0]["lowest"], rows[1]["lowest"] != "-") == ("-", True)
+
+
+def test_an_order_without_a_peak_is_not_called_unbounded(results):
+    vibration = results["vibration"]
+    one = vibration["forced"]["axial"]["resonances"][0]
+    one |= {"speed_rpm": None, "amplitude": None, "unbounded": False}
+    table = speed_table(vibration, most=99)
+    (row,) = (texts for texts in table.texts() if "no peak" in texts)
+    assert row[[column.name for column in table.columns].index("amplitude")] == "-"
+    assert not any("unbounded" in text for text in row)
+
+
+def test_above_the_running_range_is_told_where_it_is_worse_and_of_which_place():
+    def check(place, running, above):
+        one = {"limit": "stress", "place": place, "passed": False, "speed_rpm": 500.0}
+        told = {"used": above, "speed_rpm": 550.0}
+        return one | {"used": running, "running": {"used": running}, "above": told}
+
+    (found,) = worst_of_each([check("a", 3.4, 2.6), check("b", 3.3, 2.7)])
+    assert (found["place"], found["above"]) == ("a", None)
+    (found,) = worst_of_each([check("a", 3.4, 2.6), check("b", 3.3, 3.6)])
+    assert (found["place"], found["above"]["place"], found["above"]["used"]) == ("a", "b", 3.6)
+
+
+def test_what_is_uncertain_names_the_bearings_and_the_crankshafts_own_first_mode(results):
+    vibration = results["vibration"]
+    before = uncertain_sentence(vibration, "torsional")
+    assert "bearings" not in before
+    vibration["bearings"] = {"stiffness": [2.2e8, 2.2e9, 2.2e10]}
+    own = vibration["torsional"]["modes"]
+    first, second = (one for one in own if one["number"] in (1, 2))
+    first["of_crankshaft"], second["of_crankshaft"] = False, True
+    bounds = vibration["assessment"]["uncertainty"]["torsional"]["frequencies"][1]
+    said = uncertain_sentence(vibration, "torsional")
+    assert "stiffness of the main bearings 2.2e+08 to 2.2e+10 N/m each" in said
+    ends = said.rpartition("crankshaft ")[2].removesuffix(" Hz.").split(" to ")
+    assert [float(end) for end in ends] == close([bounds["low"], bounds["high"]], rel=5e-3)
+
+
+def test_bearings_that_are_alike_are_counted():
+    loads = [{"name": name, "largest": size} for name, size in (("a", 1.0), ("b", 2.0 - 1e-12))]
+    found = loaded_most([*loads, {"name": "c", "largest": 2.0}])
+    assert [one["name"] for one in found] == ["b", "c"]
+
+
+def test_a_node_on_a_branch_is_told_by_its_branch():
+    record = {
+        "kind": "torsional",
+        "source": "fe",
+        "nodes": ["end", "a", "wheel", "ring"],
+        "connections": [[0, 1], [1, 2], [0, 3]],
+        "modes": [{"number": 1, "frequency": 30.0, "rigid": False, "node_positions": [1.25, 2.4]}],
+    }
+    (row,) = mode_table(record).texts()
+    assert row[-1] == "2.25, 0.40 of the way from end to ring"
 
 
 def test_the_schematic_names_what_the_chain_has(results):

@@ -12,6 +12,7 @@ from pathlib import Path
 
 import pytest
 
+from comparing import close
 from crankfem.cli.console import progress_text
 from fem.responses import RESPONSES
 from puppets import PRELUDE, puppet
@@ -92,6 +93,30 @@ def test_doe_shows_the_plan_and_computes_nothing(call, study, tmp_path):
     assert [path.name for path in tmp_path.iterdir()] == ["study.toml"]
 
 
+def test_doe_tells_how_the_runs_lie(call, study):
+    answer = call("doe", study, "--plan")
+    # Of 3 x 3 levels the nearest are half a range apart.
+    assert "Runs in the unit cube: nearest runs 0.5 apart, discrepancy 0.0" in answer.out
+    assert "No two factors are correlated." in answer.out
+    quality = call("doe", study, "--plan", "--json").json()["quality"]
+    assert quality["distance"] == close(0.5)
+    assert (quality["correlation"], quality["correlated"]) == (0.0, [])
+    assert 0.0 < quality["discrepancy"] < 0.1
+
+
+@pytest.mark.slow
+def test_doe_adds_runs_once(call, study, monkeypatch):
+    monkeypatch.setattr("crankfem.analyses.study.growth.PLACES", 40)
+    answer = call("doe", study, "--more", "3")
+    assert answer.code == 0, answer.err
+    added = "12 runs and 3 held-out designs in runs.sqlite; {} computed now, 0 without a result, 3 of the"
+    assert added.format(15) in answer.out
+    assert "3 of the runs added to the plan's." in answer.out
+    assert added.format(0) in call("doe", study, "--more", "3").out
+    record = call("doe", study, "--json").json()
+    assert (record["runs"], record["added"], record["computed_now"]) == (12, 3, 0)
+
+
 def test_doe_exports_over_nothing_of_the_users(call, study, tmp_path):
     for options, code in ((), 2), (("--force",), 0), ((), 0):
         if code == 2:
@@ -165,13 +190,20 @@ def test_doe_takes_earlier_and_measured_results_over(call, study, tmp_path):
         (["--export", "runs.xlsx"], "export: given 'runs.xlsx'; allowed are .csv and .parquet"),
         (["--export", "none/runs.csv"], "export: given 'none/runs.csv'; there is no folder none"),
         (["--import", "none.csv"], "import: given 'none.csv'; there is no such file"),
+        (["--more", "-1"], "more: given -1; allowed is 0 to 1000 further designs"),
+        (["--more", "4", "--no-compute"], "--more: given with --no-compute; allowed is one"),
+        (["--more", "4", "--plan"], "--plan: given with --export, --import, --mesh or --more"),
+        (["--mesh", "inp"], "--mesh: given without --export, or with --import"),
+        (["--mesh", "stl", "--export", "out"], "mesh: given 'stl'; allowed are msh, vtu"),
+        (["--mesh", "inp", "--export", "a.csv"], "--export: given a.csv with --mesh; allowed is a"),
+        (["--no-compute"], "store: given 'runs.sqlite'; there is no such file"),
     ],
 )
 def test_doe_refuses_options(call, study, tmp_path, options, message):
     answer = call("doe", study, *options)
     assert (answer.code, answer.out) == (2, "")
     assert " ".join(answer.err.split()).startswith(f"Error: {message}")
-    assert not (tmp_path / "runs.sqlite").exists()
+    assert [path.name for path in tmp_path.iterdir()] == ["study.toml"]
 
 
 def test_doe_says_which_table_cannot_be_read(call, study, tmp_path):
@@ -191,7 +223,7 @@ def test_limits_are_quantities(call, study, monkeypatch):
         given.update(options)
         raise StudyStoppedError("store: runs.sqlite cannot be used now (the disk is full).")
 
-    monkeypatch.setattr("regression.runs.study.run_plan", run_plan)
+    monkeypatch.setattr("crankfem.analyses.study.growth.run_plan", run_plan)
     answer = call(
         "doe", study, "--time-limit", "2 min", "--memory-limit", "4 GiB", "--dask", "tcp://h:1"
     )

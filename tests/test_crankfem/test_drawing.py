@@ -139,7 +139,7 @@ THROWS = {
     "wide ends": ({"web_pin_end": 0.16, "web_journal_end": 0.17}, "r 160; r 170; 160"),
     "two-stroke": (
         TWO_STROKE,
-        "R 1100; B 1300; h 380; r 120; r 30; D_km ⌀750; d_shm ⌀350; 600; 610; overlap −350 mm",
+        "R 1100; B 1300; h 380; r 120; r 30; D_km ⌀750; d_shm ⌀350; 600; 610; no overlap",
     ),
     "small": (SMALL, "R 50; L_km/2 12.5; r_km 2.5; r_shm 3; h 18"),
 }

@@ -6,7 +6,9 @@ import pytest
 
 from comparing import close
 from crankbase.errors import InputError
+from crankfem.analyses.assumptions import assumed_values
 from crankfem.analyses.shaft.chains import engine_throw_inertias
+from crankfem.analyses.vibration.engine_limits import rule_of
 from crankfem.analyses.vibration.run import engine_vibration
 from crankfem.files.engine.engine_file import load_engine
 from crankfem.files.engine.mechanism_file import load_mechanism, mechanism_of
@@ -22,7 +24,7 @@ def test_an_unchanged_engine_has_the_files_mechanism(engine):
     read, made = load_mechanism("6chn25-34"), mechanism_of(engine)
     assert made.layout == read.layout
     assert made.remarks == read.remarks
-    assert (made.throws, made.throw_angles) == (read.throws, read.throw_angles)
+    assert (made.throws, made.throw_angles_deg) == (read.throws, read.throw_angles_deg)
     assert made.attached_inertia == read.attached_inertia
     assert made.pressure[0].pressure.tolist() == read.pressure[0].pressure.tolist()
 
@@ -77,7 +79,8 @@ def test_changed_values_lose_their_sources(engine):
             {"throw": {"crank_radius": 0.160}},
             "throw.crank_radius: given 160 mm; allowed is half of",
         ),
-        ({"thrust_bearing": {"bearing": 9}}, "thrust_bearing.bearing: given 9, main bearing 10"),
+        ({"thrust_bearing": {"main_bearing": 9}}, "thrust_bearing.main_bearing: given 9; allowed"),
+        ({"thrust_bearing": {"bearing": 6}}, "thrust_bearing.bearing: given 6; this field counted"),
         ({"vibration": {"highest_order": 2.2}}, "vibration.highest_order: given 2.2"),
     ],
 )
@@ -100,3 +103,12 @@ def test_a_strength_beyond_the_rule_is_refused_when_read(engine):
         InputError, match=r"limits\.tensile_strength: given 850 MPa; .* set alloy to true"
     ):
         engine.changed(limits=limits | {"tensile_strength": 850e6})
+
+
+@pytest.mark.parametrize(
+    ("driven", "rule"), [("generator", "KR generator set"), ("propeller", "KR main engine")]
+)
+def test_the_rule_that_is_listed_as_assumed_is_the_one_that_is_taken(driven, rule):
+    engine = load_engine("6chn25-34").changed(engine={"drives": driven})
+    (listed,) = (one for one in assumed_values(engine) if one.field == "limits.crankshaft_rule")
+    assert listed.given == rule == rule_of(engine.engine)

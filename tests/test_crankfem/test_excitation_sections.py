@@ -60,7 +60,9 @@ def test_a_map_along_a_curve_reads_its_tables(file):
     assert found.speeds == close(np.array([0.5, 0.75, 1.0]) * RATED)
     assert gas_map_load(section, RATED) is None
     full = read_pressure_table(file.parent / "full.csv")
-    assert found.at(RATED).pressure == close(full.at(found.at(RATED).angles), rel=1e-9)
+    assert found.at(RATED).pressure == close(
+        full.at(angle_deg=found.at(RATED).angles_deg), rel=1e-9
+    )
     cylinder_forces(LAYOUT, [0.6 * RATED, 0.9 * RATED], 6.0, found)
 
 

@@ -71,12 +71,13 @@ def test_fit_refuses(store, call, tmp_path, option, value, message):
     assert not (tmp_path / "model.json").exists()
 
 
-def test_fit_tells_of_a_damaged_row_and_does_without(store, call, tmp_path):
+@pytest.mark.parametrize("quiet", [(), ("-q",)])
+def test_fit_tells_of_a_damaged_row_and_does_without(store, call, tmp_path, quiet):
     connection = sqlite3.connect(store)
     connection.execute("UPDATE designs SET responses = '{\"mass\": NaN}' WHERE rowid = 1")
     connection.commit()
     connection.close()
-    answer = call("fit", store)
+    answer = call("fit", store, *quiet)
     assert answer.code == 0, answer.err
     assert "1 row is damaged in" in " ".join(answer.err.split())
     assert ComplianceModel.load(tmp_path / "model.json").responses["mass"].runs == 11

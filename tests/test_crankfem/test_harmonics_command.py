@@ -7,6 +7,7 @@ import pytest
 import crankfem as cf
 from comparing import close
 from crankbase.tables.table_units import table_unit
+from crankfem.analyses.mechanism.plots.torque_plots import picture_torque_table, table_files
 
 TABLE = "yamz5340_torque_one_throw.csv"
 
@@ -117,14 +118,87 @@ def test_tables_and_pictures_are_written(call, tmp_path):
 
 
 def test_table_writes_too(call, tmp_path):
-    answer = call("harmonics", TABLE, "--csv", "h.csv", "--pictures", "plots")
+    answer = call("harmonics", TABLE, "--csv", "h.csv")
     assert answer.code == 0
     assert "Table: h.csv" in answer.out
     lines = (tmp_path / "h.csv").read_text(encoding="utf-8").splitlines()
     assert lines[0] == f"# {TABLE}, 4 strokes per cycle"
     # A header, the mean and 18 orders.
     assert len(lines) == 1 + 20
-    assert (tmp_path / "plots" / "torque.svg").is_file()
+    answer = call(
+        "harmonics", TABLE, "--orders", "1", "--firing-order", "1-2", "--pictures", "plots"
+    )
+    names = {path.name for path in (tmp_path / "plots").glob("[!.]*")}
+    assert names == {"torque.svg", "harmonics.svg", "single_harmonics.svg", "stars.svg"}
+
+
+@pytest.mark.parametrize(
+    "firing", [("--firing-order", "1-3-4-2"), ("--firing-angles", "0, 540, 180, 360 deg")]
+)
+def test_cylinders_of_a_table_add_up_as_their_shifted_samples(call, tmp_path, firing):
+    arguments = ("--orders", "8.5", "--csv", "h.csv")
+    record = call("harmonics", TABLE, *firing, *arguments, "--json").json()
+    found = record["cylinders"]
+    assert found["firing_angles_deg"] == [0.0, 540.0, 180.0, 360.0]
+    assert found["leading_orders"] == [2.0, 4.0, 6.0, 8.0]
+    # Four rows of samples, each shifted by its firing angle; their order 9 cancels.
+    torque = cf.load_torque_table(TABLE).torque
+    total = sum(np.roll(torque, shift // 20) for shift in (0, 540, 180, 360))
+    angles = np.radians(np.arange(0, 720, 20))
+    own = found["torque"]
+    series = own["mean"] + sum(
+        amplitude * np.sin(order * angles + np.radians(phase))
+        for order, amplitude, phase in zip(
+            own["orders"], own["amplitude"], own["phase_deg"], strict=True
+        )
+    )
+    assert series == close(total, abs=1e-9)
+    rows = list(csv.DictReader((tmp_path / "h.csv").read_text("utf-8").splitlines()[1:]))
+    second = next(
+        row for row in rows if (row["of"], row["order"]) == ("torque of all cylinders", "2.0")
+    )
+    assert float(second["cosine"]) == close(
+        2.0 / 36.0 * float(np.sum(total * np.cos(2.0 * angles))), rel=1e-9
+    )
+
+
+def test_partial_sums_against_the_samples(call):
+    record = call("harmonics", TABLE, "--orders", "2", "--json").json()
+    assert record["orders"] == [0.5, 1.0, 1.5, 2.0]
+    torque = cf.load_torque_table(TABLE).torque
+    # Least squares with a mean and the same sines and cosines leaves as much.
+    angles = np.radians(np.arange(0, 720, 20))
+    for place, highest in enumerate(record["orders"]):
+        kept = np.arange(0.5, highest + 0.1, 0.5)
+        basis = np.column_stack(
+            [np.ones(36), *(wave(k * angles) for k in kept for wave in (np.cos, np.sin))]
+        )
+        left = torque - basis @ np.linalg.lstsq(basis, torque, rcond=None)[0]
+        assert record["residual_rms"][place] == close(np.sqrt(np.mean(left**2)))
+        assert record["residual_largest"][place] == close(np.max(np.abs(left)))
+    assert "meets every sample" in call("harmonics", TABLE).out
+    told = call("harmonics", TABLE, "--orders", "2").out
+    assert "The sum up to order 2 differs from the samples by at most 1530.2 N m." in told
+
+
+def test_the_picture_of_a_table_ends_at_the_order_asked_for(tmp_path):
+    table = cf.load_torque_table(TABLE)
+    shown = table.harmonics().up_to(1.5)
+    paths = picture_torque_table(tmp_path, table, shown)
+    assert [path.name for path in paths] == table_files(())
+    texts = [path.read_text(encoding="utf-8") for path in paths]
+    assert "<!-- sum up to order 1.5 -->" in texts[0]
+    assert "<!-- order 1.5: 334.2 N m, 190.2 deg -->" in texts[1]
+    assert "<!-- Order 1.5 -->" in texts[2]
+    assert not any("rder 2" in text for text in texts)
+
+
+def test_the_order_of_which_one_phase_is_seen_has_no_star(call):
+    answer = call("harmonics", TABLE, "--firing-order", "1-2")
+    assert "Note: order 9 is left out, because 36 samples see one phase of it only" in answer.out
+    assert "2 cylinders, each with this torque, fired at 0, 360 deg: mean torque 246.72 N m." in (
+        answer.out
+    )
 
 
 @pytest.mark.parametrize(
@@ -146,6 +220,20 @@ def test_table_writes_too(call, tmp_path):
         (("6chn25-34", "--orders", "361"), "--orders: given 361; allowed is 360 or less"),
         (("6chn25-34", "--cylinder", "7"), "--cylinder: given 7; allowed is 1 to 6"),
         (("6chn25-34", "--strokes", "2"), "--strokes: given 2; allowed is 4 or nothing"),
+        (
+            (TABLE, "--firing-order", "1-3-3"),
+            "--firing-order: given '1-3-3'; allowed is each number",
+        ),
+        ((TABLE, "--firing-angles", "0, 90"), "--firing-angles: given '0', a bare number"),
+        ((TABLE, "--firing-angles", "0 m"), "--firing-angles: "),
+        (
+            (TABLE, "--firing-order", "1", "--firing-angles", "0 deg"),
+            "--firing-order: given '1' with --firing-angles; allowed is one of them",
+        ),
+        (
+            ("6chn25-34", "--firing-order", "1"),
+            "--firing-order: given '1' with an engine file; allowed is a torque table",
+        ),
         (("nowhere.toml",), "nowhere.toml: does not exist"),
         (("no-such-engine",), "no-such-engine: does not exist"),
         ((TABLE, "--csv", "nowhere/h.csv"), "there is no folder nowhere"),

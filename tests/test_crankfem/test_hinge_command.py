@@ -1,6 +1,7 @@
 """Hinge files, and the command that calculates them."""
 
 import csv
+import re
 
 import numpy as np
 import pytest
@@ -75,6 +76,8 @@ def test_a_file_that_is_not_there():
     [
         (("--speed", "100 1/min"), "--speed: given 100 1/min; allowed are the speeds"),
         (("--speed", "142"), "--speed: given '142', a bare number"),
+        (("--roller-radius", "60"), "--roller-radius: given '60', a bare number"),
+        (("--roller-radius", "-6 mm"), "roller_radius: given -0.006 m; allowed"),
         (("--kinematics", "round"), "--kinematics: given 'round'; allowed are exact, series"),
         (("--csv", "no/such/folder.csv"), "cannot be written"),
     ],
@@ -87,7 +90,8 @@ def test_arguments_refused(call, arguments, message):
 
 @pytest.mark.slow
 def test_results_as_json_table_and_pictures(call, tmp_path):
-    answer = call("hinge", "--json", "--csv", "turn.csv", "--pictures", "pictures")
+    rollers = ("--roller-radius", "60 mm")
+    answer = call("hinge", "--json", "--csv", "turn.csv", "--pictures", "pictures", *rollers)
     assert answer.code == 0, answer.err
     found = answer.json()
     turning = found["turning"]
@@ -99,13 +103,18 @@ def test_results_as_json_table_and_pictures(call, tmp_path):
     assert all(check["met"] for check in found["profile"]["checks"])
     assert len(found["compared"]) == 6
     assert len(found["assumed"]) == 14
-    for name in ("hinge_moment", "hinge_speed", "hinge_guides"):
+    for name in ("hinge_moment", "hinge_speed", "hinge_guides", "hinge_surface"):
         assert (tmp_path / "pictures" / f"{name}.svg").stat().st_size > 10_000
     with (tmp_path / "turn.csv").open(encoding="utf-8") as stream:
         rows = list(csv.DictReader(stream))
     assert len(rows) == 1440
     moment = np.array([float(row["hinge_moment_N_m"]) for row in rows])
     assert moment.max() == close(found["hinge_moment"]["largest"], rel=1e-11)
+    surface = np.array([complex(float(row["guide_x_m"]), float(row["guide_y_m"])) for row in rows])
+    radius = np.array([float(row["radius_m"]) for row in rows])
+    angle = np.radians([float(row["crank_angle_deg"]) for row in rows])
+    assert np.abs(surface - radius * np.exp(1j * angle)) == close(0.060, abs=1e-9)
+    assert found["profile"]["surface"]["smallest_radius"] == close(np.abs(surface).min())
     slope = np.array([float(row["slope_m_per_rad"]) for row in rows])
     force = np.array([float(row["spring_force_N"]) for row in rows])
     # 2 F_pn rho' is the moment but for the spline of the guides.
@@ -136,6 +145,9 @@ def test_tables_and_options(call, changed):
     assert "(printed" in answer.out
     assert "At 142 1/min with the pressure unchanged" in answer.out
     assert "At 129 1/min" not in answer.out
+    # Root mean square, and the largest beside it; which is which is told.
+    assert re.search(r"│ +\d+\.?\d*, at most \d+\.?\d* +│", answer.out)
+    assert "first root mean square by root mean square, then largest by largest" in answer.out
     weak = call(
         "hinge", changed({"comparison.pressures": '["0.2 MPa"]', "hinge.pressure": '"3 MPa"'})
     )

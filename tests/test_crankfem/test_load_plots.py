@@ -16,7 +16,7 @@ ANGLES = np.radians(np.arange(0.0, 720.0, 15.0))
 def diagram():
     """3 kN outwards and 4 kN with the rotation, on a crank that stands at 0.5 rad."""
     force = 1e3 * (3.0 + 4.0j) * np.exp(1j * (0.5 + ANGLES))
-    return LoadDiagram("pin", ANGLES, force, 0.5)
+    return LoadDiagram("pin", np.degrees(ANGLES), force, np.degrees(0.5))
 
 
 def test_the_crank_stands_upright_and_turns_clockwise(diagram):

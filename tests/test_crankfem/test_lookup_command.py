@@ -2,6 +2,7 @@
 
 import itertools
 import json
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -11,6 +12,7 @@ from typer.testing import CliRunner
 import crankfem.analyses.study.frequency_limits
 from comparing import close
 from crankbase.errors import InputError
+from crankfem.analyses.shaft.chains import engine_torsional_chain
 from crankfem.analyses.study.frequency_limits import EngineFrequencies, frequency_limit
 from crankfem.cli.commands import optimum as optimum_command
 from crankfem.cli.commands.lookup import lookup
@@ -41,6 +43,8 @@ SIZES = {
     "mass": (100.0, 0.8, "m", "kg"),
 }
 
+JUDGED = {"largest_heldout_error": 0.005, "band_error": 0.005, "band_designs": 40}
+
 
 def power(size, exponent):
     return lambda x: size * (x[:, 0] / 0.3) ** -0.5 * (x[:, 1] / 0.068) ** exponent
@@ -52,7 +56,7 @@ def made_model(**others):
         values = power(size, exponent)(GRID)
         fit = fit_form("log-quadratic", tuple(BOX), GRID, values, GRID, values)
         made = ResponseModel.from_fit(fit, symbol=symbol, unit=unit, fe_error=0.01)
-        responses[name] = ResponseModel(**(made.model_dump() | {"largest_heldout_error": 0.005}))
+        responses[name] = ResponseModel(**(made.model_dump() | JUDGED))
     content = {
         "responses": responses,
         "fixed": {name: getattr(THROW, name) for name in FIXED},
@@ -99,8 +103,8 @@ def test_values_with_bands(run, path):
     )
     assert len(lines) == len(SIZES) + 1
     assert lines[-1] == (
-        "Bands: largest error of the equation at held-out designs and runs (0.5 %) and the finite "
-        "elements' own estimate (1 %); --json tells them by response."
+        "Bands: error that 95 % of throws keep to by designs that the equation did not see (0.5 %) and the "
+        "finite elements' own estimate (1 %); --json tells them by response."
     )
     assert out.count("inside the range") == len(SIZES)
     assert "mass: 100 kg (pinned)" in out
@@ -109,7 +113,7 @@ def test_values_with_bands(run, path):
 def test_json_has_all(run, path):
     found = json.loads(run("lookup", path, *PAIRS, "--json"))
     model = ComplianceModel.load(path)
-    assert set(found) == set(SIZES)
+    assert set(found) == {*SIZES, "units"}
     answer = model.lookup("mass", web_width=0.3, web_thickness=0.068)
     assert found["mass"] == {
         "value": answer.value,
@@ -168,7 +172,12 @@ def test_what_depends_on_gamma_stands_first(run, path):
 
 def test_bands_tell_what_is_not_known(run, path):
     model = ComplianceModel.load(path)
-    unknown = {"largest_heldout_error": None, "largest_fe_error": None, "largest_error": 0.03}
+    unknown = {
+        "band_error": None,
+        "largest_heldout_error": None,
+        "largest_fe_error": None,
+        "largest_error": 0.03,
+    }
     mass = ResponseModel(**(model.responses["mass"].model_dump() | unknown))
     ComplianceModel(**(model.model_dump() | {"responses": {**model.responses, "mass": mass}})).save(
         path
@@ -210,6 +219,14 @@ def test_outside_and_strict(run, path):
     ("pair", "match"),
     [
         ("hue=3", "hue: unknown dimension; allowed are web_width, web_thickness"),
+        (
+            "web_thicknes=3",
+            r"web_thicknes: unknown dimension; did you mean web_thickness\? allowed",
+        ),
+        (
+            "web_thickness=70 m",
+            r"web_thickness: given 70000 mm; allowed is .* \(mm given in place of m",
+        ),
         (
             "web_thickness=-70mm",
             r"web_thickness: given -70 mm; allowed are positive finite numbers\.$",
@@ -319,13 +336,25 @@ def test_frequencies_fall_as_throws_soften(frequencies):
         1e-9 * frequencies.axial_shares,
         np.full(6, 110.0),
         frequencies.engine_file.flywheel.mass,
-        frequencies.engine_file.thrust_bearing.bearing,
+        frequencies.engine_file.thrust_bearing.section_index,
         frequencies.engine_file.thrust_bearing.stiffness,
     )
     modes = chain.chain.modes()
     assert frequencies.axial(1e-9) == close(modes.frequencies[modes.rigid], rel=1e-9)
     # Without a stiffness to ground the frequency goes with the root of the stiffness.
     assert twist[0] / twist[1] == close((4.0 / 3.0) ** 0.5, rel=1e-9)
+
+
+def test_the_first_torsional_frequency_is_no_couplings():
+    engine = load_engine(Path(__file__).parents[1] / "data/engines/8l32-42-damper.toml")
+    shares = np.full(8, 1.0)
+    frequencies = EngineFrequencies(engine, shares, shares, 110.0, throw_inertias=np.full(8, 8.0))
+    chain = engine_torsional_chain(engine, 2e-8 * shares, frequencies.throw_inertias)
+    coupling, first = chain.chain.modes().elastic_frequencies[:2]
+    assert frequencies.torsional(2e-8) == close(first, rel=1e-9)
+    assert first > 3.0 * coupling
+    # The coupling stays as it is while the throws become softer.
+    assert frequencies.torsional(8e-8) < 0.7 * first
 
 
 def test_frequency_limits(run, path, frequencies, short_search, monkeypatch):

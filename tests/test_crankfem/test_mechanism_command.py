@@ -1,17 +1,30 @@
 """The command `mechanism`: tables, files, pictures, and what it refuses."""
 
 import csv
+import math
 
+import numpy as np
 import pytest
 
 from comparing import close
 from crankbase.tables.table import merged_rows
+from crankfem.analyses.mechanism.balanced_masses import (
+    balance_contents,
+    mechanism_balance_record,
+    throw_mass_table,
+)
 from crankfem.analyses.mechanism.mechanism_records import mechanism_record
 from crankfem.analyses.mechanism.mechanism_run import run_mechanism
 from crankfem.analyses.mechanism.rod_comparison import compare_rod_models
+from crankfem.analyses.mechanism.rod_model_records import (
+    model_difference_sentence,
+    model_difference_table,
+)
 from crankfem.files.engine.engine_file import load_engine
 from crankfem.files.engine.mechanism_file import load_mechanism
 from crankfem.report.interactive.mechanism_plots import MECHANISM
+from dynamics.balance.balance import balance
+from geometry.crankshaft import throw_masses
 
 
 @pytest.fixture(scope="module")
@@ -59,6 +72,53 @@ def test_the_balance_is_that_of_the_exact_bodies_about_the_middle(v8):
     assert classical.balance.of(1).moment.major != close(v8.balance.of(1).moment.major, rel=1e-5)
 
 
+def test_the_balance_says_what_is_in_it(v8):
+    """By hand, for a cross-plane V8: the first order's moment is sqrt(10) a w^2 times what turns."""
+    found = mechanism_balance_record(v8)
+    throw, density = v8.mechanism.throw, v8.mechanism.material.density
+    bare = throw_masses(throw.changed(left_web=None, right_web=None), density)
+    solid = throw_masses(throw, density)
+    moments = [own.mass * own.center[1] for own in (solid, bare)]
+    for row in found["throws"]:
+        # Two rods on each pin, 2.66264 kg of each at it.
+        assert row["rods"] == close([2 * 2.66264 * 0.07, 0.0])
+        assert row["solid"] == close([moments[0], 0.0])
+        assert row["counterweights"] == close([moments[0] - moments[1], 0.0])
+        assert row["sum"] == close([row["rods"][0] + moments[0], 0.0])
+    # The halves of two reciprocating masses turn with the crank, and M l_d lambda behind it.
+    one, pitch = found["masses"][0], 0.17
+    turning = one["reciprocating"] * 0.07, one["lateral_static_moment"] * 0.07 / 0.265
+    scale = math.sqrt(10.0) * pitch * v8.speed**2
+    with_solids, bare_moment = (
+        scale * math.hypot(found["throws"][0][name][0] + turning[0], turning[1])
+        for name in ("sum", "rods")
+    )
+    assert found["orders"][0]["moment"]["major"] == close(with_solids, rel=1e-9)
+    assert found["without_throws"]["moment"] == close(bare_moment, rel=1e-9)
+    assert balance_contents(found).endswith(
+        "First order: force balanced with and without them; moment 23.48 kN m, without the solids "
+        "18.68 kN m."
+    )
+    assert (
+        found["without_throws"]["moment"]
+        == balance(v8.mechanism.layout, v8.speed).of(1).moment.major
+    )
+
+
+def test_split_pins_are_counted_where_they_are():
+    run = run_mechanism(load_mechanism("buick-3800"))
+    split = mechanism_balance_record(run)["throws"][0]
+    # Two pins 30 deg apart make 2 cos 15 deg, 15 deg ahead of the first.
+    middle = math.radians(15.0)
+    rods = 2.0 * 0.43 * run.layout.crank_radius * math.cos(middle)
+    assert split["rods"] == close([rods * math.cos(middle), rods * math.sin(middle)], rel=1e-9)
+    assert split["counterweights"][0] < -0.05
+    (row,) = throw_mass_table({"throws": [split]}).rows
+    assert row[1] == split["rods"][0]
+    assert row[4] == close(math.hypot(*split["sum"]))
+    assert row[5] == close(math.radians(15.0), abs=0.01)
+
+
 def test_motored_engine_gives_no_power():
     run = run_mechanism(load_mechanism("6chn25-34"), 20.0, motored=True)
     fired = run_mechanism(load_mechanism("6chn25-34"), 20.0)
@@ -81,6 +141,54 @@ def test_tables_and_files(call, tmp_path):
     total = sum(float(rows[100][f"cylinder_{number}_torque_Nm"]) for number in range(1, 9))
     assert float(rows[100]["torque_Nm"]) == close(total, rel=1e-6)
     assert len(list((tmp_path / "p").glob("*.svg"))) >= 5
+    # Main and hinged piston by order: printed, drawn, written.
+    assert (tmp_path / "p" / "accelerations.svg").is_file()
+    shown = " ".join(answer.out.split())
+    assert "│ 2 │ 5 │ hinged │ 255.4 │ 15.22 │ -11.33 │ 8.111 │" in shown
+    assert "(3.1 %) to 48.09 m/s^2 at 155.5 deg (2.8 %)" in shown
+    whole, first, second = (
+        np.array([float(row[f"cylinder_5_{name}_m_s2"]) for row in rows])
+        for name in ("acceleration", "order_1", "order_2")
+    )
+    assert np.max(np.abs(whole - first - second)) == close(3.043, abs=5e-3)
+    assert np.max(second) == close(255.4, abs=0.05)
+
+
+@pytest.mark.slow
+def test_two_models_of_the_rods(call, tmp_path):
+    asked = ("mechanism", "8chn13-14", "--model", "two-mass", "--model", "three-mass")
+    answer = call(*asked, "--csv", tmp_path / "f.csv", "--pictures", tmp_path / "p")
+    shown = " ".join(answer.out.split())
+    assert "rods as two-mass: indicated power" in shown
+    assert "│ three-mass │ 2.28 │ 1.316 │ 0.6035 │ 0 │" in shown
+    assert (
+        "from two-mass to three-mass: it changes by up to -5.51 % of its size at the same angle (at 33 "
+        "deg), or -2.29 % of its mean (at 38 deg); its mean changes by -0.78 %, its maximum by -0.01 %."
+        in shown
+    )
+    assert (tmp_path / "p" / "rod_models.svg").is_file()
+    with (tmp_path / "f.csv").open(encoding="utf-8") as file:
+        next(file)
+        row = list(csv.DictReader(file))[66]  # 33 deg
+    static, dynamic = (float(row[f"crankpin_cylinder_1_{name}_N"]) for name in asked[3::2])
+    assert float(row["difference_of_same_angle"]) == close(dynamic / static - 1.0)
+    assert 100.0 * float(row["difference_of_same_angle"]) == close(-5.51, abs=5e-3)
+
+
+def test_two_models_that_are_the_same(call):
+    content = call(
+        "mechanism", "8chn26-26", "--model", "rigid", "--model", "two-mass", "--json"
+    ).json()
+    record = content["model_difference"]
+    assert model_difference_table(record) is None
+    assert "the same, to round-off, as two-mass and as rigid" in model_difference_sentence(record)
+    # Without an inertia given, the rods are two masses.
+    assert [row["at_center"] for row in content["rod_masses"][0]["models"]] == [
+        75.0,
+        0.0,
+        None,
+        None,
+    ]
 
 
 def test_json(call):
@@ -101,6 +209,8 @@ def test_json(call):
         (("--speed", "30001 1/min"), "allowed is 5 1/min to 30000 1/min"),
         (("--speed", "3 m"), "is no speed of rotation"),
         (("--model", "stiff"), "--model: given 'stiff'; allowed are rigid, three-mass"),
+        (("--model", "rigid", "--model", "rigid"), "--model: given rigid, rigid; allowed are one"),
+        (("--model", "stiff", "--model", "rigid"), "--model: given 'stiff'; allowed are rigid"),
         (("--csv", "/no/such/folder/x.csv"), "there is no folder /no/such/folder"),
     ],
 )
@@ -114,7 +224,7 @@ def test_refused_options(call, arguments, message):
 def test_refused_files(call):
     answer = call("mechanism", "8chn14-14")
     assert answer.code == 2
-    assert "the section [engine] is missing" in answer.err
+    assert "the sections [engine], [rod], [piston] are missing" in answer.err
 
 
 @pytest.mark.slow

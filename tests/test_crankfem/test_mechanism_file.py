@@ -19,6 +19,7 @@ from crankfem.files.engine.mechanism_file import (
 )
 from crankfem.files.reading.data_files import input_path
 from crankfem.files.sections.engine_sections import Engine
+from dynamics.cycle import cycle_radians
 from dynamics.engine.forces import mechanism_forces
 from dynamics.engine.gas_forces import gas_forces
 from dynamics.gas.pressure import ATMOSPHERE
@@ -32,7 +33,7 @@ def degrees(values):
 
 def test_a_cross_plane_v8_fires_evenly_in_its_order():
     layout = load_mechanism("8chn13-14").layout
-    firing = np.array(degrees(layout.firing))[np.array(layout.firing_order) - 1]
+    firing = np.array(degrees(np.radians(layout.firing_deg)))[np.array(layout.firing_order) - 1]
     assert np.diff(firing).tolist() == [90.0] * 7
     # l_shk of the published engine, from the rod's rotating mass.
     assert layout.cylinders[0].rod.center_distance == close(0.097, abs=1e-6)
@@ -40,7 +41,7 @@ def test_a_cross_plane_v8_fires_evenly_in_its_order():
 
 def test_split_pins_make_a_90_degree_v6_fire_evenly():
     layout = load_mechanism("buick-3800").layout
-    firing = np.array(degrees(layout.firing))[np.array(layout.firing_order) - 1]
+    firing = np.array(degrees(np.radians(layout.firing_deg)))[np.array(layout.firing_order) - 1]
     assert np.diff(firing) == close([120.0] * 5)
     places = [cylinder.position for cylinder in layout.cylinders]
     assert places == sorted(places)
@@ -51,7 +52,7 @@ def test_hinged_rods_stand_at_the_angle_between_the_banks():
     layout = load_mechanism("8chn26-26").layout
     hinged = layout.cylinders[4]
     assert hinged.slave_pin.main_cylinder == 1
-    assert math.degrees(hinged.slave_pin.angle) == close(45.0)
+    assert hinged.slave_pin.angle_deg == close(45.0)
     assert hinged.position == layout.cylinders[0].position
     assert layout.cylinders[0].slave_pin is None
 
@@ -61,8 +62,10 @@ def test_engines_in_line_turn_as_their_firing_order_says(name, sense):
     mechanism = load_mechanism(name)
     layout = mechanism.layout
     assert mechanism.turning_sense == sense
-    firing = np.array(layout.firing)[np.array(layout.firing_order) - 1]
-    assert np.diff(firing) == close([layout.cycle / len(firing)] * (len(firing) - 1))
+    firing = np.array(np.radians(layout.firing_deg))[np.array(layout.firing_order) - 1]
+    assert np.diff(firing) == close(
+        [cycle_radians(layout.strokes) / len(firing)] * (len(firing) - 1)
+    )
     assert any("rod.inertia is not given" in remark for remark in mechanism.remarks)
 
 
@@ -94,7 +97,7 @@ def test_a_pressure_table_beside_the_file(tmp_path):
     (peak,) = (line for line in lines if line.startswith("peak_pressure"))
     path = written(tmp_path, {peak: 'pressure_table = "gas.csv"'})
     mechanism = load_mechanism(path)
-    assert mechanism.pressure[5].at([math.radians(10.0)])[0] == close(
+    assert mechanism.pressure[5].at(angle_deg=np.degrees([math.radians(10.0)]))[0] == close(
         1e5 * (1.5 + 80.0 * math.exp(-((2.0 / 25.0) ** 2))), rel=1e-6
     )
     with pytest.raises(InputError, match=r"gas\.pressure_table: given 'no\.csv', which is neither"):
@@ -197,7 +200,7 @@ def test_a_v_engine_with_flywheel_and_thrust_bearing_is_a_whole_engine():
     assert isinstance(read, EngineFile)
     assert read.throws == (0, 1, 2, 3, 0, 1, 2, 3)
     assert read.pins == read.throws
-    assert np.degrees(read.throw_angles) == close([0.0, 90.0, 270.0, 180.0])
+    assert read.throw_angles_deg == close([0.0, 90.0, 270.0, 180.0])
     assert isinstance(load_any("buick-3800"), MechanismFile)
 
 
@@ -215,7 +218,9 @@ def test_what_a_file_describes():
     assert isinstance(load_any("8chn26-26"), MechanismFile)
     assert type(load_any("6chn25-34")).__name__ == "EngineFile"
     assert type(load_any("8chn14-14")).__name__ == "ThrowFile"
-    with pytest.raises(InputError, match=r"the section \[engine\] is missing"):
+    with pytest.raises(
+        InputError, match=r"the sections \[engine\], \[rod\], \[piston\] are missing"
+    ):
         load_mechanism("8chn14-14")
     assert load_mechanism(Path("6chn25-34")).name == "6ChN 25/34"
 
@@ -228,10 +233,14 @@ def test_throws_stand_with_their_unbalance_at_their_angles(name):
     masses = MassProperties(100.0, np.array([0.02, -0.01, 0.18]), inertia)
     layout = with_throws(mechanism, masses)
     sense, length = mechanism.turning_sense, mechanism.throw.length
-    for number, angle in enumerate(mechanism.throw_angles):
-        found = unbalance(masses.moved(sense * angle, number * length), 0.0)
+    for number, angle in enumerate(np.radians(mechanism.throw_angles_deg)):
+        found = unbalance(
+            masses.moved(angle_deg=math.degrees(sense * angle), along=number * length), 0.0
+        )
         pair = layout.rotating[2 * number : 2 * number + 2]
-        phasors = np.array([mass.static_moment * np.exp(1j * mass.angle) for mass in pair])
+        phasors = np.array(
+            [mass.static_moment * np.exp(1j * math.radians(mass.angle_deg)) for mass in pair]
+        )
         places = np.array([mass.position for mass in pair])
         # y - i x of the layout; where the shaft turns against the file's sense, x is mirrored.
         for values, expected in (
@@ -239,7 +248,7 @@ def test_throws_stand_with_their_unbalance_at_their_angles(name):
             ((phasors * places).sum(), found.dynamic),
         ):
             assert values == close(complex(expected[1], -sense * expected[0]), abs=1e-9)
-    about_shaft = len(mechanism.throw_angles) * masses.inertia_about_shaft
+    about_shaft = len(mechanism.throw_angles_deg) * masses.inertia_about_shaft
     assert layout.shaft_inertia == close(about_shaft + mechanism.attached_inertia)
     flywheel_and_free_end = {"8chn13-14": 2.66, "6chn25-34": 452.0}[name]
     assert mechanism.attached_inertia == close(flywheel_and_free_end)
@@ -279,10 +288,15 @@ def test_the_sense_in_which_a_file_counts_angles_makes_no_difference(tmp_path, n
     assert (one.turning_sense, two.turning_sense) == (1, -1)
     angles = np.linspace(0.0, 4.0 * math.pi, 50)
     forces = [
-        mechanism_forces(m.layout, angles, 50.0, gas_forces(m.layout, angles, m.pressure))
+        mechanism_forces(
+            m.layout,
+            50.0,
+            gas_forces(m.layout, m.pressure, shaft_angles_deg=np.degrees(angles)),
+            shaft_angles_deg=np.degrees(angles),
+        )
         for m in (one, two)
     ]
-    assert two.layout.firing == close(one.layout.firing)
+    assert np.radians(two.layout.firing_deg) == close(np.radians(one.layout.firing_deg))
     assert np.abs(forces[0].crankpin - forces[1].crankpin).max() < 1e-9 * 1e6
 
 

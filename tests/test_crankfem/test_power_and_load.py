@@ -168,12 +168,12 @@ def test_a_constant_load_is_what_no_section_says(engine):
 
 def test_a_pressure_map_is_checked_in_place_of_the_gas(engine, tmp_path):
     pressure = cf.engines.mechanism_of(engine).pressure[0]
-    rows = zip(np.degrees(pressure.angles), pressure.pressure / 1e5, strict=True)
+    rows = zip(pressure.angles_deg, pressure.pressure / 1e5, strict=True)
     for name, share in (("low", 0.5), ("full", 1.0)):
         lines = [f"{angle:.9g},{share * bar:.9g}" for angle, bar in rows]
         text = "\n".join(["crank_angle_deg,absolute_pressure_bar", *lines])
         (tmp_path / f"{name}.csv").write_text(f"{text}\n", encoding="utf-8")
-        rows = zip(np.degrees(pressure.angles), pressure.pressure / 1e5, strict=True)
+        rows = zip(pressure.angles_deg, pressure.pressure / 1e5, strict=True)
     points = [
         {"speed": "200 1/min", "load": 0.5, "pressure_table": "low.csv"},
         {"speed": "515 1/min", "load": 1.0, "pressure_table": "full.csv"},

@@ -140,28 +140,37 @@ def test_a_foreign_package_behind_does_no_harm(spawn, spawn_environment, tmp_pat
     assert answer.code == 0, answer.err
 
 
-# Angles in radians that only results hold; what is evaluated over a turn takes an array `angles` [rad].
-RESULTS = (
-    *("MechanismFile", "LoadDiagram", "PinForceHarmonics", "TurnMotion", "FreeTurning"),
-    "SpeedOverAngle",
-)
-GIVEN_ANGLES = {
-    *("angle", "crank_angle", "crank_angles", "bank_angle", "bank_angles", "firing_angle"),
-    *("firing_angles", "throw_angles", "start_angle", "phases", "thrust_phases", "torque_phases"),
+ANGLES = {
+    *("angle", "angles", "crank_angle", "crank_angles", "bank_angle", "bank_angles", "shaft_angle"),
+    *("shaft_angles", "firing", "firing_angle", "firing_angles", "throw_angles", "start_angle"),
+    *("phases", "thrust_phases", "torque_phases", "directions", "direction", "resultant_direction"),
+    *("peak_angle", "maximum_angle", "force_angle", "top_angle", "bottom_angle", "largest_at"),
+    *("stopped_at", "cycle_angle", "fit_from", "fit_to"),
 }
 # Their files have the same fields, with units; beyond their ranges of radians they refuse.
 OF_FILES = ("Counterweight", "FurtherPin")
 
 
 @pytest.mark.parametrize("package", [cf, *TOPICS.values()], ids=lambda one: one.__name__)
-def test_angles_that_people_give_are_degrees_by_name(package):
-    for name in set(package.__all__) - {*RESULTS, *OF_FILES}:
+def test_public_angles_are_degrees_by_name(package):
+    """Arguments, fields, properties and arguments of methods; `_deg` tells the unit of an angle."""
+    for name in set(package.__all__) - {*OF_FILES}:
         thing = getattr(package, name)
-        if inspect.isroutine(thing) or (
-            inspect.isclass(thing) and not issubclass(thing, Exception)
-        ):
-            given = GIVEN_ANGLES.intersection(inspect.signature(thing).parameters)
-            assert not given, f"{name}: {given}"
+        if inspect.isclass(thing) and issubclass(thing, Exception):
+            continue
+        named = {}
+        if inspect.isroutine(thing) or inspect.isclass(thing):
+            named[name] = set(inspect.signature(thing).parameters)
+        if inspect.isclass(thing):
+            own = {key: one for key, one in inspect.getmembers(thing) if not key.startswith("_")}
+            named[f"{name}.*"] = set(own)
+            named |= {
+                f"{name}.{key}": set(inspect.signature(one).parameters)
+                for key, one in own.items()
+                if inspect.isfunction(one) or inspect.ismethod(one)
+            }
+        for place, names in named.items():
+            assert not ANGLES & names, f"{place}: {ANGLES & names}"
 
 
 def test_degrees_are_refused_where_radians_of_a_file_stand():

@@ -24,8 +24,8 @@ from crankfem.analyses.throw.formula_diagrams import (
     plot_formulas_over_angle,
     plot_run_formulas,
 )
+from crankfem.analyses.titles import short_name
 from crankfem.analyses.vibration import run as vibration_run
-from crankfem.analyses.vibration.modes import short_name
 from crankfem.analyses.vibration.run_up import run_up
 from crankfem.files.engine.mechanism_file import load_mechanism
 from crankfem.files.hinge.hinge_file import load_hinge

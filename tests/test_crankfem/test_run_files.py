@@ -127,6 +127,7 @@ def test_a_folder_of_pictures_that_is_a_link_is_refused(tmp_path):
         check_folder(tmp_path / "run", study=False)
 
 
+@pytest.mark.slow
 def test_what_a_run_of_an_earlier_release_has_left_gives_way(
     coarsely, call, least_engine, model_file, tmp_path
 ):

@@ -77,7 +77,7 @@ def test_every_section_of_a_file_has_its_place(tmp_path):
     assert (set(stiffness), set(damping)) == ({2e9}, {3e4})
     thrust, damper = found.axial_supports
     assert (thrust.section, thrust.stiffness) == (
-        engine.thrust_bearing.bearing,
+        engine.thrust_bearing.section_index,
         engine.thrust_bearing.stiffness,
     )
     assert (damper.section, damper.stiffness, damper.damping) == (0, 1e7, 2e5)
@@ -218,7 +218,7 @@ def test_cylinders_act_on_the_pins_and_with_the_damping_of_the_file(two_pins):
     ratios = modal_damping(engine, two_pins)
     assert found.tangential.system.damping_ratios() == close(ratios)
     same = coupled_response(two_pins, forces, pins=(3, 0, 1, 2), modal_damping=ratios)
-    for point in ("section 0 uz", "pin 4 radial"):
+    for point in ("main bearing 1 uz", "pin 4 radial"):
         assert np.array_equal(found.motion(point), same.motion(point))
     doubled = shaft_response(engine, whole, forces, 20.0)
     assert doubled.tangential.system.damping_ratios() == close(1 / 40)

@@ -11,13 +11,12 @@ from typer.testing import CliRunner
 
 from comparing import close
 from crankbase.errors import InputError, MissingLibraryError
-from crankfem.analyses.throw.pictures import stress_picture
+from crankfem.analyses.throw.pictures import stress_picture, stress_rendering
 from crankfem.analyses.throw.pictures.stress_picture import (
     largest_peak,
     picture_arrays,
     picture_name,
     picture_stresses,
-    render,
 )
 from crankfem.analyses.throw.stress import stress_record
 from crankfem.cli.app import app
@@ -234,20 +233,20 @@ def test_pictures_show_the_stresses_of_the_tables(arrays, found, part):
 
 def test_a_mark_is_shown_from_where_it_is_seen(arrays):
     drawn = arrays["quarter"]
-    solid = stress_picture._Solid.of("throw", stress_picture.OUTSIDE, drawn, drawn["facets"])
+    solid = stress_rendering._Solid.of("throw", stress_rendering.OUTSIDE, drawn, drawn["facets"])
     radius, length = 0.11, 0.395
     on_left_end, on_right_end = np.array([0.0, 0.05, 0.0]), np.array([0.0, 0.05, length])
     inside = np.array([0.0, 0.0, 0.1])
     eye, place = solid.best_eye(np.array([inside, on_right_end, on_left_end]))
     assert np.array_equal(place, on_left_end)
-    assert np.array_equal(eye, stress_picture.OUTSIDE[0])
+    assert np.array_equal(eye, stress_rendering.OUTSIDE[0])
     eye, place = solid.best_eye(on_right_end[None])
     assert np.array_equal(place, on_right_end)
     assert eye[2] > 0.0
     # A place on the journal that no eye at -x sees.
     eye, place = solid.best_eye(np.array([[radius, 0.0, 0.03]]))
     assert place is None
-    assert np.array_equal(eye, stress_picture.OUTSIDE[0])
+    assert np.array_equal(eye, stress_rendering.OUTSIDE[0])
 
 
 @pytest.mark.slow
@@ -256,7 +255,7 @@ def test_a_picture_has_colors_and_texts(arrays, part, tmp_path):
     drawn = dict(arrays[part])
     for name in ("stress", "places", "largest", "titles", "remarks", "files"):
         drawn[name] = drawn[name][:1]
-    render(drawn, tmp_path)
+    stress_rendering.render(drawn, tmp_path)
     (file,) = tmp_path.iterdir()
     assert file.name == "stress-axial.png"
     pixels = imread(file)[:, :, :3]

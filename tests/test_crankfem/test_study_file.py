@@ -483,7 +483,7 @@ def test_notes_of_a_study_go_to_standard_error_or_where_they_are_wanted(monkeypa
         note("the cluster has no workers; waiting for one")
         raise StudyStoppedError("dask: gone.")
 
-    monkeypatch.setattr("crankfem.analyses.study.studies.run_plan", run_plan)
+    monkeypatch.setattr("crankfem.analyses.study.growth.run_plan", run_plan)
     told = []
     for options in ({}, {"note": told.append}):
         with pytest.raises(StudyStoppedError):

@@ -39,6 +39,13 @@ def test_numbers_written_elsewhere_get_their_digits_but_orders_stay():
     assert table.texts() == [["4.5", "1.6"]]
 
 
+def test_numbers_written_with_fewer_digits_are_rounded_once():
+    # 81.148 is 81.15 with two decimals; three digits of it are 81.1.
+    table = Table("", [Column("frequency", "Hz", decimals=2)], [[81.148], [9.636], [0.0]])
+    assert table.texts() == [["81.15"], ["9.64"], ["0.00"]]
+    assert table.texts(write=lambda value, _: f"{value:#.3g}") == [["81.1"], ["9.64"], ["0.00"]]
+
+
 def test_rows_that_read_alike_are_merged_only_where_wished():
     rows = [["1", 1.0], ["2", 1.0 + 1e-9], ["3", 2.0]]
     columns = [Column("cylinder", words=True), Column("p")]

@@ -10,9 +10,9 @@ import pytest
 from comparing import close
 from crankbase.errors import InputError
 from crankfem.analyses.shaft.chains import damped_engine_chain, engine_torsional_chain
-from crankfem.analyses.vibration.assessment import assess
 from crankfem.analyses.vibration.chain_answers import nominal_section_modulus
 from crankfem.analyses.vibration.engine_excitation import engine_harmonics
+from crankfem.analyses.vibration.engine_limits import engine_verdict, limit_findings
 from crankfem.analyses.vibration.forced import forced_vibrations
 from crankfem.analyses.vibration.records import (
     forced_columns,
@@ -122,10 +122,13 @@ def test_damping_of_its_own_takes_the_magnifiers_place(tmp_path):
     (assumed,) = record("[gas]\n")
     assert "magnifier 40 of every elastic mode: assumed" in assumed
     assert record('[damping]\ncylinder_damping = "20 N m s/rad"\n\n[gas]\n') == (
-        "damping of the chain itself, as its description gives it",
+        "damping of the chain itself: 20 N m s/rad to ground at 6 nodes",
     )
     (given,) = record("[damping]\ntorsional_magnifier = 25\n\n[gas]\n")
     assert given == "magnifier 25 of every elastic mode: engine file"
+    guess = 'torsional_magnifier = { value = 25, assumed = "of a like engine" }'
+    (guessed,) = record(f"[damping]\n{guess}\n\n[gas]\n")
+    assert guessed == "magnifier 25 of every elastic mode: assumed: of a like engine"
 
 
 @pytest.mark.slow
@@ -182,7 +185,7 @@ def test_worst_use_does_not_depend_on_what_else_is_calculated(run):
         (71.3, 96.9, 143.0),
     )
     assert forced[0].response.speeds.size > run.forced_axial.response.speeds.size
-    other = assess(engine, *forced, run.analysis).verdict.checks[0]
+    other = engine_verdict(engine, limit_findings(engine, *forced)).checks[0]
     assert other.worst_speed == close(run.worst_check.worst_speed, rel=1e-4)
     assert other.used == close(run.worst_check.used, rel=1e-5)
 
@@ -266,14 +269,39 @@ def test_records_pictures_and_columns(run, tmp_path):
     assert {path.stem for path in made} == {
         *(f"{kind}_{what}" for kind in ("axial", "torsional") for what in ("modes", "campbell")),
         "axial_amplitude",
+        "axial_force",
         "torsional_amplitude",
         "torsional_stress",
+        "misfiring_stress",
     }
     assert all(path.read_text(encoding="utf-8").startswith("<?xml") for path in made)
     write_columns(tmp_path / "torsional.csv", *forced_columns(run.forced_torsional))
     head, names, first = (tmp_path / "torsional.csv").read_text("utf-8").splitlines()[:3]
     assert head.startswith("# torsional vibration")
     assert len(names.split(",")) == len(first.split(",")) == 3 + 24 + 7
+
+
+@pytest.mark.slow
+def test_axial_force_over_the_cycle_in_the_record(run):
+    found, record = run.axial_force, run_record(run)["axial_force"]
+    said = " ".join(record["sentences"])
+    for name, force in (("thrust_bearing", found.thrust_bearing), ("held", found.held)):
+        assert (record[name]["lowest"], record[name]["highest"]) == (force.min(), force.max())
+        place = round(record[name]["highest_angle_deg"])
+        assert force[place] == force.max()
+        assert f"{force.min() / 1e3:.3g} kN to {force.max() / 1e3:.3g} kN" in said
+    assert len(record["throws"]) == 6
+    # At the worst running speed it is no smaller than at rated speed, and is what the motion there makes.
+    worst = record["running"]
+    assert worst["amplitude"] >= 0.5 * np.ptp(found.thrust_bearing) * (1.0 - 1e-3)
+    response = run.forced_axial.response
+    place = int(np.argmin(np.abs(response.speeds - worst["speed_rpm"] * np.pi / 30.0)))
+    moved = response.nodes.at_angle(
+        place, shaft_angle_deg=np.degrees(np.linspace(0.0, 4.0 * np.pi, 20_000))
+    )[:, 6]
+    assert worst["amplitude"] == close(0.5 * 8e8 * np.ptp(moved), rel=1e-5)
+    assert f"{worst['amplitude'] / 1e3:.3g} kN by the chain, at {worst['speed_rpm']:.4g}" in said
+    assert record["running_whole"] is None
 
 
 @pytest.mark.slow
@@ -426,6 +454,12 @@ def test_vibration_command(call, monkeypatch, tmp_path):
     assert "Torsional resonances at the speeds judged: the running range to" in words
     assert "Verdict: Not acceptable: torsional stress of crankshaft" in words
     assert (tmp_path / "csv" / "axial.csv").is_file()
+    assert "Axial force on the thrust bearing at 2100 1/min, as the shaft vibrates: " in words
+    head, names, *rows = (tmp_path / "csv" / "axial_force.csv").read_text("utf-8").splitlines()
+    assert head.startswith("# axial forces over the cycle at 2100 1/min: on the thrust bearing")
+    assert names.split(",")[:3] == ["shaft_angle_deg", "thrust_bearing_N", "held_N"]
+    assert len(rows) == 720
+    assert len(names.split(",")) == 3 + 4
     assert (tmp_path / "p" / "torsional_stress.svg").is_file()
 
 

@@ -25,6 +25,7 @@ from crankfem.analyses.shaft.whole_shaft import (
     shaft_response,
     whole_shaft,
 )
+from crankfem.analyses.vibration.records import run_record
 from crankfem.analyses.vibration.run import engine_vibration
 from crankfem.files.engine.mechanism_file import load_mechanism
 from dynamics.chains.chain import Chain
@@ -61,10 +62,10 @@ def lengthening(crankshaft, ends, loaded):
     An axial force or torque at one end is balanced by that at the other; a radial force on a pin by
     the bearings.
     """
-    system, last = crankshaft.system, crankshaft.shaft.section_count - 1
+    system, last = crankshaft.system, crankshaft.shaft.section_count
     span = system.expand[crankshaft.point(ends.format(last))]
-    span = span - system.expand[crankshaft.point(ends.format(0))]
-    force = span if crankshaft.names[loaded].startswith("section") else system.expand[loaded]
+    span = span - system.expand[crankshaft.point(ends.format(1))]
+    force = span if crankshaft.names[loaded].startswith("main bearing") else system.expand[loaded]
     elastic = system.natural > 0.0
     return float((span[elastic] * force[elastic]) @ system.natural[elastic] ** -2.0)
 
@@ -93,12 +94,12 @@ def test_whole_shaft_of_an_engine(engine, coupled_vibration, tmp_path):
         (rigid, compliances_in_shaft(engine_file, analysis, math.inf)),
     ):
         system = held.crankshaft
-        twist = lengthening(system, "section {} rz", system.point("section 0 rz"))
-        stretch = lengthening(system, "section {} uz", system.point("section 0 uz"))
+        twist = lengthening(system, "main bearing {} rz", system.point("main bearing 1 rz"))
+        stretch = lengthening(system, "main bearing {} uz", system.point("main bearing 1 uz"))
         # The static assembly of the same superelement, by another way; residuals of the solver are 1e-9.
         assert twist == close(static.torsional.sum(), rel=1e-6)
         assert stretch == close(static.axial.sum(), rel=1e-6)
-        by_pin = lengthening(system, "section {} uz", system.point("pin 2 radial"))
+        by_pin = lengthening(system, "main bearing {} uz", system.point("pin 2 radial"))
         assert by_pin == close(static.influence[:, 1].sum(), rel=1e-6)
     assert any("assumed" in remark for remark in whole.remarks) == (engine_file.bearings is None)
     assert np.all(whole.rotation_ratios[:3] > 0.01)
@@ -106,7 +107,7 @@ def test_whole_shaft_of_an_engine(engine, coupled_vibration, tmp_path):
     found = coupled_vibration(engine_file.path.stem).comparison
     # Modes of the chain up to the highest exciting frequency are compared, not only the first.
     assert len(found.axial.modes) == {"6chn25-34": 2, "8chn13-14": 1}[engine_file.path.stem]
-    split = found.coupled.split("section 0 uz")
+    split = found.coupled.split("main bearing 1 uz")
     assert split.both_sum.max() > 1e-6
     # Torsion shows in axial motion: tangential forces alone move the free end along the shaft.
     assert split.tangential_sum.max() > 0.1 * split.both_sum.max()
@@ -137,7 +138,7 @@ def test_leaving_modes_out_changes_no_answer(engine):
         shaft_response(engine_file, replace(whole, crankshaft=each), forces)
         for each in (whole.crankshaft, complete)
     ]
-    for point in ("section 0 uz", "section 0 rz", "pin 2 tangential"):
+    for point in ("main bearing 1 uz", "main bearing 1 rz", "pin 2 tangential"):
         fewer, every = (answer.motion(point) for answer in answers)
         assert np.abs(fewer - every).max() < 1e-3 * np.abs(every).max()
     assert whole.highest_frequency == highest_exciting_frequency(engine_file)
@@ -165,17 +166,28 @@ def test_an_engine_that_turns_the_other_way_vibrates_the_same(six, coupled_vibra
     assert senses[0] == -senses[1]
     for peaks in zip(*(_peaks(run) for run in runs), strict=True):
         assert peaks[1] == close(peaks[0], rel=1e-6)
+    # The thrust bearing, here at the flywheel, by the whole shaft.
+    told = run_record(runs[0])["axial_force"]["running_whole"]
+    speeds, moved = (
+        getattr(runs[0].comparison.coupled.split("main bearing 7 uz"), name)
+        for name in ("speeds", "both_sum")
+    )
+    engine = runs[0].engine_file.engine
+    running = (speeds >= engine.lowest_speed - 1e-9) & (speeds <= engine.highest_speed + 1e-9)
+    assert told["amplitude"] == close(8e8 * moved[running].max())
 
 
 def _peaks(run):
     """Largest amplitudes of the free end, by the chains and by the whole shaft."""
-    split = run.comparison.coupled.split("section 0 uz")
+    split = run.comparison.coupled.split("main bearing 1 uz")
     return (
         run.forced_torsional.free_end.synthesis.amplitude.max(),
         run.forced_axial.free_end.synthesis.amplitude.max(),
         split.tangential_sum.max(),
         split.radial_sum.max(),
         split.both_sum.max(),
+        run.axial_force.held.max(),
+        run.axial_force.thrust_bearing.max(),
     )
 
 
@@ -189,10 +201,11 @@ def test_chains_with_more_behind_the_flywheel_are_not_compared(six, monkeypatch)
     monkeypatch.setattr("crankfem.analyses.vibration.run.whole_shaft", lambda *_: whole)
     run = engine_vibration(longer, analysis=analysis, coupled=True)
     assert (run.comparison.axial, run.comparison.torsional) == (None, None)
+    assert run_record(run)["axial_force"]["running_whole"] is None
     record = whole_record(run.whole, run.comparison)
     assert record["chains"] == {}
     assert record["axial_split"]["both"] > 1e-6
-    split = run.comparison.coupled.split("section 0 uz")
+    split = run.comparison.coupled.split("main bearing 1 uz")
     for name in ("tangential", "radial", "both"):
         curve = getattr(split, f"{name}_sum")
         worst = int(np.argmax(curve))
@@ -214,12 +227,12 @@ def test_difference_of_the_whole_shaft_is_told_beside_the_verdict():
     )
     bad = ShaftComparison(None, good, verdict("torsional", 13.1e-3, 8.752e-3, (118.5, 126.4)))
     assert whole_shaft_remark(bad) == (
-        "Judged with chains; lumped model inadequate, the whole crankshaft differs: torsional amplitude "
-        "of the free end 8.75 instead of 13.1 mrad.",
+        "Judged with chains; lumped model inadequate, the whole crankshaft differs: largest "
+        "torsional amplitude of the free end, over all speeds calculated, 8.75 instead of 13.1 mrad.",
     )
     other = verdict("axial", 1.266e-3, 1.27e-3, (105.6, 115.0))
     mixed = verdict("torsional", 1e-2, 1e-2, share=0.48)
     (said,) = whole_shaft_remark(ShaftComparison(None, other, mixed))
-    assert "torsional mode 1 is torsional by 48 % only; axial mode 1 at 115.0 instead of" in said
+    assert "Hz is torsional by 48 % only; axial mode 1 at 115.0 instead of" in said
     (said,) = whole_shaft_remark(ShaftComparison(None, verdict("axial", 1.266e-3, np.inf)))
-    assert "axial amplitude of the free end unbounded instead of 1266 um" in said
+    assert "over all speeds calculated, unbounded instead of 1266 um" in said

@@ -111,7 +111,15 @@ def calculated(lightly_stressed, monkeypatch, vibration_as_run):
     put_everywhere(monkeypatch, engine_vibration, lambda *_, **__: vibration_as_run())
 
 
-@pytest.fixture(params=COMMANDS)
+# Commands that take more than a second each.
+LONG = ("vibration", "vibration pictures", "stress", "export deck", "fit --plots")
+
+
+@pytest.fixture(
+    params=[
+        pytest.param(name, marks=[pytest.mark.slow] if name in LONG else []) for name in COMMANDS
+    ]
+)
 def line(request, tmp_path, calculated):
     """A command line with its input, and the path of its output."""
     command = COMMANDS[request.param]
@@ -294,6 +302,7 @@ def test_a_run_refuses_what_is_in_its_way_before_it_computes(
     assert sorted(tmp_path.rglob("*")) == before
 
 
+@pytest.mark.slow
 def test_a_run_in_the_folder_of_its_file_leaves_the_rest(coarsely, call, tmp_path, least_engine):
     (tmp_path / "mine.toml").write_text(least_engine, encoding="utf-8")
     # The file that fit writes by default; a run without a study writes none.

@@ -90,7 +90,7 @@ def one_cylinder(ratio):
 
 
 def summed_orders(found, angles, kind):
-    return sum(getattr(row, kind).at(angles) for row in found.rows)
+    return sum(getattr(row, kind).at(shaft_angle_deg=np.degrees(angles)) for row in found.rows)
 
 
 def test_forces_are_minus_mass_times_acceleration():
@@ -100,14 +100,16 @@ def test_forces_are_minus_mass_times_acceleration():
     found = balance(engine, SPEED, range(1, 32))
     force, moment = np.zeros(64, complex), np.zeros(64, complex)
     for number, cylinder in enumerate(engine.cylinders, start=1):
-        motion = cylinder_motion(engine, number, angles)
+        motion = cylinder_motion(engine, number, shaft_angles_deg=np.degrees(angles))
         rod = motion.rod_point(cylinder.rod.center).acceleration(SPEED)
         along = cylinder.piston_mass * motion.piston.acceleration(SPEED)
-        own = -(along + cylinder.rod.mass * rod) * np.exp(1j * cylinder.bank_angle)
+        own = -(along + cylinder.rod.mass * rod) * np.exp(
+            1j * math.radians(cylinder.bank_angle_deg)
+        )
         force += own
         moment += 1j * (cylinder.position - found.about) * own
     for mass in engine.rotating:
-        own = mass.static_moment * SPEED**2 * np.exp(1j * (mass.angle + angles))
+        own = mass.static_moment * SPEED**2 * np.exp(1j * (math.radians(mass.angle_deg) + angles))
         force += own
         moment += 1j * (mass.position - found.about) * own
     assert found.about == close(0.3)
@@ -130,8 +132,10 @@ def test_forces_arrive_at_bearings_and_walls():
     engine = replace(engine_with_everything(), rotating=())
     angles = 2.0 * np.pi * np.arange(64) / 64
     found = balance(engine, SPEED, range(1, 32))
-    forces = mechanism_forces(engine, angles, SPEED)
-    turns = np.exp(1j * np.array([[cylinder.bank_angle] for cylinder in engine.cylinders]))
+    forces = mechanism_forces(engine, SPEED, shaft_angles_deg=np.degrees(angles))
+    turns = np.exp(
+        1j * np.array([[math.radians(cylinder.bank_angle_deg)] for cylinder in engine.cylinders])
+    )
     on_engine = np.sum(forces.crankpin - 1j * forces.side * turns, axis=0)
     np.testing.assert_allclose(
         summed_orders(found, angles, "force"),
@@ -200,12 +204,18 @@ def test_orders_are_free_of_aliasing(ratio):
     found = acceleration_orders(engine, 1, SPEED)
     angles = np.linspace(0.1, 6.0, 50)
     drive = SliderCrank(0.1, 0.1 / ratio)
-    whole = -(SPEED**2) * drive.piston(angles).second.real
-    largest = np.max(np.abs(piston_acceleration(engine, 1, np.linspace(0, 7, 500), SPEED)))
-    np.testing.assert_array_equal(piston_acceleration(engine, 1, angles, SPEED), whole)
+    whole = -(SPEED**2) * drive.piston(angle_deg=np.degrees(angles)).second.real
+    largest = np.max(
+        np.abs(piston_acceleration(engine, 1, SPEED, angles_deg=np.degrees(np.linspace(0, 7, 500))))
+    )
+    np.testing.assert_array_equal(
+        piston_acceleration(engine, 1, SPEED, angles_deg=np.degrees(angles)), whole
+    )
     # The series meets the function between the samples, too, which folded orders would forbid; near
     # a dead mechanism cos(beta) comes down to 0.04, which makes round-off of 2e-14.
-    np.testing.assert_allclose(found.at(angles), whole, rtol=0, atol=1e-13 * largest)
+    np.testing.assert_allclose(
+        found.at(crank_angle_deg=np.degrees(angles)), whole, rtol=0, atol=1e-13 * largest
+    )
 
 
 def test_samples_grow_with_the_orders():
@@ -237,14 +247,14 @@ def test_counterweights():
     ]
     vee = EngineLayout(0.1, cylinders, [1, 2], 2)
     weights = balancing_masses(vee, 0.5)
-    assert [weight.angle for weight in weights] == close([0.4 + math.pi] * 2)
+    assert [math.radians(weight.angle_deg) for weight in weights] == close([0.4 + math.pi] * 2)
     assert balance(replace(vee, rotating=weights), SPEED).of(1).force_balanced
     assert not balance(replace(vee, rotating=balancing_masses(vee)), SPEED).of(1).force_balanced
     # One cylinder: what is left turns against the shaft.
     single = in_line([0.0])
     left = balance(replace(single, rotating=balancing_masses(single, 0.5)), SPEED).of(1)
     assert left.force.sense == -1
-    assert left.force.angle is None
+    assert left.force.angle_deg is None
     moving = moving_masses(single)[0].reciprocating
     assert left.force.major == close(0.5 * moving * 0.1 * SPEED**2, rel=1e-13)
     # Rotating masses alone leave a line.
@@ -278,10 +288,10 @@ def test_change_of_a_hodograph():
     reference = Hodograph(2, 3.0, 1.0)
     change = hodograph_change(Hodograph(2, 3.0, 2.0).times(np.exp(1.7j)), reference)
     assert (change.major, change.minor) == (close(0.25), close(-0.5))
-    assert change.turn == close(1.7 - math.pi)
+    assert change.turn_deg == close(math.degrees(1.7) - 180.0)
     line, circle = Hodograph(2, 1.0, 1.0), Hodograph(2, 1.0, 0.0)
     assert hodograph_change(reference, line).minor is None
-    assert hodograph_change(reference, circle).turn is None
+    assert hodograph_change(reference, circle).turn_deg is None
     assert hodograph_change(reference, Hodograph(2, 0.0, 0.0)).major is None
 
 
@@ -295,7 +305,7 @@ def test_change_of_a_hodograph():
         (lambda e: balance(e, 1.0).of(3), "order: given 3; allowed are 1, 2, 4"),
         (lambda e: acceleration_orders(e, 4, 1.0), "cylinder: given 4; .* 1 to 3"),
         (lambda e: acceleration_orders(e, 1, 1.0, 0), "orders: given"),
-        (lambda e: piston_acceleration(e, 1, [math.nan], 1.0), "angles"),
+        (lambda e: piston_acceleration(e, 1, 1.0, angles_deg=np.degrees([math.nan])), "angles"),
         (lambda e: balancing_masses(e, -0.1), "reciprocating_share"),
         (lambda e: hinged_rod_effects(e, 1.0), "none of which has a hinged rod"),
         (

@@ -6,6 +6,7 @@ from comparing import close
 from dynamics.assessment.barred_ranges import BarredRangeRule, barred_ranges, exceeded_ranges
 from dynamics.assessment.limits import (
     AmplitudeCurve,
+    LimitCurve,
     VibrationLimit,
     constant_curve,
     given_limit,
@@ -49,6 +50,20 @@ def test_ranges_are_widened_to_the_rule_and_merged_where_they_meet():
     assert first.allowed
     assert second.allowed
     assert second.limits == ("torsional stress of shaft",)
+
+
+def test_a_range_begins_where_the_limit_falls():
+    """A set's limit for passing ends at 30 rad/s; the amplitude is the same on both sides."""
+    limit = VibrationLimit(
+        "torsional stress",
+        "shaft",
+        "Pa",
+        LimitCurve(lambda speeds: np.where(speeds > 30.0, 16.0, 90.0)),
+        "rule",
+    )
+    curve = AmplitudeCurve("shaft", [20.0, 29.0, 31.5, 40.0], [50.0, 50.0, 50.0, 50.0])
+    (found,) = exceeded_ranges(limit, curve)
+    assert found.low == close(30.0, abs=1e-9)
 
 
 def test_beside_an_unbounded_value_the_range_reaches_the_next_speed():

@@ -1,12 +1,15 @@
 import numpy as np
 import pytest
-from hypothesis import example, given
+from hypothesis import example, given, settings
 from hypothesis import strategies as st
 from scipy.linalg import eigh
 
 from comparing import close
 from crankbase.errors import InputError
 from dynamics.chains.chain import Chain
+
+# Of laws that hold for any chain or none.
+FEW = settings(max_examples=30)
 
 
 @st.composite
@@ -90,6 +93,7 @@ def test_modes_are_orthogonal_and_scaled(values):
 
 
 @given(chain_values(), st.floats(1e-6, 1e6))
+@FEW
 def test_stiffness_times_s_gives_frequencies_times_its_root(values, factor):
     inertia, stiffness, ground = values
     scaled = Chain(inertia, factor * np.array(stiffness), factor * np.array(ground))
@@ -98,6 +102,7 @@ def test_stiffness_times_s_gives_frequencies_times_its_root(values, factor):
 
 
 @given(chain_values(), st.floats(1e-6, 1e6))
+@FEW
 def test_change_of_both_units_changes_nothing(values, factor):
     inertia, stiffness, ground = (factor * np.array(part) for part in values)
     modes, expected = Chain(inertia, stiffness, ground).modes(), Chain(*values).modes()
@@ -105,6 +110,7 @@ def test_change_of_both_units_changes_nothing(values, factor):
 
 
 @given(chain_values())
+@FEW
 def test_chain_turned_end_for_end_keeps_its_frequencies(values):
     turned = Chain(*(part[::-1] for part in values))
     expected = Chain(*values).modes().frequencies
@@ -145,6 +151,7 @@ def test_displacements_far_from_a_local_mode():
 
 
 @given(chain_values(supported=False), st.floats(0.01, 2.0))
+@FEW
 def test_any_support_raises_every_frequency(values, added):
     inertia, stiffness, _ = values
     free = Chain(inertia, stiffness).modes().frequencies

@@ -52,7 +52,7 @@ ENGINE = EngineLayout(
 )
 ANGLES = np.radians(np.arange(0.0, 720.0, 2.0))
 PRESSURE = 2e5 + 6e6 * np.exp(-8.0 * (np.mod(ANGLES + np.pi, 4.0 * np.pi) - np.pi - 0.2) ** 2)
-GAS = gas_pressure(ANGLES, PRESSURE, 4)
+GAS = gas_pressure(PRESSURE, 4, angles_deg=np.degrees(ANGLES))
 HARMONICS = cylinder_harmonics(ENGINE, 4.0, GAS)
 CHAIN = Chain([1.0, 2.0, 3.0], [1e5, 2e5])
 AT_RATED = {"blades": 4, "rated_thrust": 1e5, "rated_torque": 1e5}
@@ -62,18 +62,24 @@ MODELS = tuple(cylinder.rod.model("rigid") for cylinder in ENGINE.cylinders)
 
 # Everything that takes the speed of a shaft.
 OF_SPEED = {
-    "mechanism_forces": lambda speed: mechanism_forces(ENGINE, ANGLES, speed),
+    "mechanism_forces": lambda speed: mechanism_forces(
+        ENGINE, speed, shaft_angles_deg=np.degrees(ANGLES)
+    ),
     "mechanism_forces at each angle": lambda speed: mechanism_forces(
-        ENGINE, ANGLES, np.append(np.full(ANGLES.size - 1, 100.0), speed)
+        ENGINE,
+        np.append(np.full(ANGLES.size - 1, 100.0), speed),
+        shaft_angles_deg=np.degrees(ANGLES),
     ),
     "balance": lambda speed: balance(ENGINE, speed),
     "engine_torque": lambda speed: engine_torque(ENGINE, speed, GAS),
     "pin_force_harmonics": lambda speed: pin_force_harmonics(ENGINE, speed),
-    "piston_acceleration": lambda speed: piston_acceleration(ENGINE, 1, ANGLES, speed),
+    "piston_acceleration": lambda speed: piston_acceleration(
+        ENGINE, 1, speed, angles_deg=np.degrees(ANGLES)
+    ),
     "acceleration_orders": lambda speed: acceleration_orders(ENGINE, 1, speed),
     "cylinder_forces": lambda speed: cylinder_forces(ENGINE, [50.0, speed], 4.0, GAS),
     "harmonics, phasors": lambda speed: HARMONICS.phasors(np.array([50.0, speed])),
-    "harmonics, at": lambda speed: HARMONICS.at(ANGLES, speed),
+    "harmonics, at": lambda speed: HARMONICS.at(speed, shaft_angle_deg=np.degrees(ANGLES)),
     "OrderExcitation": lambda speed: OrderExcitation([1.0], [50.0, speed], np.ones((1, 2, 3))),
     "critical_speeds": lambda speed: critical_speeds([10.0], [1.0], (5.0, speed)),
     "propeller_excitation": lambda speed: propeller_excitation(
@@ -120,8 +126,12 @@ ELSEWHERE = {
     "highest order": lambda: engine_orders(4, 1e50),
     "orders": lambda: cylinder_harmonics(ENGINE, "a", GAS),
     "star": lambda: star_diagram(ENGINE, 1e308),
-    "angle": lambda: reduced_inertia(ENGINE, MODELS, np.array([0.0, np.nan])),
-    "acceleration": lambda: mechanism_forces(ENGINE, ANGLES, 1.0, crank_acceleration=-1e308),
+    "angle": lambda: reduced_inertia(
+        ENGINE, MODELS, shaft_angles_deg=np.degrees(np.array([0.0, np.nan]))
+    ),
+    "acceleration": lambda: mechanism_forces(
+        ENGINE, 1.0, crank_acceleration=-1e308, shaft_angles_deg=np.degrees(ANGLES)
+    ),
     "support": lambda: AxialSupport(0, "a"),
     "pressure map's speeds": lambda: PressureMap(
         np.array([10.0, np.nan]), None, (GAS, GAS), "linear"
@@ -174,22 +184,32 @@ def test_a_gas_pressure_is_checked_however_it_is_made(bad):
     spoiled = GAS.pressure.copy()
     spoiled[3] = bad
     with pytest.raises(InputError, match=r"^pressure\[3\]: given"):
-        GasPressure(GAS.angles, spoiled, 4)
+        GasPressure(GAS.angles_deg, spoiled, 4)
 
 
 @pytest.mark.parametrize(
     ("angles", "strokes", "message"),
     [
-        (np.where(GAS.angles == GAS.angles[3], np.nan, GAS.angles), 4, r"angles\[3\]: given nan"),
-        (GAS.angles[:-1], 4, "angles: given 359 angles for 360 pressures"),
-        (GAS.angles - np.pi, 4, "do not begin at the top"),
-        (GAS.angles + 1e-3 * np.sin(GAS.angles), 4, "are not even"),
-        (GAS.angles, 2, "allowed is one cycle of 360 deg"),
-        (GAS.angles, 3, "strokes: given 3"),
+        (
+            np.where(GAS.angles_deg == GAS.angles_deg[3], np.nan, GAS.angles_deg),
+            4,
+            r"angles_deg\[3\]: given nan",
+        ),
+        (GAS.angles_deg[:-1], 4, "angles_deg: given 359 angles for 360 pressures"),
+        (GAS.angles_deg - 180.0, 4, "do not begin at the top"),
+        (GAS.angles_deg + 0.06 * np.sin(np.radians(GAS.angles_deg)), 4, "are not even"),
+        (GAS.angles_deg, 2, "allowed is one cycle of 360 deg"),
+        (GAS.angles_deg, 3, "strokes: given 3"),
+        (
+            np.radians(GAS.angles_deg),
+            4,
+            r"360 angles from 0 to 12\.53, .* radians; allowed are degrees",
+        ),
     ],
 )
 def test_a_gas_pressure_has_even_angles_of_one_cycle(angles, strokes, message):
-    assert GasPressure(GAS.angles, GAS.pressure, 4).at(1.0) == GAS.at(1.0)
+    again = GasPressure(GAS.angles_deg, GAS.pressure, 4)
+    assert again.at(angle_deg=57.0) == GAS.at(angle_deg=57.0)
     with pytest.raises(InputError, match=message):
         GasPressure(angles, GAS.pressure, strokes)
 

@@ -127,10 +127,10 @@ def test_coupling_makes_chains_insufficient():
 def test_tangential_forces_move_the_free_end_only_where_torsion_is_coupled(forces):
     """The torque of a straight shaft stays in torsion; with a coupled spring it shows at the end."""
     plain = coupled_response(straight(), forces)
-    split = plain.split("section 0 uz")
+    split = plain.split("main bearing 1 uz")
     # Nothing but rounding: the pin of a straight shaft has no way to push along it.
     assert split.both_sum.max() < 1e-15
-    coupled = coupled_response(straight(0.3), forces).split("section 0 uz")
+    coupled = coupled_response(straight(0.3), forces).split("main bearing 1 uz")
     assert coupled.tangential_sum.min() > 1e-8
     assert np.all(coupled.both <= coupled.tangential + coupled.radial + 1e-18)
 
@@ -208,7 +208,7 @@ def test_an_undamped_resonance_is_unbounded(forces):
     )
     answer = coupled_response(shaft, at_resonance, magnifier=None)
     assert answer.unbounded.tolist() == [[False, True]]
-    assert answer.split("section 0 uz").both_sum.tolist()[1] == math.inf
+    assert answer.split("main bearing 1 uz").both_sum.tolist()[1] == math.inf
     match = ResponseMatch("axial", at_resonance.speeds, np.ones(2), np.array([1.0, np.inf]))
     assert match.difference == math.inf
 

@@ -22,7 +22,11 @@ from dynamics.mechanism.rods import ConnectingRod
 def test_axial_chain_shares_each_throw_between_its_sections():
     built = axial_chain([1e-9, 2e-9], [100.0, 140.0], 500.0, 1, 3e8, {0: 7.0})
     assert built.kind == "axial"
-    assert built.nodes == ("section 0", "section 1, thrust bearing", "section 2, flywheel")
+    assert built.nodes == (
+        "main bearing 1",
+        "main bearing 2, thrust bearing",
+        "main bearing 3, flywheel",
+    )
     assert built.chain.inertia.tolist() == [57.0, 120.0, 570.0]
     assert built.chain.stiffness == close([1e9, 5e8])
     assert built.chain.ground.tolist() == [0.0, 3e8, 0.0]
@@ -30,13 +34,13 @@ def test_axial_chain_shares_each_throw_between_its_sections():
 
 def test_thrust_bearing_may_stand_at_the_flywheel_and_masses_as_a_list():
     built = axial_chain([1e-9], [100.0], 500.0, 1, 3e8, [1.0, 2.0])
-    assert built.nodes == ("section 0", "section 1, flywheel, thrust bearing")
+    assert built.nodes == ("main bearing 1", "main bearing 2, flywheel, thrust bearing")
     assert built.chain.inertia.tolist() == [51.0, 552.0]
 
 
 def test_axial_chain_without_bearing_and_flywheel_is_free():
     built = axial_chain([1e-9], [100.0], 0.0, 0, 0.0)
-    assert built.nodes == ("section 0", "section 1")
+    assert built.nodes == ("main bearing 1", "main bearing 2")
     modes = built.chain.modes()
     assert modes.rigid == 1
     assert modes.angular_frequencies[1] == close(np.sqrt(1e9 * (1 / 50 + 1 / 50)))
@@ -138,7 +142,7 @@ def test_axial_chain_with_damping_damper_and_shaft_line():
         shaft_line=line,
     )
     chain = built.chain
-    assert built.nodes[-2:] == ("section 2, flywheel", "line 1")
+    assert built.nodes[-2:] == ("main bearing 3, flywheel", "line 1")
     assert chain.inertia.tolist() == [80.0, 120.0, 570.0, 0.0]
     assert chain.ground.tolist() == [2e7, 3e8, 0.0, 0.0]
     assert chain.ground_damping.tolist() == [1e5 + 4.0, 14.0, 6.0, 0.0]
@@ -218,7 +222,11 @@ def test_throw_inertias_of_several_cylinders(v_four):
     exact = throw_inertias(v_four, [0.5, 0.6], reciprocating="mean")
     # The mean of the whole engine's reduced inertia, by another path through the mechanism.
     models = tuple(cylinder.rod.model("rigid") for cylinder in v_four.cylinders)
-    whole, _ = reduced_inertia(v_four, models, np.linspace(0.0, 2.0 * np.pi, 64, endpoint=False))
+    whole, _ = reduced_inertia(
+        v_four,
+        models,
+        shaft_angles_deg=np.degrees(np.linspace(0.0, 2.0 * np.pi, 64, endpoint=False)),
+    )
     assert exact.sum() == close(1.1 + whole.mean(), rel=1e-12)
     # Half the mass leaves out lambda^2 / 8 of the piston's share and the rod's lacking inertia.
     assert half[0] == close(exact[0], rel=0.02)

@@ -54,20 +54,20 @@ def degrees(angles):
 )
 def test_firing_angles_in_line(cranks, order, strokes, wanted):
     engine = EngineLayout(0.07, in_line(*cranks), order, strokes)
-    assert degrees(engine.firing) == close(wanted, abs=1e-9)
-    assert math.degrees(engine.cycle) == close(180.0 * strokes)
-    assert firing_order_of_angles(engine.firing, strokes, order[0]) == order
+    assert degrees(np.radians(engine.firing_deg)) == close(wanted, abs=1e-9)
+    assert engine.cycle_deg == close(180.0 * strokes)
+    assert firing_order_of_angles(np.radians(engine.firing_deg), strokes, order[0]) == order
 
 
 def test_firing_angles_of_a_vee_engine():
     """V8 with a cross-plane shaft, banks at -45 and 45 deg: even 90 deg steps by hand."""
     cranks, banks = (0, 270, 90, 180), (-45, 45)
     cylinders = [cylinder(crank, bank) for bank in banks for crank in cranks]
-    tops = [math.degrees(one.top_shaft_angle) % 360 for one in cylinders]
+    tops = [one.top_shaft_angle_deg % 360 for one in cylinders]
     assert tops == close([315, 45, 225, 135, 45, 135, 315, 225])
     order = (1, 5, 4, 8, 7, 2, 6, 3)
     engine = EngineLayout(0.07, cylinders, order)
-    steps = np.diff([degrees(engine.firing)[number - 1] for number in order])
+    steps = np.diff([degrees(np.radians(engine.firing_deg))[number - 1] for number in order])
     np.testing.assert_allclose(steps, 90.0, rtol=1e-12)
 
 
@@ -90,7 +90,7 @@ def test_firing_angles_of_even_cranks_follow_the_order(order, start):
 
 def test_firing_angles_may_be_given():
     engine = EngineLayout(0.07, in_line(0, 0), [1, 2], firing_angles_deg=[720.0, 360.0])
-    assert engine.firing == (4.0 * math.pi, 2.0 * math.pi)
+    assert engine.firing_deg == (720.0, 360.0)
     assert engine.main_of(2) == 2
 
 
@@ -113,7 +113,7 @@ def test_firing_angles_agree_with_the_order_in_any_cycle(order, later):
         0.07, in_line(0, 180, 180, 0), order, firing_angles_deg=np.degrees(angles)
     )
     assert engine.firing_order == order
-    assert engine.firing == close(angles)
+    assert np.radians(engine.firing_deg) == close(angles)
 
 
 @pytest.mark.parametrize("order", [(1, 2, 3, 4), (1, 2, 4, 3), (1, 4, 3, 2)])
@@ -185,7 +185,7 @@ def test_a_layout_keeps_what_was_checked():
         values.append(values[0])
     assert engine == same
     assert hash(engine) == hash(same)
-    assert len(engine.cylinders) == len(engine.firing) == 2
+    assert len(engine.cylinders) == len(engine.firing_deg) == 2
     assert len(engine.rotating) == 1
     by_numpy = EngineLayout(0.07, in_line(0, 180), np.array([1, 2]))
     assert [type(number) for number in by_numpy.firing_order] == [int, int]
@@ -203,14 +203,17 @@ def test_one_cylinder_of_an_engine_moves_as_a_slider_crank():
     engine = EngineLayout(0.07, [cylinder(30.0, -45.0, pin_offset=0.01)], [1])
     drive = SliderCrank(0.07, 0.265, 0.01)
     angles = np.linspace(0.0, 6.0, 9)
-    motion, alone = cylinder_motion(engine, 1, angles), drive.piston(angles + math.radians(75.0))
+    motion, alone = (
+        cylinder_motion(engine, 1, shaft_angles_deg=np.degrees(angles)),
+        drive.piston(angle_deg=np.degrees(angles + math.radians(75.0))),
+    )
     for name in ("place", "first", "second"):
         ours, wanted = getattr(motion.piston, name), getattr(alone, name)
         np.testing.assert_allclose(ours, wanted, rtol=0.0, atol=1e-15)
     lowest, highest = piston_ends(engine, 1)
     assert highest == close(drive.top, abs=1e-14)
     assert highest - lowest == close(drive.stroke, abs=1e-14)
-    travel = drive.travel(angles + math.radians(75.0)).place.real
+    travel = drive.travel(angle_deg=np.degrees(angles + math.radians(75.0))).place.real
     np.testing.assert_allclose(highest - motion.piston.place.real, travel, rtol=0.0, atol=1e-14)
 
 
@@ -223,8 +226,10 @@ def test_the_slave_pin_turns_with_the_main_rod():
     engine = EngineLayout(0.07, [cylinder(), hinged], [1, 2])
     angles = np.linspace(0.0, 6.0, 9)
     place = 0.06 * np.exp(0.3j)
-    wanted = SliderCrank(0.07, 0.265).rod_point(angles, place.real, place.imag)
-    foot = cylinder_motion(engine, 2, angles).foot
+    wanted = SliderCrank(0.07, 0.265).rod_point(
+        place.real, place.imag, angle_deg=np.degrees(angles)
+    )
+    foot = cylinder_motion(engine, 2, shaft_angles_deg=np.degrees(angles)).foot
     np.testing.assert_allclose(foot.place, wanted.place, rtol=0.0, atol=1e-15)
     np.testing.assert_allclose(foot.second, wanted.second, rtol=0.0, atol=1e-15)
     assert engine.main_of(2) == 1

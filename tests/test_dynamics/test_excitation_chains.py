@@ -38,7 +38,8 @@ RANDOM = np.random.default_rng(3)
 class Waves:
     strokes = 4
 
-    def at(self, angle):
+    def at(self, *, angle_deg):
+        angle = np.radians(angle_deg)
         return 1e5 * (12.0 + 9.0 * np.cos(0.5 * angle - 0.4) + 3.0 * np.cos(angle - 0.7))
 
 
@@ -74,8 +75,8 @@ def test_torques_act_on_the_nodes_of_throws():
     others = np.delete(found.forces, list(TORSIONAL.throw_nodes), axis=2)
     assert np.all(others == 0.0)
     angles = RANDOM.uniform(0.0, 40.0, 9)
-    over_time = node_torques(HARMONICS, TORSIONAL, angles, SPEEDS[1])
-    waves = found.at_angle(1, angles)
+    over_time = node_torques(HARMONICS, TORSIONAL, SPEEDS[1], shaft_angle_deg=np.degrees(angles))
+    waves = found.at_angle(1, shaft_angle_deg=np.degrees(angles))
     # What is left of both is the mean, the same at all angles.
     assert np.ptp(over_time - waves, axis=0) == close(np.zeros(waves.shape[1]), abs=1e-8)
     assert (over_time - waves)[0].sum() == close(FORCES.mean_torque[1], rel=1e-12)

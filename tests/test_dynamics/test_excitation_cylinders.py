@@ -7,6 +7,7 @@ import pytest
 
 from comparing import close
 from crankbase.errors import InputError
+from dynamics.cycle import cycle_radians
 from dynamics.engine.cylinder import EngineCylinder, SlavePin
 from dynamics.engine.forces import mechanism_forces, rod_models
 from dynamics.engine.gas_forces import gas_forces
@@ -37,7 +38,8 @@ class SmoothPressure:
         self.strokes = strokes
         self.size = size
 
-    def at(self, angle):
+    def at(self, *, angle_deg):
+        angle = np.radians(angle_deg)
         part = 2.0 / self.strokes
         waves = 9.0 * np.cos(part * angle - 0.4) + 3.0 * np.cos(2 * part * angle - 0.7)
         return 1e5 * (12.0 + self.size * waves)
@@ -93,10 +95,12 @@ def test_orders_add_up_to_the_forces_of_the_mechanism(engine, model):
     pressure = SmoothPressure(engine.strokes)
     angles = RANDOM.uniform(-20.0, 20.0, 40)
     found = cylinder_forces(engine, SPEEDS, 36.0, pressure, model=model)
-    gas = gas_forces(engine, angles, pressure)
+    gas = gas_forces(engine, pressure, shaft_angles_deg=np.degrees(angles))
     for place, speed in enumerate(SPEEDS):
-        forces = mechanism_forces(engine, angles, speed, gas, model=model)
-        tangential, radial = found.at_angle(place, angles)
+        forces = mechanism_forces(
+            engine, speed, gas, model=model, shaft_angles_deg=np.degrees(angles)
+        )
+        tangential, radial = found.at_angle(place, shaft_angle_deg=np.degrees(angles))
         # Orders of rods fade by lambda / 4 each: beyond the 36th they are round-off.
         largest = np.max(np.abs(forces.crankpin))
         assert tangential == close(forces.tangential.T, abs=1e-11 * largest)
@@ -110,13 +114,13 @@ def test_power_is_indicated_and_the_sum_of_all_cylinders_is_the_engines(engine):
     torque = engine_torque(engine, SPEEDS[1], pressure)
     work = torque.indicated_work.sum()
     # The mean is the hundredth part of what the torque swings by: 1e-13 of that is round-off.
-    assert found.power == close(work / engine.cycle * SPEEDS, rel=1e-11)
+    assert found.power == close(work / cycle_radians(engine.strokes) * SPEEDS, rel=1e-11)
     whole = torque.harmonics().up_to(12.0)
     phasors = whole.cosine - 1j * whole.sine
     assert found.torque[:, 1].sum(axis=1) == close(phasors, abs=1e-12 * np.abs(found.torque).max())
     own = pin_force_harmonics(engine, SPEEDS[2], pressure, highest_order=12.0)[1]
     at_shaft = (own.radial.cosine - 1j * own.radial.sine) * np.exp(
-        -1j * found.orders * own.firing_angle
+        -1j * found.orders * math.radians(own.firing_angle_deg)
     )
     assert found.radial[:, 2, 1] == close(at_shaft, abs=1e-12 * np.abs(at_shaft).max())
 
@@ -140,8 +144,12 @@ def test_inertia_goes_with_the_square_of_the_speed_and_can_be_left_out():
 def test_inertia_torque_is_half_the_slope_of_the_inertia_at_the_crank(engine):
     """The mean of that inertia is in the chain, its slope excites: nothing counts twice."""
     angles = RANDOM.uniform(0.0, 20.0, 30)
-    _, slope = reduced_inertia(engine, rod_models(engine, "rigid"), angles)
-    tangential, _ = cylinder_forces(engine, SPEEDS, 36.0).at_angle(1, angles)
+    _, slope = reduced_inertia(
+        engine, rod_models(engine, "rigid"), shaft_angles_deg=np.degrees(angles)
+    )
+    tangential, _ = cylinder_forces(engine, SPEEDS, 36.0).at_angle(
+        1, shaft_angle_deg=np.degrees(angles)
+    )
     torque = engine.crank_radius * tangential.sum(axis=1)
     wanted = -0.5 * slope * SPEEDS[1] ** 2
     assert torque == close(wanted, abs=1e-10 * np.abs(wanted).max())
@@ -164,14 +172,18 @@ def test_time_functions_follow_the_speed():
     harmonics = cylinder_harmonics(engine, 30.0, SmoothPressure(2))
     angles = RANDOM.uniform(0.0, 50.0, 20)
     turning = np.linspace(50.0, 200.0, 20)
-    tangential, radial = harmonics.at(angles, turning)
-    gas = gas_forces(engine, angles, SmoothPressure(2))
-    forces = mechanism_forces(engine, angles, turning, gas)
+    tangential, radial = harmonics.at(turning, shaft_angle_deg=np.degrees(angles))
+    gas = gas_forces(engine, SmoothPressure(2), shaft_angles_deg=np.degrees(angles))
+    forces = mechanism_forces(engine, turning, gas, shaft_angles_deg=np.degrees(angles))
     largest = np.max(np.abs(forces.crankpin))
     assert tangential == close(forces.tangential.T, abs=1e-11 * largest)
     assert radial == close(forces.radial.T, abs=1e-11 * largest)
-    steady = cylinder_forces(engine, [120.0], 30.0, SmoothPressure(2)).at_angle(0, angles)
-    assert np.array(harmonics.at(angles, 120.0)) == close(np.array(steady), rel=1e-9)
+    steady = cylinder_forces(engine, [120.0], 30.0, SmoothPressure(2)).at_angle(
+        0, shaft_angle_deg=np.degrees(angles)
+    )
+    assert np.array(harmonics.at(120.0, shaft_angle_deg=np.degrees(angles))) == close(
+        np.array(steady), rel=1e-9
+    )
 
 
 def crank_slider(angle):
@@ -186,20 +198,24 @@ def test_motored_pressure_from_a_fired_diagram():
     found = motored_from_compression(fired, volume)
     # The model compresses by one exponent, so that the closed part comes back to round-off. Only
     # the blow-down differs, measured 6.3e-4 of the peak.
-    closed = np.abs(np.angle(np.exp(0.5j * found.angles))) < math.radians(60.0)
+    closed = np.abs(np.angle(np.exp(0.5j * np.radians(found.angles_deg)))) < math.radians(60.0)
     assert found.pressure[closed] == close(cold.pressure[closed], rel=1e-9)
     assert np.max(np.abs(found.pressure - cold.pressure)) < 1e-3 * fired.peak_pressure
     assert f"exponent {cycle.heat_capacity_ratio:.4g}" in found.remarks[-1]
     with pytest.raises(InputError, match="below 0, because the gas is compressed there"):
-        motored_from_compression(fired, volume, fit_to=0.2)
-    lagging = gas_pressure(fired.angles, np.roll(fired.pressure, 600))
+        motored_from_compression(fired, volume, fit_to_deg=12.0)
+    lagging = gas_pressure(np.roll(fired.pressure, 600), angles_deg=fired.angles_deg)
     with pytest.raises(InputError, match=r"polytropic exponent .* allowed is one from 1 to 2"):
         motored_from_compression(lagging, volume)
 
 
 def diagram(step_deg, strokes=4):
     angle = np.radians(np.arange(0.0, 180.0 * strokes, step_deg))
-    return gas_pressure(angle, SmoothPressure(strokes).at(angle), strokes)
+    return gas_pressure(
+        SmoothPressure(strokes).at(angle_deg=np.degrees(angle)),
+        strokes,
+        angles_deg=np.degrees(angle),
+    )
 
 
 @pytest.mark.parametrize(

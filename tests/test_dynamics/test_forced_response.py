@@ -41,7 +41,7 @@ def test_unbounded_is_told_in_every_result():
         assert np.all(np.isinf(both.plain_sum[1]))
         assert np.all(np.isfinite(both.amplitude[[0, 2]]))
         with pytest.raises(InputError, match="speed_index: given 1, where order 2 excites"):
-            series.at_angle(1, [0.0])
+            series.at_angle(1, shaft_angle_deg=np.degrees([0.0]))
     (meeting,) = resonances(found, "flywheel")
     assert meeting.unbounded
     assert meeting.amplitude == meeting.estimate == meeting.magnifier == np.inf
@@ -86,7 +86,9 @@ def test_excitation_over_the_cycle():
     own = excitation(forces)
     angle = np.array([0.0, 0.3, 2.0])
     expected = np.column_stack((-2.0 * np.sin(angle), 3.0 * np.cos(2.0 * angle)))
-    np.testing.assert_allclose(own.at_angle(1, angle), expected, atol=1e-15)
+    np.testing.assert_allclose(
+        own.at_angle(1, shaft_angle_deg=np.degrees(angle)), expected, atol=1e-15
+    )
 
 
 def test_forces_of_inertia_are_exact_between_speeds():
@@ -135,7 +137,7 @@ def test_excitation_refused(orders, speeds, forces, words):
             lambda: forced_response(TWO, excitation(), magnifier=40.0, modal_damping=0.01),
             "magnifier: given 40.0 together",
         ),
-        (lambda: excitation().at_angle(3, [0.0]), "speed_index: given 3"),
+        (lambda: excitation().at_angle(3, shaft_angle_deg=[0.0]), "speed_index: given 3"),
         (
             lambda: element_loads(forced_response(damped(TWO).system, excitation())),
             "response: given that of a system of matrices",

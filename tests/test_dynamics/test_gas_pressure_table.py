@@ -42,8 +42,8 @@ def test_cycle_may_start_anywhere_and_may_be_closed(written, start, cycle, close
     assert found.source == "Engine X\nIndicated at rated load"
     assert found.pressure.size == cycle
     assert found.peak_pressure == close(120e5)
-    assert np.degrees(found.peak_angle) == close(8.0)
-    assert found.pressure == close(1e5 * bar(np.degrees(found.angles), cycle))
+    assert found.peak_angle_deg == close(8.0)
+    assert found.pressure == close(1e5 * bar(found.angles_deg, cycle))
     dropped = (f"The closing sample at {start + cycle:g} deg was dropped.",)
     assert found.remarks == (dropped if closed else ())
 
@@ -56,7 +56,7 @@ def test_units_and_kinds_of_pressure_give_the_same(written, unit, size, kind):
     header = f"crank_angle_deg,{kind}_pressure_{unit}"
     found = read_pressure_table(written(table(angles, pascal / size, header)))
     # Round-off of unit and atmosphere, at the least pressure.
-    assert found.pressure == close(1e5 * bar(np.degrees(found.angles)), rel=1e-12)
+    assert found.pressure == close(1e5 * bar(found.angles_deg), rel=1e-12)
     said = ("101325 Pa of atmosphere were added to the gauge pressure.",)
     assert found.remarks == (said if kind == "gauge" else ())
 
@@ -67,7 +67,7 @@ def test_uneven_angles_are_resampled_and_said(written):
     found = read_pressure_table(written(table(angles, bar(angles))))
     assert "uneven samples were replaced" in found.remarks[0]
     assert found.peak_pressure == close(120e5)
-    assert found.at(np.radians(angles)) == close(1e5 * bar(angles), rel=2e-3)
+    assert found.at(angle_deg=angles) == close(1e5 * bar(angles), rel=2e-3)
 
 
 def test_closing_sample_may_differ_by_what_is_printed(written):
@@ -81,7 +81,7 @@ def test_motored_cycle_is_read(written):
     angles = np.arange(-360.0, 360.0, 1.0)
     values = 1.0 + 34.0 * np.exp(-40.0 * np.sin((angles + 0.7) * np.pi / 720.0) ** 2)
     found = read_pressure_table(written(table(angles, values)))
-    assert np.degrees(found.peak_angle) == close(-1.0)
+    assert found.peak_angle_deg == close(-1.0)
 
 
 ANGLES = np.arange(0.0, 720.0, 5.0)

@@ -76,7 +76,9 @@ def test_angles_may_start_before_crank_angle_zero():
 def test_series_meets_the_samples_wherever_they_start(values, strokes, start_deg):
     angles = sample_angles(len(values), strokes, np.radians(start_deg))
     found = harmonics(values, strokes, angles_deg=np.degrees(angles))
-    assert found.at(angles) == close(values, abs=1e-10 * max(1.0, *map(abs, values)))
+    assert found.at(crank_angle_deg=np.degrees(angles)) == close(
+        values, abs=1e-10 * max(1.0, *map(abs, values))
+    )
 
 
 @given(VALUES, STROKES)
@@ -111,9 +113,9 @@ def test_amplitude_and_phase_say_the_same_as_cosine_and_sine(values, strokes):
 
 def test_series_takes_any_shape_of_angles():
     found = harmonics([1.0, 2.0, 4.0], 2)
-    assert found.at(0.0).shape == ()
-    assert found.at(np.zeros((2, 3))).shape == (2, 3)
-    assert float(found.at(0.0)) == close(1.0)
+    assert found.at(crank_angle_deg=0.0).shape == ()
+    assert found.at(crank_angle_deg=np.degrees(np.zeros((2, 3)))).shape == (2, 3)
+    assert float(found.at(crank_angle_deg=0.0)) == close(1.0)
 
 
 def test_resolved_orders():
@@ -138,7 +140,7 @@ def test_orders_above_a_highest_one_may_be_cut():
     for name in ("amplitude", "phase", "cosine", "sine"):
         assert getattr(cut, name).tolist() == getattr(whole, name)[:4].tolist()
     assert (cut.mean, cut.samples, cut.highest_order) == (whole.mean, 36, 9.0)
-    assert cut.at(angles) == close(kept, abs=1e-13)
+    assert cut.at(crank_angle_deg=np.degrees(angles)) == close(kept, abs=1e-13)
     assert cut.up_to(1.0).orders.tolist() == [0.5, 1.0]
     assert whole.up_to(9.0).orders.size == 18
     with pytest.raises(InputError, match=r"allowed are 0\.5 to 2 .* those above 2 were left out"):
@@ -268,3 +270,17 @@ def test_an_order_beyond_the_samples_would_appear_as_a_lower_one():
     assert found.amplitude[4] == close(1.0)
     with pytest.raises(InputError, match="order: given 7; allowed are 1 to 6"):
         found.index_of(7)
+
+
+def test_each_harmonic_by_itself_and_their_partial_sums():
+    rng = np.random.default_rng(3)
+    samples = rng.normal(size=(12))
+    found = harmonics(samples, 2)
+    angles = sample_angles(12, 2)
+    each = found.each_at(crank_angle_deg=np.degrees(angles))
+    assert each.shape == (6, 12)
+    assert found.mean + np.cumsum(each, axis=0)[-1] == close(samples, abs=1e-12)
+    assert each[1] == close(found.amplitude[1] * np.sin(2.0 * angles + found.phase[1]), abs=1e-12)
+    assert found.each_at(crank_angle_deg=np.degrees(0.3)) == close(
+        found.amplitude * np.sin(found.orders * 0.3 + found.phase)
+    )

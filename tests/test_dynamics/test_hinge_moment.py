@@ -48,13 +48,15 @@ def places(angles, engine=ENGINE):
 
 @pytest.mark.parametrize("kinematics", KINEMATICS)
 def test_derivative_of_the_inertia(kinematics):
-    found = reduced_crank(ENGINE, ANGLES, kinematics).inertia_rate
-    expected = derivative(lambda a: reduced_crank(ENGINE, a, kinematics).inertia, ANGLES)
+    found = reduced_crank(ENGINE, kinematics, angles_deg=np.degrees(ANGLES)).inertia_rate
+    expected = derivative(
+        lambda a: reduced_crank(ENGINE, kinematics, angles_deg=np.degrees(a)).inertia, ANGLES
+    )
     np.testing.assert_allclose(found, expected, atol=1e-9 * np.abs(found).max())
 
 
 def test_exact_kinematics_from_the_triangle():
-    found = reduced_crank(ENGINE, ANGLES)
+    found = reduced_crank(ENGINE, angles_deg=np.degrees(ANGLES))
     center, piston, tilt = (
         derivative(lambda a, which=which: places(a)[which], ANGLES) for which in range(3)
     )
@@ -73,7 +75,12 @@ def test_exact_kinematics_from_the_triangle():
 def test_same_as_the_forces_of_the_mechanism():
     speed = 9.3
     found = hinge_moment(replace(ENGINE, gravity=0.0), smooth_force, speed, samples=90)
-    torque = mechanism_forces(ENGINE.layout, found.angles, speed, smooth_force(found.angles)).torque
+    torque = mechanism_forces(
+        ENGINE.layout,
+        speed,
+        smooth_force(np.radians(found.angles_deg)),
+        shaft_angles_deg=found.angles_deg,
+    ).torque
     largest = np.abs(found.moment).max()
     np.testing.assert_allclose(found.moment, found.load - torque[0], atol=1e-12 * largest)
 
@@ -132,7 +139,10 @@ def test_order_of_the_series():
     def largest_difference(ratio, kinematics):
         length = ENGINE.crank_radius / ratio
         engine = replace(ENGINE, rod=ConnectingRod(length, 150.0, 0.5 * length, 50.0))
-        exact, found = (reduced_crank(engine, ANGLES, name) for name in ("exact", kinematics))
+        exact, found = (
+            reduced_crank(engine, name, angles_deg=np.degrees(ANGLES))
+            for name in ("exact", kinematics)
+        )
         return np.array(
             [
                 np.abs(found.inertia_rate - exact.inertia_rate).max(),
@@ -151,9 +161,11 @@ def test_center_of_the_rod_at_the_crosshead_moves_as_it_does():
     rod = ConnectingRod(1.55, 150.0, 1.55 * (1.0 - 1e-9), 1e-9)
     with_rod = replace(ENGINE, rod=rod)
     moved = replace(with_rod, rod=replace(rod, mass=1e-9), piston_mass=260.0)
-    series, expected = (reduced_crank(e, ANGLES, "series").inertia for e in (with_rod, moved))
+    series, expected = (
+        reduced_crank(e, "series", angles_deg=np.degrees(ANGLES)).inertia for e in (with_rod, moved)
+    )
     np.testing.assert_allclose(series, expected, rtol=1e-8)
-    printed = reduced_crank(with_rod, ANGLES, "printed").inertia
+    printed = reduced_crank(with_rod, "printed", angles_deg=np.degrees(ANGLES)).inertia
     assert np.abs(printed / expected - 1.0).max() > 0.1
 
 
@@ -221,5 +233,7 @@ def test_moments_refused(arguments, match):
 def test_series_refuses_a_lateral_center():
     with pytest.raises(InputError, match=r"center_offset: given 0\.1 m"):
         reduced_crank(
-            replace(ENGINE, rod=replace(ROD, center_offset=0.1)), ANGLES, kinematics="series"
+            replace(ENGINE, rod=replace(ROD, center_offset=0.1)),
+            kinematics="series",
+            angles_deg=np.degrees(ANGLES),
         )

@@ -136,7 +136,7 @@ def test_profile_is_the_printed_equation(moment, profile, angle):
     """(11) with the integral of M_h by adaptive quadrature."""
 
     def wanted(at):
-        reduced = reduced_crank(ENGINE, np.array([at]))
+        reduced = reduced_crank(ENGINE, angles_deg=np.degrees(np.array([at])))
         gas = smooth_force(at) * reduced.travel_rate
         inertia = 0.5 * moment.speed**2 * reduced.inertia_rate
         return float((inertia - gas - reduced.weight_moment + moment.load)[0])
@@ -158,8 +158,10 @@ def test_profile_is_closed_and_starts_at_its_radius(profile):
 def test_pressure_scales_the_moment(profile):
     """(14): with the same guides the moment is proportional to the start pressure."""
     angles = np.linspace(0.0, 6.0, 37)
-    plain = profile.moment_at(angles)
-    np.testing.assert_allclose(profile.moment_at(angles, 1.95 * 5e6), 1.95 * plain, rtol=1e-13)
+    plain = profile.moment_at(angles_deg=np.degrees(angles))
+    np.testing.assert_allclose(
+        profile.moment_at(1.95 * 5e6, angles_deg=np.degrees(angles)), 1.95 * plain, rtol=1e-13
+    )
     np.testing.assert_allclose(
         profile.with_pressure(2.5e6).moment, 0.5 * profile.moment, rtol=1e-13
     )
@@ -174,9 +176,9 @@ def test_with_atmosphere_the_scaling_is_not_exact(moment):
 
 
 def test_rollers_balance_spring_and_moment(profile):
-    along = profile.normal_force * np.cos(profile.force_angle)
+    along = profile.normal_force * np.cos(np.radians(profile.force_angle_deg))
     np.testing.assert_allclose(along, profile.spring_force, rtol=1e-13)
-    aside = profile.normal_force * np.sin(profile.force_angle)
+    aside = profile.normal_force * np.sin(np.radians(profile.force_angle_deg))
     np.testing.assert_allclose(2.0 * aside * profile.radius, profile.moment, atol=1e-9 * 8e4)
 
 
@@ -202,7 +204,7 @@ def test_curvature_of_known_curves():
 def test_curvature_of_the_guides(profile):
     """Against the turning of the tangent between points of the curve."""
     step = 1e-3
-    angles = profile.angles[::97]
+    angles = np.radians(profile.angles_deg)[::97]
 
     def place(at):
         return profile.curve(at) * np.exp(1j * at)
@@ -276,6 +278,6 @@ def test_guides_that_cannot_be(moment):
 
 def test_guide_surface_lies_outside_by_the_roller(moment):
     rolled = hinge_profile(moment, SPRING, 0.8, roller_radius=0.05)
-    centers = rolled.radius * np.exp(1j * rolled.angles)
+    centers = rolled.radius * np.exp(1j * np.radians(rolled.angles_deg))
     np.testing.assert_allclose(np.abs(rolled.guide() - centers), 0.05, rtol=1e-12)
     assert np.all(np.abs(rolled.guide()) > rolled.radius)

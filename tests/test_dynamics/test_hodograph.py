@@ -22,21 +22,21 @@ hodographs = st.builds(Hodograph, st.integers(1, 6), parts, parts)
 @given(hodographs)
 @settings(max_examples=30)
 def test_axes_bound_the_vector_and_are_reached(shape):
-    around = np.abs(shape.at(np.linspace(0.0, 2.0 * np.pi, 100)))
+    around = np.abs(shape.at(shaft_angle_deg=np.linspace(0.0, 360.0, 100)))
     assert np.all(around <= shape.major * (1 + 1e-14))
     assert np.all(around >= shape.minor - 1e-14 * shape.major)
-    if shape.angle is None:
+    if shape.angle_deg is None:
         assert shape.minor == close(shape.major, rel=2e-12)
         return
     # A nearly round ellipse shows the direction of its axis only to round-off over its flatness.
     blur = 1e-14 * shape.major / (shape.major - shape.minor)
-    assert 0.0 <= shape.largest_at < math.pi / shape.order + blur
-    assert -math.pi / 2 < shape.angle <= math.pi / 2
-    at_largest = complex(shape.at(shape.largest_at))
+    assert 0.0 <= math.radians(shape.largest_at_deg) < math.pi / shape.order + blur
+    assert -90.0 < shape.angle_deg <= 90.0
+    at_largest = complex(shape.at(shaft_angle_deg=shape.largest_at_deg))
     assert abs(at_largest) == close(shape.major, rel=1e-14)
-    across = (at_largest * cmath.exp(-1j * shape.angle)).imag
+    across = (at_largest * cmath.exp(-1j * math.radians(shape.angle_deg))).imag
     assert abs(across) <= (1e-14 + 10 * blur) * shape.major
-    at_least = complex(shape.at(shape.largest_at + math.pi / 2 / shape.order))
+    at_least = complex(shape.at(shaft_angle_deg=shape.largest_at_deg + 90.0 / shape.order))
     assert abs(at_least) == close(shape.minor, abs=(1e-14 + blur) * shape.major)
 
 
@@ -44,8 +44,12 @@ def test_axes_bound_the_vector_and_are_reached(shape):
 @settings(max_examples=20)
 def test_amplitude_along_a_direction(shape, direction):
     turn = cmath.exp(-1j * direction)
-    component = order_vectors((shape.at(np.arange(20) * np.pi / 10) * turn).real, [shape.order])[0]
-    assert shape.amplitude_along(direction) == close(component.major, abs=1e-14 * shape.major)
+    component = order_vectors(
+        (shape.at(shaft_angle_deg=np.arange(20) * 18.0) * turn).real, [shape.order]
+    )[0]
+    assert shape.amplitude_along(angle_deg=np.degrees(direction)) == close(
+        component.major, abs=1e-14 * shape.major
+    )
 
 
 def test_sense_and_points():
@@ -64,12 +68,21 @@ def test_sense_and_points():
 def test_shapes_without_two_axes():
     line = Hodograph(2, 100 * cmath.exp(-0.5j * math.pi), 100 * cmath.exp(-0.5j * math.pi))
     assert line.sense == 0
-    assert line.angle == math.pi / 2  # a horizontal axis is written +90 deg
+    assert line.angle_deg == 90.0  # a horizontal axis is written +90 deg
     assert (line.x, line.y) == (close(200.0), close(0.0, abs=1e-13))
     circle = Hodograph(1, 0.0, 3j)
-    assert (circle.angle, circle.largest_at, circle.sense) == (None, None, -1)
+    assert (circle.angle_deg, circle.largest_at_deg, circle.sense) == (
+        None,
+        None,
+        -1,
+    )
     point = Hodograph(1, 0.0, 0.0)
-    assert (point.angle, point.largest_at, point.sense, point.major) == (None, None, 0, 0.0)
+    assert (
+        point.angle_deg,
+        point.largest_at_deg,
+        point.sense,
+        point.major,
+    ) == (None, None, 0, 0.0)
 
 
 @pytest.mark.parametrize(
@@ -91,8 +104,9 @@ def test_sum_and_turning():
     one, other = Hodograph(2, 1 + 2j, 3.0), Hodograph(2, 1j, 4j)
     angles = np.array([0.0, 0.4, 2.0])
     np.testing.assert_allclose(
-        hodograph_sum(2, [one, other.times(2j)]).at(angles),
-        one.at(angles) + 2j * other.at(angles),
+        hodograph_sum(2, [one, other.times(2j)]).at(shaft_angle_deg=np.degrees(angles)),
+        one.at(shaft_angle_deg=np.degrees(angles))
+        + 2j * other.at(shaft_angle_deg=np.degrees(angles)),
         rtol=1e-14,
     )
 
@@ -100,7 +114,7 @@ def test_sum_and_turning():
 def test_orders_of_samples():
     angles = 2.0 * np.pi * np.arange(16) / 16
     shapes = [Hodograph(k, complex(k, 1.0), complex(-1.0, k)) for k in (1, 3, 7)]
-    vectors = 5.0 + sum(shape.at(angles) for shape in shapes)
+    vectors = 5.0 + sum(shape.at(shaft_angle_deg=np.degrees(angles)) for shape in shapes)
     for found, shape in zip(order_vectors(vectors, [1, 3, 7]), shapes, strict=True):
         assert found.forward == close(shape.forward, rel=1e-14)
         assert found.backward == close(shape.backward, rel=1e-14)

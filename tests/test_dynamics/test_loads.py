@@ -37,7 +37,9 @@ def twin(*rotating):
 
 def forces_of(engine, angles=ANGLES, **more):
     gas = [4e4 * (1.1 + np.cos(0.5 * angles - 0.8 * n)) for n in range(len(engine.cylinders))]
-    return mechanism_forces(engine, angles, SPEED, np.array(gas), **more)
+    return mechanism_forces(
+        engine, SPEED, np.array(gas), **more, shaft_angles_deg=np.degrees(angles)
+    )
 
 
 def test_a_crankpin_bears_the_rods_on_it():
@@ -62,13 +64,13 @@ def test_each_crankpin_turns_with_its_own_crank():
     forces = forces_of(twin())
     for number, load in enumerate(crankpin_loads(forces)):
         np.testing.assert_allclose(load.in_crank_frame, forces.in_crank_frame[number], rtol=1e-12)
-    assert crankpin_loads(forces)[1].crank_angle == math.pi
+    assert math.radians(crankpin_loads(forces)[1].crank_angle_deg) == math.pi
 
 
 def test_a_turning_mass_stands_still_in_its_crank_frame():
     """Frame, mean, maximum and columns of a force that is known: 3 outwards, 4 against rotation."""
     force = 1e3 * (3.0 - 4.0j) * np.exp(1j * (0.5 + ANGLES))
-    load = LoadDiagram("pin", ANGLES, force, 0.5)
+    load = LoadDiagram("pin", np.degrees(ANGLES), force, math.degrees(0.5))
     np.testing.assert_allclose(load.in_crank_frame, 1e3 * (3.0 - 4.0j), rtol=1e-13)
     assert load.mean == close(5e3, rel=1e-13)
     np.testing.assert_allclose(load.specific_pressure(0.1, 0.05), 1e6, rtol=1e-13)
@@ -83,9 +85,9 @@ def test_a_turning_mass_stands_still_in_its_crank_frame():
 
 def test_maximum_and_its_angle():
     size = 2.0 + np.cos(ANGLES - math.radians(130.0))
-    load = LoadDiagram("pin", ANGLES, size.astype(complex), 0.0)
+    load = LoadDiagram("pin", np.degrees(ANGLES), size.astype(complex), 0.0)
     assert load.maximum == close(3.0)
-    assert math.degrees(load.maximum_angle) == close(130.0)
+    assert load.maximum_angle_deg == close(130.0)
     assert load.mean == close(2.0)
 
 
@@ -94,7 +96,7 @@ def test_the_closing_sample_counts_once():
     for loads in (crankpin_loads, lambda forces: main_bearing_loads(forces, BEARINGS)):
         once, twice = loads(forces_of(engine)), loads(forces_of(engine, CLOSED))
         for ours, theirs in zip(once, twice, strict=True):
-            assert theirs.angles.size == ours.angles.size == theirs.force.size == 72
+            assert theirs.angles_deg.size == ours.angles_deg.size == theirs.force.size == 72
             assert theirs.mean == close(ours.mean, rel=1e-12)
 
 
@@ -106,7 +108,7 @@ def test_each_load_is_shared_by_the_lever():
     wanted = [0.625 * first, 0.375 * first + 0.5 * second, 0.5 * second]
     for load, force in zip(loads, wanted, strict=True):
         np.testing.assert_allclose(load.force, force, rtol=1e-12)
-        assert load.crank_angle == 0.0
+        assert math.radians(load.crank_angle_deg) == 0.0
     assert [load.name for load in loads] == [f"main bearing {n}" for n in (1, 2, 3)]
 
 
@@ -123,7 +125,11 @@ def test_bearings_carry_forces_and_moments_of_all_loads_turning_masses_included(
     total, moment = forces.crankpin.sum(axis=0), forces.crankpin.T @ [0.06, 0.24]
     for mass in masses:
         # Twice differentiated in time: r'' = (i w' - w^2) r.
-        inertia = mass.static_moment * np.exp(1j * (mass.angle + ANGLES)) * (SPEED**2 - 1j * gain)
+        inertia = (
+            mass.static_moment
+            * np.exp(1j * (math.radians(mass.angle_deg) + ANGLES))
+            * (SPEED**2 - 1j * gain)
+        )
         total, moment = total + inertia, moment + mass.position * inertia
     found = np.array([load.force for load in loads])
     size = np.max(np.abs(total))
@@ -146,7 +152,9 @@ def test_a_hinged_rod_loads_the_shaft_where_the_main_rod_does():
 def test_a_speed_for_each_angle():
     speeds = np.linspace(200.0, 240.0, ANGLES.size)
     with_mass, without = (
-        main_bearing_loads(mechanism_forces(engine, ANGLES, speeds), BEARINGS)
+        main_bearing_loads(
+            mechanism_forces(engine, speeds, shaft_angles_deg=np.degrees(ANGLES)), BEARINGS
+        )
         for engine in (twin(RotatingMass(0.3, angle_deg=math.degrees(2.0), position=0.0)), twin())
     )
     np.testing.assert_allclose(
@@ -175,7 +183,7 @@ def test_a_motion_that_does_not_fit_is_refused(motion, words):
     engine = twin(RotatingMass(0.3, angle_deg=math.degrees(2.0), position=0.0))
     given = {"speed": SPEED} | motion
     with pytest.raises(InputError, match=words):
-        mechanism_forces(engine, ANGLES, **given)
+        mechanism_forces(engine, shaft_angles_deg=np.degrees(ANGLES), **given)
 
 
 @pytest.mark.parametrize(
@@ -216,7 +224,7 @@ def test_bearings_that_do_not_hold_the_shaft_are_refused(bearings, rotating, wor
 
 
 def test_bearings_without_size_are_refused():
-    load = LoadDiagram("pin", ANGLES, ANGLES.astype(complex), 0.0)
+    load = LoadDiagram("pin", np.degrees(ANGLES), ANGLES.astype(complex), 0.0)
     with pytest.raises(InputError, match="bearing diameter: given 0 m"):
         load.specific_pressure(0.0, 0.05)
     with pytest.raises(InputError, match="bearing length: given -1 m"):

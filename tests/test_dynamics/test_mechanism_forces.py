@@ -58,7 +58,7 @@ def vee_engines(draw):
         piston_mass=draw(st.floats(1.0, 6.0)),
         rod=draw(rods(0.21)),
         crank_angle_deg=main.crank_angle_deg,
-        bank_angle_deg=math.degrees(main.bank_angle + vee),
+        bank_angle_deg=math.degrees(math.radians(main.bank_angle_deg) + vee),
         pin_offset=0.01 * draw(share),
         slave_pin=SlavePin(1, 0.06, angle_deg=math.degrees(vee + 0.2 * draw(share))),
     )
@@ -68,7 +68,7 @@ def vee_engines(draw):
 
 
 def tops(*cylinders):
-    return [cylinder.top_shaft_angle for cylinder in cylinders]
+    return [math.radians(cylinder.top_shaft_angle_deg) for cylinder in cylinders]
 
 
 GAS = np.array([30e3 * (1.2 + np.cos(ANGLES / 2.0)), 20e3 * (1.1 + np.sin(ANGLES / 2.0))])
@@ -77,7 +77,13 @@ RUB = np.array([400.0 * np.sin(ANGLES), -300.0 * np.cos(ANGLES)])
 
 def solved_forces(engine, angles, model, *, gas=GAS, friction=RUB, speed=SPEED, gain=GAIN):
     return mechanism_forces(
-        engine, angles, speed, gas, model=model, friction=friction, crank_acceleration=gain
+        engine,
+        speed,
+        gas,
+        model=model,
+        friction=friction,
+        crank_acceleration=gain,
+        shaft_angles_deg=np.degrees(angles),
     )
 
 
@@ -96,17 +102,17 @@ class Place:
 
 def place_of(engine, shaft_angle):
     main, hinged = engine.cylinders
-    crank = engine.crank_radius * np.exp(1j * (main.crank_angle + shaft_angle))
+    crank = engine.crank_radius * np.exp(1j * (math.radians(main.crank_angle_deg) + shaft_angle))
     first, direction = reached(crank, main)
     pin = hinged.slave_pin
-    slave = crank + direction * pin.radius * np.exp(1j * pin.angle)
+    slave = crank + direction * pin.radius * np.exp(1j * math.radians(pin.angle_deg))
     second, other = reached(slave, hinged)
     return Place(crank, [first, second], [direction, other], slave)
 
 
 def reached(foot, cylinder):
     """Return where a circle of the rod's length round the foot cuts the line of the piston pin."""
-    axis = np.exp(1j * cylinder.bank_angle)
+    axis = np.exp(1j * math.radians(cylinder.bank_angle_deg))
     local = foot / axis
     aside = local.imag - cylinder.pin_offset
     along = local.real + math.sqrt(cylinder.rod.length**2 - aside**2)
@@ -162,7 +168,7 @@ def newton_euler(engine, shaft_angle, model, gas, friction):
         )
         right[row + 2] += rod.added_inertia * turn
         # The piston: gas and friction along the axis, the wall across it, the rod's pin against it.
-        axis = np.exp(1j * cylinder.bank_angle)
+        axis = np.exp(1j * math.radians(cylinder.bank_angle_deg))
         push = (friction[number] - gas[number]) * axis
         moved = cylinder.piston_mass * second_in_time(
             lambda angle, number=number: place_of(engine, angle).pistons[number], shaft_angle
@@ -182,7 +188,7 @@ def newton_euler(engine, shaft_angle, model, gas, friction):
 def test_forces_solve_the_equations_of_motion_of_all_bodies(model, engine, start):
     forces = solved_forces(engine, ANGLES, model)
     size = np.max(np.abs(forces.foot))
-    axes = [np.exp(1j * cylinder.bank_angle) for cylinder in engine.cylinders]
+    axes = [np.exp(1j * math.radians(cylinder.bank_angle_deg)) for cylinder in engine.cylinders]
     for place in (start, (start + 7) % 24):
         (crank, pin_1, hinge, pin_2), walls = newton_euler(
             engine, ANGLES[place], model, GAS[:, place], RUB[:, place]
@@ -209,8 +215,15 @@ def test_forces_solve_the_equations_of_motion_of_all_bodies(model, engine, start
 @given(engine=vee_engines())
 def test_torque_is_gas_and_friction_power_less_the_rise_of_kinetic_energy(model, engine):
     forces = solved_forces(engine, ANGLES, model)
-    inertia, slope = reduced_inertia(engine, rod_models(engine, model), ANGLES)
-    slopes = np.array([cylinder_motion(engine, n, ANGLES).piston.first.real for n in (1, 2)])
+    inertia, slope = reduced_inertia(
+        engine, rod_models(engine, model), shaft_angles_deg=np.degrees(ANGLES)
+    )
+    slopes = np.array(
+        [
+            cylinder_motion(engine, n, shaft_angles_deg=np.degrees(ANGLES)).piston.first.real
+            for n in (1, 2)
+        ]
+    )
     power = np.sum((RUB - GAS) * slopes, axis=0)
     wanted = power - (0.5 * slope * SPEED**2 + inertia * GAIN)
     torque = np.sum(forces.torque, axis=0)
@@ -224,19 +237,22 @@ def test_kinetic_energy_is_that_of_all_masses(engine):
     step = 1e-3
     for model in ROD_MODELS:
         models = rod_models(engine, model)
-        inertia, slope = reduced_inertia(engine, models, ANGLES)
+        inertia, slope = reduced_inertia(engine, models, shaft_angles_deg=np.degrees(ANGLES))
         total = np.zeros(ANGLES.shape)
         for number, (cylinder, rod) in enumerate(zip(engine.cylinders, models, strict=True), 1):
-            motion = cylinder_motion(engine, number, ANGLES)
+            motion = cylinder_motion(engine, number, shaft_angles_deg=np.degrees(ANGLES))
             total += cylinder.piston_mass * np.abs(motion.piston.first) ** 2
             total += rod.added_inertia * motion.rod.first**2
             for mass, place in zip(rod.masses, rod.places, strict=True):
                 total += mass * np.abs(motion.rod_point(place).first) ** 2
         np.testing.assert_allclose(inertia, total, rtol=0.0, atol=1e-13 * np.max(total))
-        with_shaft = reduced_inertia(replace(engine, shaft_inertia=1.5), models, ANGLES)[0]
+        with_shaft = reduced_inertia(
+            replace(engine, shaft_inertia=1.5), models, shaft_angles_deg=np.degrees(ANGLES)
+        )[0]
         np.testing.assert_allclose(with_shaft, 1.5 + inertia, rtol=1e-14)
         around = [
-            reduced_inertia(engine, models, ANGLES + shift * step)[0] for shift in (-2, -1, 1, 2)
+            reduced_inertia(engine, models, shaft_angles_deg=np.degrees(ANGLES + shift * step))[0]
+            for shift in (-2, -1, 1, 2)
         ]
         wanted = np.dot([1.0, -8.0, 8.0, -1.0], around) / (12.0 * step)
         # The differences' own error: step^4 times the fifth derivative, and round-off.
@@ -249,7 +265,12 @@ def test_kinetic_energy_is_that_of_all_masses(engine):
 def test_energy_over_a_cycle_balances(model, engine):
     gas = np.array([30e3 * (1.2 + np.cos(FINE / 2.0)), 20e3 * (1.1 + np.sin(FINE / 2.0))])
     forces = solved_forces(engine, FINE, model, gas=gas, friction=-500.0, gain=0.0)
-    slopes = np.array([cylinder_motion(engine, n, FINE).piston.first.real for n in (1, 2)])
+    slopes = np.array(
+        [
+            cylinder_motion(engine, n, shaft_angles_deg=np.degrees(FINE)).piston.first.real
+            for n in (1, 2)
+        ]
+    )
     torque = np.sum(forces.torque, axis=0)
     # -500 N along +s all the time does no work over a cycle: what is left is that of the gas.
     work = np.mean(-gas * slopes) * 2.0
@@ -268,8 +289,8 @@ def test_outer_forces_change_the_momentum_of_all_moving_parts(model, engine):
     moment = -np.sum(forces.torque, axis=0)
     momentum, turning = np.zeros(ANGLES.shape, complex), np.zeros(ANGLES.shape)
     for number, cylinder in enumerate(engine.cylinders):
-        motion = cylinder_motion(engine, number + 1, ANGLES)
-        axis = np.exp(1j * cylinder.bank_angle)
+        motion = cylinder_motion(engine, number + 1, shaft_angles_deg=np.degrees(ANGLES))
+        axis = np.exp(1j * math.radians(cylinder.bank_angle_deg))
         outer = RUB[number] - GAS[number] + 1j * forces.side[number]
         total += outer * axis
         moment += (np.conj(motion.piston.place) * outer).imag
@@ -294,7 +315,10 @@ def test_outer_forces_change_the_momentum_of_all_moving_parts(model, engine):
 def test_forces_on_a_rod_are_its_mass_times_acceleration(engine):
     """Of the hinged rod, which carries nothing: forces at its pins, and moments about its center."""
     forces = solved_forces(engine, ANGLES, "rigid")
-    rod, motion = engine.cylinders[1].rod, cylinder_motion(engine, 2, ANGLES)
+    rod, motion = (
+        engine.cylinders[1].rod,
+        cylinder_motion(engine, 2, shaft_angles_deg=np.degrees(ANGLES)),
+    )
     center = motion.rod_point(rod.center)
     at_foot, at_piston = -forces.foot[1], -forces.piston_pin[1]
     size = np.max(np.abs(at_foot))
@@ -365,8 +389,8 @@ def test_an_engine_turned_as_a_whole_has_the_same_forces(engine, angle):
             c.bore,
             c.piston_mass,
             c.rod,
-            crank_angle_deg=math.degrees(c.crank_angle + angle),
-            bank_angle_deg=math.degrees(c.bank_angle + angle),
+            crank_angle_deg=c.crank_angle_deg + math.degrees(angle),
+            bank_angle_deg=math.degrees(math.radians(c.bank_angle_deg) + angle),
             position=c.position,
             pin_offset=c.pin_offset,
             slave_pin=c.slave_pin,
@@ -388,5 +412,5 @@ def test_an_engine_turned_as_a_whole_has_the_same_forces(engine, angle):
 def test_forces_are_those_at_an_angle():
     rod = ConnectingRod(0.2, 1.0, 0.07, 0.006)
     engine = EngineLayout(0.05, [EngineCylinder(0.1, 1.0, rod)], [1])
-    with pytest.raises(InputError, match="shaft_angles: given none"):
-        mechanism_forces(engine, [], 10.0)
+    with pytest.raises(InputError, match="shaft_angles_deg: given none"):
+        mechanism_forces(engine, 10.0, shaft_angles_deg=np.degrees([]))

@@ -39,6 +39,7 @@ from dynamics.engine.forces import mechanism_forces
 from dynamics.engine.layout import EngineLayout
 from dynamics.engine.loads import LoadDiagram
 from dynamics.excitation.axial_comparison import AxialForceComparison
+from dynamics.excitation.axial_cycle import axial_force_over_cycle
 from dynamics.excitation.cylinders import CylinderForces
 from dynamics.excitation.pressure_map import pressure_map
 from dynamics.gas.gas_cycle import GasCycleResult
@@ -115,7 +116,7 @@ def engine():
 
 @cache
 def gas():
-    return gas_pressure(np.radians(np.arange(0.0, 720.0, 1.0)), np.linspace(2e5, 1e5, 720))
+    return gas_pressure(np.linspace(2e5, 1e5, 720), angles_deg=np.arange(0.0, 720.0, 1.0))
 
 
 @cache
@@ -130,7 +131,9 @@ def pin_harmonics():
 
 @cache
 def forces():
-    return mechanism_forces(engine(), ANGLES, 150.0, 1e3 * rising(2, ANGLES.size))
+    return mechanism_forces(
+        engine(), 150.0, 1e3 * rising(2, ANGLES.size), shaft_angles_deg=np.degrees(ANGLES)
+    )
 
 
 @cache
@@ -183,7 +186,7 @@ def shaft_modes():
 def coupled():
     """Of a chain in place of a shaft: its nodes are the points."""
     one = response()
-    names = ("section 0 uz", "damper ring")
+    names = ("main bearing 1 uz", "damper ring")
     shaft = SimpleNamespace(names=names, system=one.system)
     shaft.point = partial(CrankshaftSystem.point, shaft)
     return CoupledResponse(shaft, one, one)
@@ -192,7 +195,10 @@ def coupled():
 @cache
 def pressures():
     angles = np.radians(np.arange(0.0, 720.0, 5.0))
-    low, high = (gas_pressure(angles, np.linspace(top, 1e5, 144)) for top in (2e5, 3e5))
+    low, high = (
+        gas_pressure(np.linspace(top, 1e5, 144), angles_deg=np.degrees(angles))
+        for top in (2e5, 3e5)
+    )
     return pressure_map([(100.0, 0.5, low), (100.0, 1.0, high)], method="linear")
 
 
@@ -205,7 +211,7 @@ def run():
     return TransientMotion(
         time=time,
         shaft_speed=100.0 + 50.0 * time,
-        shaft_angle=angle,
+        shaft_angle_deg=np.degrees(angle),
         motion=motion,
         rigid_motion=0.0 * motion,
         torque=load,
@@ -225,7 +231,7 @@ def turning_run():
     rest |= {name: rising(101) for name in ("gas_work", "load_work", "damping_work")}
     return TurningRun(
         time=one.time,
-        shaft_angle=one.shaft_angle,
+        shaft_angle_deg=one.shaft_angle_deg,
         shaft_speed=one.shaft_speed,
         motion=one.motion,
         speed=100.0 + one.motion,
@@ -241,7 +247,7 @@ def turning_run():
 def steady(unbounded=False):
     motion, load = rising(24, 3) * 1e-4, rising(24, 2)
     system = SimpleNamespace(chain=CHAIN)
-    return SteadyMotion(100.0, 2, ANGLES, motion, load, unbounded, 0.01, system, "")
+    return SteadyMotion(100.0, 2, np.degrees(ANGLES), motion, load, unbounded, 0.01, system, "")
 
 
 @cache
@@ -250,20 +256,22 @@ def turning_cycle():
     chain = SimpleNamespace(system=one.system)
     rest = (0.0, 0.0, 0.0, 0.0, 0.0, chain, "")
     motion = one.motion
-    return TurningCycle(100.0, 2, 50.0, ANGLES, motion, 100.0 + motion, one.torque, *rest)
+    return TurningCycle(
+        100.0, 2, 50.0, np.degrees(ANGLES), motion, 100.0 + motion, one.torque, *rest
+    )
 
 
 @cache
 def free_turning():
     time = np.linspace(0.0, 1.0, 5)
     shares = [WorkShare(number * rising(5), -number * rising(5)) for number in (1, 2, 3, 4)]
-    return FreeTurning(time, 10.0 * time, rising(5), rising(5), rising(5), *shares)
+    return FreeTurning(time, np.degrees(10.0 * time), rising(5), rising(5), rising(5), *shares)
 
 
 @cache
 def turning():
     angle = np.linspace(0.0, 2.0 * np.pi, 9)
-    return SpeedOverAngle(angle, 100.0 + np.sin(angle), angle / 100.0, rising(9))
+    return SpeedOverAngle(np.degrees(angle), 100.0 + np.sin(angle), angle / 100.0, rising(9))
 
 
 @cache
@@ -284,7 +292,9 @@ def cylinder_forces():
 
 @cache
 def load_diagram():
-    return LoadDiagram("pin", ANGLES, 1e3 * (3.0 + 4.0j) * np.exp(1j * (0.5 + ANGLES)), 0.5)
+    return LoadDiagram(
+        "pin", np.degrees(ANGLES), 1e3 * (3.0 + 4.0j) * np.exp(1j * (0.5 + ANGLES)), np.degrees(0.5)
+    )
 
 
 @cache
@@ -308,6 +318,17 @@ def cycle():
 
 def closed(values):
     return np.append(values, values[0])
+
+
+def axial_cycle():
+    return axial_force_over_cycle(
+        50.0,
+        rising(16).reshape(4, 2, 2),
+        [1e-9, 2e-9],
+        1e-10 * rising(8).reshape(2, 2, 2),
+        thrust_bearing=np.array([1e3, 3e3, -2e3, 0.5e3]),
+        shaft_angles_deg=90.0 * np.arange(4.0),
+    )
 
 
 def over_cycle(angles, values):
@@ -398,15 +419,43 @@ CASES = {
         {},
         1,
         0,
-        lambda o: {"954.9 1/min": over_cycle(o.diagrams[1].angles, 1e-6 * o.diagrams[1].pressure)},
+        lambda o: {
+            "954.9 1/min": over_cycle(
+                np.radians(o.diagrams[1].angles_deg), 1e-6 * o.diagrams[1].pressure
+            )
+        },
     ),
     "PressureMap, at": (pressures, {"speed": 100.0, "load": 0.75}, 1, 0, None),
+    "AxialForceOverCycle": (
+        axial_cycle,
+        {},
+        3,
+        0,
+        lambda o: {
+            "on the thrust bearing, vibrating": (
+                [0.0, 90.0, 180.0, 270.0, 360.0],
+                1e-3 * np.append(o.thrust_bearing, o.thrust_bearing[0]),
+            )
+        },
+    ),
     "Harmonics": (
         lambda: harmonics([0.0, 1.0, 0.0, -1.0, 2.0, 0.0], 4),
         {"unit": "N m", "highest_order": 1.0},
         0,
         2,
         None,
+    ),
+    "Harmonics, curves": (
+        lambda: harmonics([0.0, 1.0, 0.0, -1.0, 2.0, 0.0], 4),
+        {"unit": "N m", "show": "curves", "highest_order": 1.0},
+        2,
+        0,
+        lambda o: {
+            f"order 0.5: {o.amplitude[0]:.3f} N m, {np.degrees(o.phase[0]):.1f} deg": (
+                np.linspace(0.0, 720.0, 721),
+                o.amplitude[0] * np.sin(0.5 * np.radians(np.arange(721.0)) + o.phase[0]),
+            )
+        },
     ),
     "PinForceHarmonics": (pin_harmonics, {"highest_order": 2.0}, 0, 12, None),
     "TorqueTable": (
@@ -421,14 +470,14 @@ CASES = {
         {},
         2,
         0,
-        lambda o: {"engine": over_cycle(o.shaft_angles, 1e-3 * o.total)},
+        lambda o: {"engine": over_cycle(np.radians(o.shaft_angles_deg), 1e-3 * o.total)},
     ),
     "EngineTorque, throw": (
         torque,
         {"throw": 2},
         3,
         0,
-        lambda o: {"both": over_cycle(o.shaft_angles, 1e-3 * o.per_throw[1])},
+        lambda o: {"both": over_cycle(np.radians(o.shaft_angles_deg), 1e-3 * o.per_throw[1])},
     ),
     "Star": (lambda: Star(1.0, np.array([0.0, 2.0]), np.ones(2)), {}, 1, 0, None),
     "MechanismForces": (
@@ -472,7 +521,7 @@ CASES = {
         {},
         1,
         0,
-        lambda o: {"pressure": over_cycle(o.angles, 1e-6 * o.pressure)},
+        lambda o: {"pressure": over_cycle(np.radians(o.angles_deg), 1e-6 * o.pressure)},
     ),
     "GasCycleResult": (
         cycle,
@@ -480,7 +529,10 @@ CASES = {
         1,
         0,
         lambda o: {
-            None: (closed(1e3 * o.volume.at(o.pressure.angles)), closed(1e-6 * o.pressure.pressure))
+            None: (
+                closed(1e3 * o.volume.at(np.radians(o.pressure.angles_deg))),
+                closed(1e-6 * o.pressure.pressure),
+            )
         },
     ),
     "GasCycleResult, angle": (cycle, {"show": "pressure"}, 1, 0, None),
@@ -550,14 +602,14 @@ CASES = {
         {},
         1,
         0,
-        lambda o: {"speed": (np.degrees(o.angle), RPM * o.speed)},
+        lambda o: {"speed": (o.angle_deg, RPM * o.speed)},
     ),
     "HingeMoment": (
         hinge,
         {},
         3,
         0,
-        lambda o: {"hinge": over_cycle(o.angles, 1e-3 * o.moment)},
+        lambda o: {"hinge": over_cycle(np.radians(o.angles_deg), 1e-3 * o.moment)},
     ),
     "HingeProfile": (
         profile,
@@ -571,14 +623,14 @@ CASES = {
         {"show": "moment"},
         1,
         0,
-        lambda o: {"moment": over_cycle(o.angles, 1e-3 * o.moment)},
+        lambda o: {"moment": over_cycle(np.radians(o.angles_deg), 1e-3 * o.moment)},
     ),
     "SteadyHingeTurn": (
         lambda: SteadyHingeTurn(ANGLES[:12], 9.0 + np.sin(ANGLES[:12]), 9.0, 0.0, 0.0),
         {},
         1,
         0,
-        lambda o: {"speed": over_cycle(o.angles, RPM * o.speed)},
+        lambda o: {"speed": over_cycle(np.radians(o.angles_deg), RPM * o.speed)},
     ),
     "ShaftModes": (
         shaft_modes,
@@ -595,7 +647,7 @@ CASES = {
     "CoupledResponse": (coupled, {}, 3, 0, None),
     "CoupledResponse, ring": (coupled, {"point": "damper ring"}, 3, 0, None),
     "SplitMotion": (
-        lambda: coupled().split("section 0 uz"),
+        lambda: coupled().split("main bearing 1 uz"),
         {},
         3,
         0,
@@ -845,6 +897,10 @@ TABLES = {
         lambda: complex_modes(response()),
         lambda o: {"frequency": (o.frequencies, "Hz"), "damping_ratio": (o.damping_ratios, "1")},
     ),
+    "AxialForceOverCycle": (
+        axial_cycle,
+        lambda o: {"held": (o.held, "N"), "throw_2": (o.throws[:, 1], "N")},
+    ),
     "Harmonics": (
         lambda: harmonics([0.0, 1.0, 0.0, -1.0], 4),
         lambda o: {"order": (o.orders, "1"), "amplitude": (o.amplitude, "unit of the samples")},
@@ -855,11 +911,11 @@ TABLES = {
     ),
     "TorqueTable": (
         lambda: TorqueTable(np.arange(0.0, 720.0, 90.0), rising(8), "", 4),
-        lambda o: {"crank_angle": (np.radians(o.crank_angle_deg), "rad")},
+        lambda o: {"crank_angle": (o.crank_angle_deg, "deg")},
     ),
     "Star": (
         lambda: Star(1.0, np.array([0.0, 2.0]), np.ones(2)),
-        lambda o: {"direction": (o.directions, "rad")},
+        lambda o: {"direction": (o.directions_deg, "deg")},
     ),
     "LoadDiagram": (
         load_diagram,
@@ -875,7 +931,10 @@ TABLES = {
     ),
     "HingedRodEffects": (effects, lambda _: {"major": ([1.2e3, 2.4e3, 3.6e3, 4.8e3], "N")}),
     "GasPressure": (gas, lambda o: {"pressure": (o.pressure, "Pa")}),
-    "GasCycleResult": (cycle, lambda o: {"volume": (o.volume.at(o.pressure.angles), "m^3")}),
+    "GasCycleResult": (
+        cycle,
+        lambda o: {"volume": (o.volume.at(np.radians(o.pressure.angles_deg)), "m^3")},
+    ),
     "FreeTurning": (free_turning, lambda o: {"load_moment": (o.load.moment, "N m")}),
     "SpeedOverAngle": (turning, lambda o: {"kinetic_energy": (o.energy, "J")}),
     "HingeMoment": (hinge, lambda o: {"hinge_moment": (o.moment, "N m")}),

@@ -30,7 +30,9 @@ def diagram(speed, load):
     peak = 3e6 + 6e6 * load + 1e6 * (speed / 200.0) ** 2
     place, width = 0.1 + 0.15 * speed / 200.0 - 0.05 * load, 0.35 + 0.1 * load
     since = (ANGLES + 2.0 * np.pi) % (4.0 * np.pi) - 2.0 * np.pi
-    return gas_pressure(ANGLES, 1.5e5 + peak * np.exp(-(((since - place) / width) ** 2)))
+    return gas_pressure(
+        1.5e5 + peak * np.exp(-(((since - place) / width) ** 2)), angles_deg=np.degrees(ANGLES)
+    )
 
 
 def grid(speeds, loads, method="cubic"):
@@ -116,7 +118,7 @@ def test_a_map_is_never_extended(speed, load, sentence):
 
 def test_maps_that_are_none_are_refused():
     own = diagram(100.0, 0.5)
-    other = gas_pressure(ANGLES[:180], own.pressure[:180], 2)
+    other = gas_pressure(own.pressure[:180], 2, angles_deg=np.degrees(ANGLES[:180]))
     for points, sentence in (
         ([], "points: given none"),
         ([(100.0, 0.5, own), (100.0, 0.5, own)], "of which 1 differ"),

@@ -40,7 +40,9 @@ def test_torque_varies_with_the_angle_of_the_propeller(ratio):
     mean = 2e5 * (ratio * 80.0 / 20.0) ** 2
     varying = mean * (0.1 * np.sin(4 * theta - 0.5) + 0.03 * np.sin(8 * theta + 2.0))
     # It resists the turning of its own node.
-    assert found.at_angle(1, ANGLES)[:, 3] == close(-np.sign(ratio) * varying, abs=1e-9 * mean)
+    assert found.at_angle(1, shaft_angle_deg=np.degrees(ANGLES))[:, 3] == close(
+        -np.sign(ratio) * varying, abs=1e-9 * mean
+    )
     assert np.all(found.forces[:, :, :3] == 0.0)
     assert FORCES.mean_torque([ratio * 80.0]) == close([mean])
 
@@ -51,7 +53,9 @@ def test_thrust_acts_towards_the_free_end():
     theta = 0.5 * ANGLES
     mean = 3e5 * (0.5 * 40.0 / 20.0) ** 2
     varying = mean * (0.08 * np.sin(4 * theta + 0.3) + 0.02 * np.sin(8 * theta + 1.0))
-    assert found.at_angle(0, ANGLES)[:, 1] == close(-varying, abs=1e-9 * mean)
+    assert found.at_angle(0, shaft_angle_deg=np.degrees(ANGLES))[:, 1] == close(
+        -varying, abs=1e-9 * mean
+    )
     direct = propeller_excitation(FORCES, chain, 1, SPEEDS, kind="axial")
     assert direct.orders.tolist() == [4.0, 8.0]
 

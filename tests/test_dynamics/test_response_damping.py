@@ -6,6 +6,7 @@ import pytest
 from comparing import close
 from crankbase.errors import InputError
 from dynamics.chains.chain import Chain
+from dynamics.chains.connections import Dashpot
 from dynamics.response.damping import EngineMagnifier, damped
 from dynamics.response.forced import forced_response
 from dynamics.response.order_excitation import OrderExcitation
@@ -50,10 +51,30 @@ def test_each_kind_gives_a_magnifier_of_40(chain, speed, choice):
         assert said.startswith("magnifier 40 of every elastic mode, for want of a given one")
 
 
+def test_own_damping_is_told_value_by_value_with_its_places():
+    chain = Chain(
+        [1.0] * 5,
+        [2e4] * 3,
+        connections=[(0, 1), (1, 2), (2, 3)],
+        dashpots=[Dashpot(0, 4, 7.0)],
+        loss_factor=[0.02, 0.02, 0.3],
+        ground_damping=[0.0, 5.0, 5.0, 5.0, 0.0],
+        names=["end", "a", "b", "machine", "ring"],
+    )
+    (said,) = damped(chain).record
+    assert "loss factor 0.02 of end - a, a - b; loss factor 0.3 of b - machine;" in said
+    assert said.count("7 N m s/rad") == 1
+    assert "between end - ring" in said
+    assert said.endswith("to ground at 3 nodes")
+
+
 def test_own_damping_stays_and_needs_no_default():
     own = Chain([1.0, 1.0], [2e4], loss_factor=0.01, damping=0.5)
     found = damped(own)
-    assert found.record == ("damping of the chain itself, as its description gives it",)
+    (said,) = found.record
+    assert said.startswith(
+        "damping of the chain itself: loss factor 0.01 of node 0 - node 1; 0.5 N m"
+    )
     np.testing.assert_array_equal(found.system.damping, damped(own).chain.damping_matrix())
     more = damped(own, relative=[1.0], loss_factor=[0.02])
     assert more.chain.damping[0] == 1.5

@@ -38,7 +38,14 @@ def test_without_lateral_offset_three_masses_are_the_rigid_rod_and_two_are_not()
     largest side force and 0.8 % of the largest crankpin force off."""
     engine = single(ConnectingRod(0.265, 5.0, 0.097, 0.069))
     found = {
-        name: mechanism_forces(engine, ANGLES, SPEED, GAS[0], model=name, crank_acceleration=GAIN)
+        name: mechanism_forces(
+            engine,
+            SPEED,
+            GAS[0],
+            model=name,
+            crank_acceleration=GAIN,
+            shaft_angles_deg=np.degrees(ANGLES),
+        )
         for name in ROD_MODELS
     }
     size = largest(found["rigid"].foot)
@@ -54,7 +61,10 @@ def test_without_lateral_offset_three_masses_are_the_rigid_rod_and_two_are_not()
 
 def test_with_lateral_offset_only_the_rigid_rod_is_the_rigid_rod():
     engine = single(ConnectingRod(0.265, 5.0, 0.097, 0.069, 0.009))
-    found = {name: mechanism_forces(engine, ANGLES, SPEED, model=name) for name in ROD_MODELS}
+    found = {
+        name: mechanism_forces(engine, SPEED, model=name, shaft_angles_deg=np.degrees(ANGLES))
+        for name in ROD_MODELS
+    }
     size = largest(found["rigid"].crankpin)
     for name in ROD_MODELS[1:]:
         apart = largest(found[name].crankpin - found["rigid"].crankpin)
@@ -64,17 +74,21 @@ def test_with_lateral_offset_only_the_rigid_rod_is_the_rigid_rod():
 def test_a_static_pair_is_enough_for_the_inertia_that_it_has():
     """J = M l_shk l_shp: all four models are one."""
     engine = single(ConnectingRod(0.265, 5.0, 0.097, 5.0 * 0.097 * 0.168))
-    rigid = mechanism_forces(engine, ANGLES, SPEED, GAS[0]).crankpin
+    rigid = mechanism_forces(engine, SPEED, GAS[0], shaft_angles_deg=np.degrees(ANGLES)).crankpin
     for name in ROD_MODELS[1:]:
-        other = mechanism_forces(engine, ANGLES, SPEED, GAS[0], model=name).crankpin
+        other = mechanism_forces(
+            engine, SPEED, GAS[0], model=name, shaft_angles_deg=np.degrees(ANGLES)
+        ).crankpin
         np.testing.assert_allclose(other, rigid, rtol=0.0, atol=1e-12 * largest(rigid))
 
 
 def test_a_rod_without_mass_gives_the_forces_of_the_textbook():
     """N = P tan b, T = P sin(a + b) / cos b, Z = P cos(a + b) / cos b, P towards the shaft."""
     engine = single(ConnectingRod(0.265, 1e-12, 0.097, 1e-14))
-    forces = mechanism_forces(engine, ANGLES, SPEED, GAS[0], friction=700.0)
-    drive = cylinder_motion(engine, 1, ANGLES)
+    forces = mechanism_forces(
+        engine, SPEED, GAS[0], friction=700.0, shaft_angles_deg=np.degrees(ANGLES)
+    )
+    drive = cylinder_motion(engine, 1, shaft_angles_deg=np.degrees(ANGLES))
     push = GAS[0] - 700.0 + 4.0 * SPEED**2 * drive.piston.second.real
     lean = np.arcsin(0.07 / 0.265 * np.sin(ANGLES))
     size = largest(push)
@@ -105,7 +119,8 @@ def test_a_rod_hinged_at_the_crankpin_stands_beside_the_main_rod():
     side_by_side = EngineLayout(0.07, [left, right], [1, 2])
     hinged = EngineLayout(0.07, [left, at_pin], [1, 2])
     ours, theirs = (
-        mechanism_forces(e, ANGLES, SPEED, GAS, friction=RUB) for e in (side_by_side, hinged)
+        mechanism_forces(e, SPEED, GAS, friction=RUB, shaft_angles_deg=np.degrees(ANGLES))
+        for e in (side_by_side, hinged)
     )
     size = largest(ours.foot)
     np.testing.assert_allclose(theirs.crankpin, ours.crankpin, rtol=0.0, atol=1e-7 * size)
@@ -126,21 +141,23 @@ def test_groups_name_the_main_cylinder_first():
         0.07, [hinged, EngineCylinder(0.13, 4.0, rod, bank_angle_deg=math.degrees(1.6))], [1, 2]
     )
     assert pin_groups(engine) == ((2, 1),)
-    forces = mechanism_forces(engine, ANGLES, SPEED, GAS)
+    forces = mechanism_forces(engine, SPEED, GAS, shaft_angles_deg=np.degrees(ANGLES))
     np.testing.assert_allclose(summed(forces, (2, 1)), forces.crankpin.sum(axis=0), rtol=1e-14)
 
 
 def test_speed_and_acceleration_may_change_from_angle_to_angle():
     engine = single(ConnectingRod(0.265, 5.0, 0.097, 0.069, 0.009))
     speeds, gains = np.linspace(100.0, 200.0, 24), np.linspace(-3e3, 5e3, 24)
-    whole = mechanism_forces(engine, ANGLES, speeds, GAS[0], crank_acceleration=gains)
+    whole = mechanism_forces(
+        engine, speeds, GAS[0], crank_acceleration=gains, shaft_angles_deg=np.degrees(ANGLES)
+    )
     for place in (0, 11):
         one = mechanism_forces(
             engine,
-            ANGLES[place : place + 1],
             float(speeds[place]),
             float(GAS[0, place]),
             crank_acceleration=float(gains[place]),
+            shaft_angles_deg=np.degrees(ANGLES[place : place + 1]),
         )
         assert whole.crankpin[0, place] == close(one.crankpin[0, 0], rel=1e-14)
 
@@ -149,7 +166,8 @@ def test_each_cylinder_takes_its_pressure_from_its_own_firing_top():
     class Rising:
         strokes = 4
 
-        def at(self, angle):
+        def at(self, *, angle_deg):
+            angle = np.radians(angle_deg)
             return 1e5 + 1e4 * np.mod(angle, 4.0 * math.pi)
 
     rod = ConnectingRod(0.265, 5.0, 0.097, 0.069)
@@ -158,18 +176,18 @@ def test_each_cylinder_takes_its_pressure_from_its_own_firing_top():
     ]
     engine = EngineLayout(0.07, cylinders, [1, 2])
     area = 0.25 * math.pi * 0.13**2
-    found = gas_forces(engine, [0.0, 0.5], Rising(), 0.9e5)
+    found = gas_forces(engine, Rising(), 0.9e5, shaft_angles_deg=np.degrees([0.0, 0.5]))
     np.testing.assert_allclose(found[0], area * (1e4 + 1e4 * np.array([0.0, 0.5])), rtol=1e-12)
     # Cylinder 2 fires half a turn after cylinder 1, so its own angle is three half turns on.
     np.testing.assert_allclose(
         found[1], area * (1e4 + 1e4 * (3.0 * math.pi + np.array([0.0, 0.5]))), rtol=1e-12
     )
     with pytest.raises(InputError, match="pressure: given 1 for 2 cylinders"):
-        gas_forces(engine, [0.0], [Rising()])
+        gas_forces(engine, [Rising()], shaft_angles_deg=np.degrees([0.0]))
     two_stroke = Rising()
     two_stroke.strokes = 2
     with pytest.raises(InputError, match="pressure: given a cycle of 2 strokes; allowed is 4"):
-        gas_forces(engine, [0.0], [Rising(), two_stroke])
+        gas_forces(engine, [Rising(), two_stroke], shaft_angles_deg=np.degrees([0.0]))
 
 
 @pytest.mark.parametrize(
@@ -184,4 +202,4 @@ def test_each_cylinder_takes_its_pressure_from_its_own_firing_top():
 def test_what_does_not_fit_is_refused(more, words):
     engine = single(ConnectingRod(0.265, 5.0, 0.097, 0.069))
     with pytest.raises(InputError, match=words):
-        mechanism_forces(engine, ANGLES, SPEED, **more)
+        mechanism_forces(engine, SPEED, shaft_angles_deg=np.degrees(ANGLES), **more)

@@ -27,7 +27,7 @@ def test_stars_of_the_in_line_six():
     groups = [[star.order for star in group] for group in same_stars(stars)]
     assert groups == [[0.5, 2.5, 3.5, 5.5], [1.0, 2.0, 4.0, 5.0], [1.5, 4.5], [3.0, 6.0]]
     # Order 1: three directions 120 deg apart, cylinders 1 and 6, 2 and 5, 3 and 4 together.
-    first = stars[1].directions
+    first = np.radians(stars[1].directions_deg)
     assert np.degrees(first) == close([0.0, 120.0, 240.0, 240.0, 120.0, 0.0])
     assert [star.order for star in leading_stars(stars)] == [3.0, 6.0]
 
@@ -125,7 +125,9 @@ def test_stars_with_each_cylinders_own_harmonics_sum_to_the_engines():
         phases_deg=np.degrees(np.array([each.phase[:-1] for each in own]).T),
     )
     largest = np.max(whole.amplitude)
-    found = [star.resultant * np.exp(-1j * star.resultant_direction) for star in stars]
+    found = [
+        star.resultant * np.exp(-1j * math.radians(star.resultant_direction_deg)) for star in stars
+    ]
     wanted = (whole.amplitude * np.exp(1j * whole.phase))[:-1]
     assert np.array(found) == close(wanted, abs=1e-12 * largest)
     assert len({round(float(weight), 6) for weight in stars[0].weights}) == 4
@@ -135,11 +137,16 @@ def test_an_engine_gives_its_own_orders_and_firing_angles():
     engine = hinged_vee()
     stars = star_diagram(engine, 2.0)
     assert [star.order for star in stars] == [0.5, 1.0, 1.5, 2.0]
-    assert stars[1].directions == close(np.mod(engine.firing, 2.0 * np.pi))
+    assert np.radians(stars[1].directions_deg) == close(
+        np.mod(np.radians(engine.firing_deg), 2.0 * np.pi)
+    )
 
 
 def test_balanced_orders_have_no_direction():
-    assert star_diagram(firing_angles_deg=FOUR, orders=[1.0])[0].resultant_direction == 0.0
+    assert (
+        math.radians(star_diagram(firing_angles_deg=FOUR, orders=[1.0])[0].resultant_direction_deg)
+        == 0.0
+    )
 
 
 @pytest.mark.parametrize(

@@ -44,7 +44,9 @@ def gas_forces(peak, strokes=2):
     engine = EngineLayout(0.12, [cylinder], [1], strokes=strokes)
     angles = np.radians(np.arange(0.0, 360.0, 5.0))
     pressure = gas_pressure(
-        angles, 1e5 + peak * np.exp(4.0 * np.cos(angles - 0.35) - 4.0), strokes=strokes
+        1e5 + peak * np.exp(4.0 * np.cos(angles - 0.35) - 4.0),
+        strokes=strokes,
+        angles_deg=np.degrees(angles),
     )
     return engine, cylinder_forces(engine, [SPEED], 4, pressure, inertia=False)
 
@@ -65,7 +67,7 @@ def test_free_chain_moves_about_its_even_turning_and_follows_the_angle_it_starts
     run = transient_motion(
         chain, acting, SpeedCurve.constant(40.0, 0.3, start_angle_deg=math.degrees(1.1))
     )
-    wanted = forced_response(chain, acting).nodes.at_angle(0, run.shaft_angle)
+    wanted = forced_response(chain, acting).nodes.at_angle(0, shaft_angle_deg=run.shaft_angle_deg)
     # A free chain drifts by the error of its first speed times the time.
     off = np.abs(run.motion + run.rigid_motion - wanted)
     assert off.max() < 1e-8 * np.abs(wanted).max()
@@ -116,7 +118,7 @@ def test_phasors_of_a_cycle_are_those_of_its_orders_and_no_others():
     # One spring: its torque is stiffness times twist at every angle, so by every order, to round-off.
     torque = cycle.torque_phasors(orders)[:, 0]
     assert np.allclose(torque, 2e4 * twist, rtol=0.0, atol=1e-12 * np.abs(torque).max())
-    half = cycle.shaft_angle.size / 2.0
+    half = cycle.shaft_angle_deg.size / 2.0
     for order in (0.5, 0.0, -1.0, half, 1.0001):
         for phasors in (cycle.phasors, cycle.torque_phasors):
             with pytest.raises(InputError, match=r"^orders: given .*; allowed are multiples of 1"):

@@ -65,7 +65,7 @@ def test_steady_motion_is_the_harmonic_answer(name):
     wanted = forced_response(chain, acting).motion[:, 2]
     assert np.max(np.abs(found.phasors(ORDERS) - wanted)) < EXACT * np.max(np.abs(wanted))
     springs = chain.stiffness * (wanted @ chain.elongations().T)
-    waves = np.exp(1j * np.outer(found.shaft_angle, ORDERS))
+    waves = np.exp(1j * np.outer(np.radians(found.shaft_angle_deg), ORDERS))
     assert np.allclose(found.torque, (waves @ springs).real, atol=EXACT * np.abs(springs).max())
 
 
@@ -194,13 +194,13 @@ def test_interrupted_run_keeps_what_is_finished():
 
 def test_speed_curve():
     curve = SpeedCurve([0.0, 1.0, 3.0], [10.0, 30.0, 20.0], start_angle_deg=math.degrees(2.0))
-    assert np.allclose(curve.angle([0.0, 0.5, 1.0, 3.0]), [2.0, 9.5, 22.0, 72.0])
+    assert np.allclose(np.radians(curve.angle_deg([0.0, 0.5, 1.0, 3.0])), [2.0, 9.5, 22.0, 72.0])
     times = np.linspace(0.0, 3.0, 31)
-    assert np.allclose(curve.time_at(curve.angle(times)), times, atol=1e-12)
+    assert np.allclose(curve.time_at(angle_deg=curve.angle_deg(times)), times, atol=1e-12)
     down = SpeedCurve.ramp(30.0, 10.0, acceleration=5.0)
     assert down.duration == 4.0
     sampled = SpeedCurve.sampled(lambda time: 10.0 + 5.0 * time, 2.0, samples=11)
-    assert np.isclose(sampled.angle(2.0), 30.0)
+    assert np.isclose(np.radians(sampled.angle_deg(2.0)), 30.0)
 
 
 def test_envelope_of_a_sine():

@@ -45,7 +45,11 @@ def engine(share=1.0):
 
 def pressure():
     angles = np.radians(np.arange(0.0, 360.0, 5.0))
-    return gas_pressure(angles, 1e5 + 2e6 * np.exp(4.0 * (np.cos(angles - 0.35) - 1.0)), strokes=2)
+    return gas_pressure(
+        1e5 + 2e6 * np.exp(4.0 * (np.cos(angles - 0.35) - 1.0)),
+        strokes=2,
+        angles_deg=np.degrees(angles),
+    )
 
 
 def small_chain(**options):
@@ -71,7 +75,7 @@ def test_inertia_of_the_throws_is_that_of_the_engine():
     curves = turning()[0].curves
     angles = np.linspace(0.0, 6.0, 13)
     inertia, slope, _ = curves.at(np.column_stack((angles, angles)))
-    wanted = reduced_inertia(own, rod_models(own, "rigid"), angles)
+    wanted = reduced_inertia(own, rod_models(own, "rigid"), shaft_angles_deg=np.degrees(angles))
     assert np.allclose(inertia.sum(axis=1), wanted[0], rtol=1e-12)
     assert np.allclose(slope.sum(axis=1), wanted[1], rtol=0.0, atol=1e-12)
 
@@ -144,8 +148,8 @@ def test_coasting_shaft_turns_like_the_rigid_engine():
         own, start_angle_deg=0.0, start_speed=SPEED, duration=0.1, load=100.0, times=found.time
     )
     assert found.complete
-    nodes = found.motion + found.shaft_angle[:, np.newaxis]
-    assert np.allclose(nodes, wanted.angle[:, np.newaxis], rtol=0.0, atol=2e-5)
+    nodes = found.motion + np.radians(found.shaft_angle_deg)[:, np.newaxis]
+    assert np.allclose(nodes, np.radians(wanted.angle_deg)[:, np.newaxis], rtol=0.0, atol=2e-5)
     assert np.allclose(found.kinetic_energy, wanted.kinetic_energy, rtol=1e-3)
     assert found.energy_error < 1e-9
 
@@ -165,7 +169,11 @@ def test_run_up_under_gas_keeps_its_energy_and_a_governor_holds_the_speed():
     power = load(run.shaft_speed, 0.0) * run.speed[:, 2]
     assert np.trapezoid(power, run.time) == close(-run.load_work[-1], rel=1e-4)
     # Of 13 kg m^2 by 150 N m s/rad: exp(-1 s / 87 ms) of 10 rad/s is left after the run.
-    turns = np.interp(run.shaft_angle[-1] - 2.0 * np.pi * np.arange(3), run.shaft_angle, run.time)
+    turns = np.interp(
+        np.radians(run.shaft_angle_deg)[-1] - 2.0 * np.pi * np.arange(3),
+        np.radians(run.shaft_angle_deg),
+        run.time,
+    )
     assert turns[0] - turns[1] == close(turns[1] - turns[2], rel=1e-3)
     assert 2.0 * np.pi / (turns[0] - turns[1]) == close(SPEED, rel=0.05)
     assert run.envelope().torque.shape[1] == 2

@@ -7,6 +7,7 @@ from scipy.special import ellipk
 
 from comparing import close
 from crankbase.errors import InputError
+from dynamics.cycle import cycle_radians
 from dynamics.engine.cylinder import EngineCylinder, RotatingMass, SlavePin
 from dynamics.engine.forces import mechanism_forces
 from dynamics.engine.gas_forces import gas_forces
@@ -27,14 +28,16 @@ SLAVE_ROD = ConnectingRod(0.18, 1.2, 0.07, 0.008)
 class SmoothPressure:
     strokes = 4
 
-    def at(self, angle):
+    def at(self, *, angle_deg):
+        angle = np.radians(angle_deg)
         return 1e5 * (12.0 + 9.0 * np.cos(0.5 * angle - 0.4) + 6.0 * np.cos(angle - 0.7))
 
 
 class BrokenPressure:
     strokes = 4
 
-    def at(self, angle):
+    def at(self, *, angle_deg):
+        angle = np.radians(angle_deg)
         return np.where(np.asarray(angle) > 0.2, np.nan, 1e5)
 
 
@@ -70,11 +73,11 @@ def test_free_shaft_keeps_its_energy():
     found = speed_over_angle(
         lambda a: 2.0 + math.cos(a), constant(0.0), start_angle_deg=0.0, start_speed=10.0, turns=2.0
     )
-    wanted = 10.0 * np.sqrt(3.0 / (2.0 + np.cos(found.angle)))
+    wanted = 10.0 * np.sqrt(3.0 / (2.0 + np.cos(np.radians(found.angle_deg))))
     assert found.speed == close(wanted, rel=1e-14)
-    assert found.angle.size == 1441
-    assert found.angle[-1] == close(4.0 * math.pi)
-    assert found.stopped_at is None
+    assert found.angle_deg.size == 1441
+    assert np.radians(found.angle_deg)[-1] == close(4.0 * math.pi)
+    assert found.stopped_at_deg is None
 
 
 def test_speed_dependent_moment_against_the_closed_form():
@@ -86,7 +89,7 @@ def test_speed_dependent_moment_against_the_closed_form():
         start_speed=50.0,
         turns=3.0,
     )
-    wanted = 50.0 - 0.15 * (found.angle - 1.0)
+    wanted = 50.0 - 0.15 * (np.radians(found.angle_deg) - 1.0)
     assert found.speed == close(wanted, rel=1e-13)
     assert found.time == close(-(2.0 / 0.3) * np.log(wanted / 50.0), abs=1e-14)
 
@@ -97,8 +100,8 @@ def test_shaft_stops_where_its_energy_is_spent():
         constant(2.0), constant(-20.0), start_angle_deg=0.0, start_speed=10.0, turns=2.0
     )
     # In the shortest steps, of 1/512 deg.
-    assert found.stopped_at == close(5.0, abs=math.radians(1.0 / 512.0))
-    assert found.angle[-1] <= found.stopped_at
+    assert math.radians(found.stopped_at_deg) == close(5.0, abs=math.radians(1.0 / 512.0))
+    assert np.radians(found.angle_deg)[-1] <= math.radians(found.stopped_at_deg)
 
 
 def test_steady_turning_meets_speed_and_repeats():
@@ -162,12 +165,12 @@ def test_moment_steep_in_the_speed():
         start_speed=10.0,
         turns=1.0,
     )
-    assert found.stopped_at is None
+    assert found.stopped_at_deg is None
     speed = found.speed[:4]
     # Most of the way from 10 to 1 rad/s is made within one degree, in a few steps: 1e-7 rad of
     # some 1e-2; 50 in place of 500 leaves 1e-9.
     wanted = -(speed - 10.0 + np.log((speed - 1.0) / 9.0)) / 500.0
-    assert found.angle[:4] == close(wanted, abs=1e-7)
+    assert np.radians(found.angle_deg)[:4] == close(wanted, abs=1e-7)
     assert found.speed[-1] == close(1.0, rel=1e-9)
     with pytest.raises(InputError, match=r"moment: given one with which the speed does not settle"):
         speed_over_angle(
@@ -185,7 +188,9 @@ def test_moment_that_brakes_steeply_stops_the_shaft():
         constant(2.0), lambda w, _: -4.0 * w, start_angle_deg=0.0, start_speed=10.0, turns=2.0
     )
     # Counted as stopped at 1e-9 of the energy: 3e-5 of the speed.
-    assert found.stopped_at == close(5.0, abs=5.0 * 3.2e-5 + math.radians(1.0 / 256.0))
+    assert math.radians(found.stopped_at_deg) == close(
+        5.0, abs=5.0 * 3.2e-5 + math.radians(1.0 / 256.0)
+    )
 
 
 @pytest.mark.parametrize(
@@ -249,14 +254,14 @@ def test_acceleration_is_that_of_the_forces():
         load=30.0,
         samples=6,
     )
-    gas = gas_forces(engine, found.angle, pressure)
-    for place, angle in enumerate(found.angle.tolist()):
+    gas = gas_forces(engine, pressure, shaft_angles_deg=found.angle_deg)
+    for place, angle in enumerate(np.radians(found.angle_deg).tolist()):
         forces = mechanism_forces(
             engine,
-            [angle],
             float(found.speed[place]),
             gas[:, [place]],
             crank_acceleration=float(found.acceleration[place]),
+            shaft_angles_deg=np.degrees([angle]),
         )
         left = engine.shaft_inertia * found.acceleration[place]
         assert left == close(float(forces.torque.sum()) - 30.0, rel=1e-10, abs=1e-8)
@@ -276,10 +281,14 @@ def test_energy_balances():
         samples=31,
     )
     assert found.energy_error < 1e-9
-    assert found.friction.work[-1] == close(-4.0 * (found.angle[-1] - 0.3), rel=1e-9)
+    assert found.friction.work[-1] == close(
+        -4.0 * (np.radians(found.angle_deg)[-1] - 0.3), rel=1e-9
+    )
     assert np.all(np.diff(found.load.work) < 0.0)
     # Speed and acceleration are derivatives of the angle: differences over 5 ms, to their order.
-    assert np.gradient(found.angle, found.time)[1:-1] == close(found.speed[1:-1], rel=0.02)
+    assert np.gradient(np.radians(found.angle_deg), found.time)[1:-1] == close(
+        found.speed[1:-1], rel=0.02
+    )
     assert not found.stopped
 
 
@@ -337,11 +346,11 @@ def test_work_of_gravity_is_that_of_the_heights():
     found = turn_freely(
         engine, start_angle_deg=0.0, start_speed=60.0, duration=0.2, gravity=9.81, samples=2001
     )
-    place = int(np.argmin(np.abs(found.angle - math.pi)))
+    place = int(np.argmin(np.abs(np.radians(found.angle_deg) - math.pi)))
     # Piston and rod sink by 2 R, the counterweight's m r rises by 2 m r; near the bottom nothing
     # changes with the angle but by its square.
     wanted = 9.81 * ((3.0 + 2.0) * 0.14 - 2.0 * 0.05)
-    off = abs(float(found.angle[place]) - math.pi)
+    off = abs(float(np.radians(found.angle_deg)[place]) - math.pi)
     assert found.gravity.work[place] == close(wanted, abs=10.0 * off**2 + 1e-9)
 
 
@@ -370,8 +379,8 @@ def test_gas_as_a_function_of_place_and_direction():
         gas=gas,
         samples=2001,
     )
-    cycles = int((turned.angle[-1] - 3.0) // (4.0 * math.pi))
-    end = np.interp(4.0 * math.pi * cycles - 0.1, turned.angle, turned.gas.work)
+    cycles = int((np.radians(turned.angle_deg)[-1] - 3.0) // (4.0 * math.pi))
+    end = np.interp(4.0 * math.pi * cycles - 0.1, np.radians(turned.angle_deg), turned.gas.work)
     strokes = [highest - lowest for lowest, highest in map(piston_ends, (engine,) * 2, (1, 2))]
     # Read between samples where the work does not change.
     assert end / cycles == close(2e3 * sum(strokes), rel=1e-6)
@@ -395,7 +404,9 @@ def test_engine_stops_and_says_so(direction_matters):
     assert found.energy_error < 1e-9
     assert np.all(np.diff(found.time) > 0.0)
     # All energy goes into the load.
-    assert 60.0 * (found.angle[-1] - 0.3) == close(found.kinetic_energy[0], rel=1e-9)
+    assert 60.0 * (np.radians(found.angle_deg)[-1] - 0.3) == close(
+        found.kinetic_energy[0], rel=1e-9
+    )
 
 
 def test_engine_that_is_not_driven_does_not_start():
@@ -433,7 +444,7 @@ def test_steady_engine_has_the_speed_of_its_energy():
     found = turn_steadily(engine, 60.0, gas=pressure, samples=180)
     turning = found.turning
     assert turning.mean_speed == close(60.0, rel=1e-9)
-    assert turning.angle[-1] == close(engine.cycle)
+    assert np.radians(turning.angle_deg)[-1] == close(cycle_radians(engine.strokes))
     # The load takes the whole indicated work.
     assert found.load == close(engine_torque(engine, 60.0, pressure).mean, rel=1e-9)
     # Set free with that load at that speed, it does the same over time.
@@ -447,7 +458,7 @@ def test_steady_engine_has_the_speed_of_its_energy():
         load=found.load,
         samples=2,
     )
-    assert free.angle[-1] == close(engine.cycle, rel=1e-9)
+    assert np.radians(free.angle_deg)[-1] == close(cycle_radians(engine.strokes), rel=1e-9)
     assert free.speed[-1] == close(start, rel=1e-8)
 
 

@@ -132,6 +132,24 @@ def test_critical_ranges_tell_what_the_nominal_value_hides():
     assert critical_ranges(chain, [], [1.0], (50.0, 60.0)) == ()
 
 
+def test_critical_ranges_take_each_chains_own_peaks_and_tell_every_peak():
+    soft, chain, stiff = (Chain([1.0, 1.0], [5e3 * factor**2]) for factor in (0.9, 1.0, 1.2))
+    peaks = {soft: (0.85, 1.10), chain: (0.9, 1.05), stiff: (1.0,)}
+    found = critical_ranges(
+        chain,
+        [],
+        [1.0],
+        (50.0, 100.0),
+        damped=lambda own, _mode, _order: peaks[own],
+        others=(soft, stiff),
+    )
+    # 100 rad/s times the factors of stiffness and of damping, peak by peak the nearest one.
+    lower, upper = ((one.low, one.nominal, one.high) for one in found)
+    assert lower == close((90.0 * 0.85, 90.0, 120.0))
+    assert upper == close((90.0 * 1.10, 105.0, 120.0))
+    assert not critical_ranges(chain, [], [1.0], (50.0, 100.0), damped=lambda *_: ())
+
+
 @pytest.mark.parametrize(
     ("call", "message"),
     [

@@ -213,7 +213,7 @@ def test_given_torque_is_met_at_every_angle_after_each_firing():
     found = torque_harmonics(
         known, firing_angles_deg=np.degrees([0.0, 1.1]), orders=[0.5, 1.5], crank_radius=0.1
     )
-    tangential, _ = forces_at_speeds(found, [10.0]).at_angle(0, [0.7])
+    tangential, _ = forces_at_speeds(found, [10.0]).at_angle(0, shaft_angle_deg=np.degrees([0.7]))
     assert tangential[0, 1] * 0.1 == close(torque(0.7 - 1.1))
     with pytest.raises(InputError, match="orders kept"):
         torque_harmonics(
@@ -225,7 +225,7 @@ def test_given_torque_is_met_at_every_angle_after_each_firing():
 
 
 def level(pressure):
-    return gas_pressure(FOUR_STROKE, pressure + 0.0 * FOUR_STROKE, 4)
+    return gas_pressure(pressure + 0.0 * FOUR_STROKE, 4, angles_deg=np.degrees(FOUR_STROKE))
 
 
 def test_points_of_a_map_within_round_off_are_one_speed():
@@ -245,7 +245,7 @@ def one_cylinder(strokes=4):
 
 def test_spline_between_diagrams_below_zero_pressure_is_refused():
     peak = 45e5 * np.exp(-(((FOUR_STROKE - 2.0 * np.pi) / 0.3) ** 2))
-    flat, fired = level(9e4), gas_pressure(FOUR_STROKE, 9e4 + peak, 4)
+    flat, fired = level(9e4), gas_pressure(9e4 + peak, 4, angles_deg=np.degrees(FOUR_STROKE))
     points = [(10.0, 1.0, flat), (20.0, 1.0, flat), (21.0, 1.0, fired), (40.0, 1.0, flat)]
     with pytest.raises(InputError, match=r"^speed: given 143.239 1/min, where the cubic between"):
         cylinder_forces(one_cylinder(), [15.0], 4, pressure_map(points))

@@ -3,6 +3,7 @@
 All meshes here are coarse mirror images of each other; every identity holds on them as on fine ones.
 """
 
+import math
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -260,14 +261,14 @@ def test_no_highest_frequency_is_guyans(coarse, coarse_classes, dynamic, monkeyp
 
 
 def test_turning(dynamic):
-    turned = dynamic.turned(0.7).turned(0.5)
-    once = dynamic.turned(1.2)
+    turned = dynamic.turned(angle_deg=np.degrees(0.7)).turned(angle_deg=np.degrees(0.5))
+    once = dynamic.turned(angle_deg=np.degrees(1.2))
     for name in ("stiffness", "mass", "pin_loads"):
         wanted = getattr(once, name)
         assert getattr(turned, name) == close(wanted, abs=1e-12 * np.abs(wanted).max())
     assert of_free_throw(once) == close(of_free_throw(dynamic), rel=1e-9)
     # After a quarter turn the crank points along -x: what was y is -x.
-    quarter = dynamic.turned(np.pi / 2.0)
+    quarter = dynamic.turned(angle_deg=np.degrees(np.pi / 2.0))
     assert quarter.mass[0, 0] == close(dynamic.mass[1, 1], rel=1e-12)
     assert quarter.mass[0, 12:] == close(-dynamic.mass[1, 12:], abs=1e-9)
     assert np.array_equal(once.frequencies, dynamic.frequencies)
@@ -276,13 +277,14 @@ def test_turning(dynamic):
 def test_shaft_of_throws(dynamic, plain, coarse_classes):
     angles = [0.0, 2.1, 0.4]
     throws = [
-        each.turned(angle) for each, angle in zip([dynamic, plain, dynamic], angles, strict=True)
+        each.turned(angle_deg=np.degrees(angle))
+        for each, angle in zip([dynamic, plain, dynamic], angles, strict=True)
     ]
     stiffness, mass = assemble_dynamic_shaft(throws)
     inside = [len(throw.frequencies) for throw in throws]
     assert len(stiffness) == 24 + sum(inside)
     static = combine_classes(coarse_classes)
-    expected = assemble_shaft([static.turned(angle) for angle in angles])
+    expected = assemble_shaft([static.turned(angle_deg=math.degrees(angle)) for angle in angles])
     tolerance = 1e-9 * expected.max()
     assert stiffness[:24, :24] == close(expected, abs=tolerance)
     # What is inside of a throw knows its own ends only.

@@ -161,7 +161,8 @@ def test_influences_are_pin_motions_under_an_axial_pull(skewed_models, part, sup
 def test_a_pin_turned_with_its_force_keeps_its_influence(skewed_models):
     superelement = skewed_models["free"][1]
     before, after = (
-        support_throw(found, "guided") for found in (superelement, superelement.turned(0.7))
+        support_throw(found, "guided")
+        for found in (superelement, superelement.turned(angle_deg=np.degrees(0.7)))
     )
     assert after.influences == close(before.influences, rel=1e-8)
 
@@ -186,7 +187,9 @@ def test_a_shaft_has_a_column_for_each_pin(skewed_models, superelement):
     shaft, angles = [superelement, other, superelement], [0.3, 1.4, 4.0]
     found = shaft_compliances(shaft, crank_angles_deg=np.degrees(angles)).influence
     assert found.shape == (3, 4)
-    turned = [part.turned(angle) for part, angle in zip(shaft, angles, strict=True)]
+    turned = [
+        part.turned(angle_deg=np.degrees(angle)) for part, angle in zip(shaft, angles, strict=True)
+    ]
     pulls = np.zeros((24, 3))
     for throw in range(3):
         pulls[6 * throw + UZ, throw], pulls[6 * throw + 6 + UZ, throw] = -1.0, 1.0
@@ -235,7 +238,7 @@ def described_from_its_other_end(found, last_angle):
     frame = np.kron(np.eye(2), np.diag([-1.0, 1.0, -1.0]) @ back)
     turned = replace(
         found, stiffness=TURN @ found.stiffness @ TURN.T, pin_loads=TURN @ found.pin_loads
-    ).turned(last_angle)
+    ).turned(angle_deg=np.degrees(last_angle))
     # The pins in reverse order, each in the turned frame.
     pins = np.kron(np.eye(len(found.radials))[::-1], frame)
     return replace(

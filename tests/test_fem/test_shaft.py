@@ -47,7 +47,9 @@ def test_inner_throws_in_line_near_guided(superelement):
 def test_contributions_add_up_to_the_shaft(uneven_shaft):
     shaft = uneven_shaft
     found = shaft_compliances(shaft, crank_angles_deg=np.degrees(UNEVEN))
-    turned = [part.turned(angle) for part, angle in zip(shaft, UNEVEN, strict=True)]
+    turned = [
+        part.turned(angle_deg=np.degrees(angle)) for part, angle in zip(shaft, UNEVEN, strict=True)
+    ]
     free = free_unknowns(6)
     flexibility = np.linalg.inv(assemble_shaft(turned)[np.ix_(free, free)])
     last = {unknown: int(np.flatnonzero(free == 30 + unknown)[0]) for unknown in (UZ, RZ)}
@@ -79,7 +81,9 @@ def test_influences_are_pin_motions_under_pulls(uneven_shaft):
     """Maxwell and Betti, throws unequal: entry (i, j) is pin j's inward motion per pull on throw i."""
     shaft = uneven_shaft
     found = shaft_compliances(shaft, crank_angles_deg=np.degrees(UNEVEN))
-    turned = [part.turned(angle) for part, angle in zip(shaft, UNEVEN, strict=True)]
+    turned = [
+        part.turned(angle_deg=np.degrees(angle)) for part, angle in zip(shaft, UNEVEN, strict=True)
+    ]
     pulls = np.zeros((36, 5))
     for throw in range(5):
         pulls[6 * throw + UZ, throw] = -1.0
@@ -142,7 +146,10 @@ def test_compliances_on_elastic_bearings_are_those_of_the_assembled_shaft(uneven
     found = shaft_compliances(
         uneven_shaft, crank_angles_deg=np.degrees(UNEVEN), bearing_stiffness=bearings
     )
-    turned = [part.turned(angle) for part, angle in zip(uneven_shaft, UNEVEN, strict=True)]
+    turned = [
+        part.turned(angle_deg=np.degrees(angle))
+        for part, angle in zip(uneven_shaft, UNEVEN, strict=True)
+    ]
     stiffness = assemble_shaft(turned)
     springs = np.zeros((6, 6))
     springs[:, :2] = bearings[:, None]

@@ -176,11 +176,11 @@ def test_the_classes_share_out_all_motions(part):
 
 
 def test_turning(superelement):
-    turned = superelement.turned(0.7).turned(0.5)
-    once = superelement.turned(1.2)
+    turned = superelement.turned(angle_deg=np.degrees(0.7)).turned(angle_deg=np.degrees(0.5))
+    once = superelement.turned(angle_deg=np.degrees(1.2))
     assert turned.stiffness == close(once.stiffness, rel=1e-9, abs=1e-3)
     assert turned.pin_load == close(once.pin_load, abs=1e-12)
-    back = superelement.turned(2.0 * np.pi)
+    back = superelement.turned(angle_deg=np.degrees(2.0 * np.pi))
     assert back.stiffness == close(superelement.stiffness, rel=1e-9, abs=1e-3)
     rotation = section_rotation(0.3)
     assert rotation @ rotation.T == close(np.eye(6), abs=1e-15)

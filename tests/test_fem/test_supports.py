@@ -137,7 +137,9 @@ def test_neighbors_against_a_long_shaft(superelement, support):
     reach = 20
     places = np.arange(-reach, reach + 1)
     steps = np.where(places < 0, support.left_deg, support.right_deg)
-    shaft = [superelement.turned(angle) for angle in np.radians(steps * places)]
+    shaft = [
+        superelement.turned(angle_deg=np.degrees(angle)) for angle in np.radians(steps * places)
+    ]
     loads = np.zeros((6 * (len(shaft) + 1), 5))
     loads[-6 + UZ, 0] = loads[-6 + RZ, 1] = 1.0
     # Each throw's left end takes the torque and the axial push of its own pin.
@@ -159,7 +161,7 @@ def test_neighbors_against_a_long_shaft(superelement, support):
 def test_turning_the_throw_changes_nothing(superelement):
     for support in ("pinned", "guided", Neighbors(120, 120)):
         near(
-            support_throw(superelement.turned(0.83), support),
+            support_throw(superelement.turned(angle_deg=np.degrees(0.83)), support),
             support_throw(superelement, support),
             1e-9,
         )

@@ -130,7 +130,7 @@ def test_described_from_the_other_end_it_is_the_same_part(build, feature):
     first, second = (mass_properties(meshed(t, 3.0), 1.0) for t in (throw, other))
     # The new first pin stands at +y: turn the old last one there.
     last = throw.further_pins[-1].angle if throw.further_pins else 0.0
-    turned = first.moved(-last, 0.0)
+    turned = first.moved(angle_deg=np.degrees(-last), along=0.0)
     swap = np.diag([-1.0, 1.0, -1.0])
     center = swap @ turned.center + np.array([0.0, 0.0, throw.length])
     scale = float(np.abs(first.inertia).max())

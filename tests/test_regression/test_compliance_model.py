@@ -108,7 +108,7 @@ def test_file_is_readable_by_people(tmp_path):
     MODEL.save(path)
     record = json.loads(path.read_text())
     assert record["format"] == "crankfem compliance model"
-    assert record["version"] == 2
+    assert record["version"] == 3
     assert record["provenance"]["study"] == "abc123"
     assert record["fixed"]["crank_radius"] == 0.170
     axial_record = record["responses"]["axial_compliance"]
@@ -189,7 +189,8 @@ def test_fixed_dimension_may_be_repeated_but_not_changed():
     ("dimensions", "match"),
     [
         ({"web_width": 0.3, "web_thickness": 0.068}, "pin_length: missing; .* web_width, web_thic"),
-        (MIDDLE | {"web_length": 0.1}, "web_length: unknown dimension; allowed are web_width, "),
+        (MIDDLE | {"bore": 0.1}, "bore: unknown dimension; allowed are web_width, "),
+        (MIDDLE | {"web_thicknes": 0.1}, r"web_thicknes: .*; did you mean web_thickness\? allowed"),
         (MIDDLE | {"web_width": 0.0}, "web_width: given 0 mm; allowed are positive"),
         (MIDDLE | {"web_width": -0.3}, "web_width: given -300 mm"),
         (MIDDLE | {"web_width": float("nan")}, "web_width: given nan"),
@@ -250,9 +251,9 @@ def damaged(text, kind):
         case "empty":
             return ""
         case "newer":
-            return json.dumps(record | {"version": 3})
+            return json.dumps(record | {"version": 4})
         case "long number":
-            return text.replace('"version": 2', f'"version": {"9" * 5000}')
+            return text.replace('"version": 3', f'"version": {"9" * 5000}')
         case "no responses":
             del record["responses"]
             return json.dumps(record)
@@ -267,7 +268,7 @@ def damaged(text, kind):
         ("other kind", "given a file of another kind; allowed is a compliance model file"),
         ("list", "given a file of another kind"),
         ("empty", "not complete JSON"),
-        ("newer", "given format version 3; allowed are 1 and 2"),
+        ("newer", "given format version 4; allowed are 1 to 3"),
         ("long number", "given a number of thousands of digits"),
         ("no responses", "checksum does not fit"),
     ],

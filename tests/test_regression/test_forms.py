@@ -11,7 +11,6 @@ from regression.fits.terms import (
     divisors,
     levels_needed,
     polynomial_terms,
-    removable,
     term_name,
 )
 
@@ -64,11 +63,6 @@ def test_divisors_levels_and_names():
     assert levels_needed((0, 0, 0, 2)) == {0: 4, 2: 2}
     assert term_name((0, 0, 1), ("a", "b")) == "a^2 * b"
     assert term_name((), ("a",)) == "1"
-
-
-def test_only_products_that_divide_no_other_may_go():
-    terms = ((), (0,), (1,), (0, 0), (1, 1), (0, 1), (0, 0, 1))
-    assert [terms[place] for place in removable(terms)] == [(1, 1), (0, 0, 1)]
 
 
 def test_prediction_by_hand():

@@ -4,9 +4,10 @@ from dataclasses import dataclass
 import numpy as np
 import pytest
 
+from comparing import close
 from crankbase.errors import InputError
 from regression.fits.fits import fit_form
-from regression.fits.selection import backward, choose
+from regression.fits.selection import backward, choose, left_out_predictions
 from regression.fits.statistics import least_squares
 from regression.fits.terms import design_matrix, divisors, polynomial_terms
 
@@ -76,6 +77,56 @@ def test_nothing_goes_where_no_shorter_form_can_be_judged():
     matrix[:, 0] = 1.0
     matrix[0, 1] = matrix[1, 2] = matrix[2, 3] = 1.0
     assert backward(matrix, np.arange(4.0), ((), (0,), (1,), (0, 1))) == ([0, 1, 2, 3], [])
+
+
+def selected(matrix, y):
+    """The selection by its definition: the worst term of those that may go, by refits."""
+    kept = list(range(len(TERMS)))
+    while True:
+        needed = set().union(*(divisors(TERMS[i]) for i in kept))
+        may_go = [i for i in kept if len(TERMS[i]) > 1 and TERMS[i] not in needed]
+        errors = {i: press(matrix[:, [j for j in kept if j != i]], y) for i in may_go}
+        best = min(errors, key=errors.get, default=None)
+        if best is None or errors[best] > press(matrix[:, kept], y):
+            return kept
+        kept.remove(best)
+
+
+def test_left_out_runs_are_left_out_of_the_selection_too():
+    matrix, y = noisy(2)
+    found = left_out_predictions(matrix, y, TERMS)
+    sizes = set()
+    for run in range(len(y)):
+        others = np.arange(len(y)) != run
+        kept = selected(matrix[others], y[others])
+        sizes.add(tuple(kept))
+        fit = least_squares(matrix[others][:, kept], y[others], [str(i) for i in kept])
+        assert found[run] == close(matrix[run, kept] @ fit.coefficients, rel=1e-9)
+    assert len(sizes) > 1  # the runs do not all keep the same terms
+    assert selected(matrix, y) == backward(matrix, y, TERMS)[0]
+
+
+def test_q_squared_is_that_of_runs_left_out_of_the_selection():
+    x = np.random.default_rng(8).uniform(1.0, 2.0, (40, 3))
+    y = x @ [1.0, -2.0, 0.5] + 0.3 * np.random.default_rng(9).normal(size=40) + 9.0
+    found = fit_form("quadratic", ("a", "b", "c"), x, y, drop_terms=True)
+    # Judged by the terms that all runs together chose, it looks better than it is.
+    assert found.q_squared < found.statistics.q_squared
+    assert found.band_designs == 40
+    assert np.sum(np.abs(found.predict(x) / y - 1.0) <= found.band_error) >= 0.95 * 40
+
+
+def test_a_large_study_keeps_the_selection_of_all_runs(monkeypatch):
+    x = np.random.default_rng(8).uniform(1.0, 2.0, (40, 3))
+    y = x @ [1.0, -2.0, 0.5] + 0.3 * np.random.default_rng(9).normal(size=40) + 9.0
+    monkeypatch.setattr("regression.fits.fits.LARGEST_SELECTION", 40**2 * 10 - 1)
+    found = fit_form("quadratic", ("a", "b", "c"), x, y, drop_terms=True)
+    assert found.q_squared == close(found.statistics.q_squared, rel=1e-12)
+
+
+def test_a_run_that_cannot_be_missed_has_no_prediction():
+    z = np.random.default_rng(2).uniform(-1, 1, (len(TERMS), 3))
+    assert left_out_predictions(design_matrix(TERMS, z), np.arange(1.0, 11.0), TERMS) is None
 
 
 def test_a_fit_says_what_went():

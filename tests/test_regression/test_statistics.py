@@ -9,7 +9,6 @@ from regression.fits.statistics import (
     adjusted,
     coefficient_of_determination,
     least_squares,
-    press_without_each,
 )
 
 
@@ -73,21 +72,6 @@ def test_variance_inflation_of_a_column_that_nearly_repeats_another():
     others = least_squares(matrix[:, :-1], matrix[:, -1], names(matrix))
     assert found.variance_inflation[-1] == close(1 / (1 - others.r_squared), rel=1e-9)
     assert found.variance_inflation[-1] > 1000
-
-
-def test_press_without_each_equals_the_fits_without():
-    matrix, y = random_system(2)
-    found = press_without_each(matrix, y, [1, 3, 5])
-    for place, value in zip([1, 3, 5], found, strict=True):
-        without = np.delete(matrix, place, axis=1)
-        assert value == close(least_squares(without, y, names(without)).press, rel=1e-10)
-
-
-def test_press_is_infinite_where_a_row_cannot_be_missed():
-    matrix = np.column_stack([np.ones(5), [0, 0, 0, 0, 1.0], [0, 1, 2, 3, 4.0]])
-    without_last, without_second = press_without_each(matrix, np.arange(5.0) ** 2, [2, 1])
-    assert without_last == np.inf  # the fifth row alone determines the second column
-    assert np.isfinite(without_second)
 
 
 def test_what_cannot_be_solved():

@@ -323,7 +323,7 @@ def test_a_store_of_a_later_release_is_refused_and_left_alone(tmp_path, readonly
     connection.close()
     before = path.read_bytes()
     with pytest.raises(
-        InputError, match=r"^store: given .*, whose layout 4 is of a later release; "
+        InputError, match=r"^store: given .*, whose layout 5 is of a later release; "
     ):
         ResultStore(path, readonly=readonly)
     assert path.read_bytes() == before

@@ -76,6 +76,26 @@ def older(path):
     return path
 
 
+def test_a_store_without_added_runs_keeps_its_checksums(path):
+    """One of the release before gets the column of added runs, and no checksum that hides damage."""
+    execute(
+        path,
+        "DROP VIEW results",
+        "ALTER TABLE study_designs DROP COLUMN added",
+        f"PRAGMA user_version={store_schema.CHECKSUMS_SINCE}",
+    )
+    tamper(path, "another value")
+    for readonly in (True, False):
+        with ResultStore(path, readonly=readonly) as store:
+            assert store.added_designs("s") == ()
+            assert store.outcomes([DONE.key, OTHER.key]) == {OTHER.key: OTHER}
+    with ResultStore(path) as store:
+        store.add_designs("s", [("run", "k", {"x": 1.0})])
+        store.register_study("s", {}, [("run", OTHER.key, {})])
+        assert store.added_designs("s") == ({"x": 1.0},)
+        assert store.study_designs("s") == (("run", OTHER.key, {}), ("run", "k", {"x": 1.0}))
+
+
 @pytest.mark.parametrize("readonly", [False, True])
 @pytest.mark.parametrize("kind", TAMPERED)
 def test_a_tampered_row_is_left_out_and_told_of(path, kind, readonly):

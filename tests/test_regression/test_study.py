@@ -146,6 +146,7 @@ def test_a_study_is_read_back_without_computing(small_run):
         assert read.responses["mass"].tolist() == table.responses["mass"].tolist()
 
 
+@pytest.mark.slow
 def test_a_finer_study_takes_over_what_is_known(small_run, tmp_path):
     store, _, _ = small_run
     copy = tmp_path / "runs.sqlite"

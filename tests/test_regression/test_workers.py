@@ -409,6 +409,7 @@ def test_workers_killed_in_the_middle_cost_a_retry(mark):
     assert compliances == sorted(compliances, reverse=True)
 
 
+@pytest.mark.slow
 @needs_proc
 def test_workers_find_the_packages_of_their_coordinator(tmp_path, mark):
     # However the coordinator found the packages, and whatever lies in the working directory.

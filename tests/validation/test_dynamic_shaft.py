@@ -204,7 +204,9 @@ def throws(dimensions):
 
 def in_bearings(throw):
     """Frequencies above zero, and each mode's share of twist in the motions of the main journals."""
-    stiffness, mass = assemble_dynamic_shaft([throw.turned(angle) for angle in CRANKS])
+    stiffness, mass = assemble_dynamic_shaft(
+        [throw.turned(angle_deg=np.degrees(angle)) for angle in CRANKS]
+    )
     sections = len(CRANKS) + 1
     held = [6 * section + unknown for section in range(sections) for unknown in (UX, UY)]
     frequencies, shapes = natural_modes(stiffness, mass, held)

@@ -62,7 +62,7 @@ def by_hand(analysis, angles, bearing):
 @pytest.mark.parametrize("bearing", [math.inf, 2.2e10, 2.2e9, 2.2e8, 1e7])
 def test_a_chain_holds_what_the_shaft_does(engine, analysis, bearing, figure):
     found = compliances_in_shaft(engine, analysis, bearing)
-    axial, torsional, through = by_hand(analysis, engine.throw_angles, bearing)
+    axial, torsional, through = by_hand(analysis, np.radians(engine.throw_angles_deg), bearing)
     figure("axial compliances in the shaft", found.axial, axial, 1e-9, "m/N")
     figure("torsional compliances in the shaft", found.torsional, torsional, 1e-9, "rad/(N m)")
     figure("stretch by torque", found.through, through, 1e-9, "1/N", scale=np.abs(through).max())
@@ -76,7 +76,7 @@ def test_one_stiffness_serves_chains_and_whole_crankshaft(engine, analysis):
     ):
         assert bearing_stiffness(changed).nominal == stiffness
         vibration = cf.engine_vibration(changed, analysis=analysis, coupled=True)
-        axial, torsional, _ = by_hand(analysis, changed.throw_angles, stiffness)
+        axial, torsional, _ = by_hand(analysis, np.radians(changed.throw_angles_deg), stiffness)
         assert vibration.axial.chosen.compliances == close(axial, rel=1e-9)
         assert vibration.torsional.chosen.compliances == close(torsional, rel=1e-9)
         springs = vibration.whole.crankshaft.shaft
@@ -100,7 +100,7 @@ def test_first_torsional_frequency_over_the_bearings(engine, analysis, figure):
         if bearing == 0.0:
             torsional = np.full(6, analysis.torsional_compliance("pinned"))
         else:
-            torsional = by_hand(analysis, engine.throw_angles, bearing)[1]
+            torsional = by_hand(analysis, np.radians(engine.throw_angles_deg), bearing)[1]
         # Half a throw on either side of each crank, between free end and flywheel.
         between = np.concatenate(
             ([0.5 * torsional[0]], 0.5 * (torsional[1:] + torsional[:-1]), [0.5 * torsional[-1]])

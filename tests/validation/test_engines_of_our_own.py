@@ -72,7 +72,7 @@ def test_parts_of_orders_make_the_largest_stress(run, figure):
     index = int(np.argmax(stress.synthesis.amplitude[:, place]))
     cause = cf.response.peak_cause(run.response, stress, place, index, unit="Pa", kind="torsional")
     angles = np.linspace(0.0, 4.0 * np.pi, 40_001)
-    waves = stress.at_angle(index, angles)[:, place]
+    waves = stress.at_angle(index, shaft_angle_deg=np.degrees(angles))[:, place]
     figure("largest stress", cause.amplitude, 0.5 * np.ptp(waves), 1e-5, "Pa")
     figure(
         "sum of the orders' parts",

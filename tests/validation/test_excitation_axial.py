@@ -58,7 +58,7 @@ def tangential_loads(throws):
 
 def tangential_influence(throw, cranks):
     """Lengthening of throws per T on each pin (n, n), and per torque at the flywheel's end (n,)."""
-    throws = [throw.turned(crank) for crank in cranks]
+    throws = [throw.turned(angle_deg=np.degrees(crank)) for crank in cranks]
     torque = np.zeros((6 * (COUNT + 1), 1))
     torque[6 * COUNT + RZ] = 1.0
     motions = solve_shaft(throws, np.hstack([tangential_loads(throws), torque]))
@@ -92,7 +92,7 @@ def first_mode(stiffness, mass):
 
 def test_chain_with_influence_has_the_modal_force_of_the_shaft(analysis, figure):
     throw = analysis.superelement
-    throws = [throw.turned(crank) for crank in CRANKS]
+    throws = [throw.turned(angle_deg=np.degrees(crank)) for crank in CRANKS]
     shaft = shaft_compliances([throw] * COUNT, crank_angles_deg=np.degrees(CRANKS))
     radial = np.zeros((6 * (COUNT + 1), COUNT))
     for place, own in enumerate(throws):
@@ -133,7 +133,7 @@ def test_lengthening_by_torques_of_parts_knows_no_support(analysis, figure):
     throw = analysis.superelement
     pins, through = tangential_influence(throw, CRANKS)
     by_torque = torsion_influence(pins, through, 0.170)
-    throws = [throw.turned(crank) for crank in CRANKS]
+    throws = [throw.turned(angle_deg=np.degrees(crank)) for crank in CRANKS]
     matrix = assemble_shaft(throws)
     blocked = np.zeros((COUNT + 1, 6), dtype=bool)
     blocked[:, [0, 1]] = True

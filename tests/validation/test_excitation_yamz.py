@@ -50,7 +50,9 @@ def test_series_meets_the_table_and_even_firing_leaves_even_orders(figure):
         TABLE.harmonics(), firing_angles_deg=np.degrees(FIRING), orders=8.5, crank_radius=RADIUS
     )
     found = forces_at_speeds(harmonics, SPEEDS)
-    tangential, radial = found.at_angle(0, np.radians(TABLE.crank_angle_deg) + FIRING[2])
+    tangential, radial = found.at_angle(
+        0, shaft_angle_deg=np.degrees(np.radians(TABLE.crank_angle_deg) + FIRING[2])
+    )
     # 36 samples also hold the order 9, which alternates from sample to sample and has no phase.
     alternating = np.cos(9.0 * np.radians(TABLE.crank_angle_deg))
     left = TABLE.torque - RADIUS * tangential[:, 2]

@@ -55,7 +55,13 @@ def test_isentropic_compression_from_the_bottom(ratio, gamma, figure):
     angles = np.radians([-120.0, -60.0, -30.0, 10.0, 100.0])
     law = 2.5e5 * (volume_law(np.pi, ratio) / volume_law(angles, ratio)) ** gamma
     # Between its samples the pressure is a cubic; these angles are samples.
-    figure("isentropic pressure over the angle", found.pressure.at(angles), law, 1e-11, "Pa")
+    figure(
+        "isentropic pressure over the angle",
+        found.pressure.at(angle_deg=np.degrees(angles)),
+        law,
+        1e-11,
+        "Pa",
+    )
 
 
 @pytest.mark.parametrize(("ratio", "gamma"), [(8.0, 1.4), (14.0, 1.35), (22.0, 1.3)])

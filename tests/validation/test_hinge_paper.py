@@ -51,7 +51,7 @@ def test_the_moment_is_potential(file, rpm, kinematics, figure):
     closing = found.closing_error
     figure("integral of the hinge moment over a turn", closing, 0.0, 1e-9, "", "absolute")
     # (5), by its own sum.
-    gas = found.gas_force(found.angles) * found.reduced.travel_rate
+    gas = found.gas_force(np.radians(found.angles_deg)) * found.reduced.travel_rate
     figure("load of constant torque by (5)", found.load, np.mean(gas), 1e-12, "N m")
 
 
@@ -116,8 +116,10 @@ def test_pressure_for_another_speed(file, profile):
     assert best.fluctuation == close(0.86, abs=0.02)
     assert best.unchanged is None
     # Proportional in the pressure, (14).
-    scaled = profile.moment_at(fast.angles, 1.95 * 5e6)
-    np.testing.assert_allclose(scaled, 1.95 * profile.moment_at(fast.angles), rtol=1e-12)
+    scaled = profile.moment_at(1.95 * 5e6, angles_deg=fast.angles_deg)
+    np.testing.assert_allclose(
+        scaled, 1.95 * profile.moment_at(angles_deg=fast.angles_deg), rtol=1e-12
+    )
     # Still the hinge saves most of a flywheel.
     with_hinge = flywheel_for(fast, 0.02, profile.with_pressure(best.pressure))
     assert with_hinge < 0.1 * flywheel_for(fast, 0.02)

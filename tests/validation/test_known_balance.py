@@ -67,7 +67,7 @@ def engine(cranks_deg, banks_deg=(0.0,), pin_step_deg=0.0):
         for throw, crank in enumerate(cranks_deg)
         for place, bank in enumerate(banks_deg)
     ]
-    tops = [cylinder.top_shaft_angle for cylinder in cylinders]
+    tops = [math.radians(cylinder.top_shaft_angle_deg) for cylinder in cylinders]
     order = firing_order_of_angles(tops, 2, 1)
     return EngineLayout(RADIUS, cylinders, order, 2, firing_angles_deg=np.degrees(tops))
 
@@ -105,7 +105,7 @@ def test_one_cylinder():
     first = found.of(1).force
     assert first.major == approx((RECIPROCATING + ROTATING) * RADIUS * SPEED**2)
     assert first.minor == approx(ROTATING * RADIUS * SPEED**2)
-    assert (first.angle, first.sense) == (close(0.0, abs=1e-12), 1)
+    assert (math.radians(first.angle_deg), first.sense) == (close(0.0, abs=1e-12), 1)
     for order in (2, 4):
         assert found.of(order).force.major == approx(size(order))
         assert found.of(order).force.sense == 0
@@ -155,7 +155,7 @@ def test_three_in_line():
         assert found.of(order).force_balanced
         assert found.of(order).moment.major == approx(math.sqrt(3.0) * size(order) * PITCH)
         # Forces upwards have moments about the axis across.
-        assert abs(found.of(order).moment.angle) == approx(math.pi / 2)
+        assert abs(math.radians(found.of(order).moment.angle_deg)) == approx(math.pi / 2)
         assert found.of(order).moment.sense == 0
     assert found.of(6).force.major == close(3.0 * size(6), abs=EXACT * UNIT)
     assert found.of(6).moment_balanced
@@ -218,7 +218,7 @@ def test_flat_twin():
         assert row.force_balanced
         assert row.moment.major == approx(size(row.order) * PITCH)
         # Forces to the side tilt the engine about the vertical.
-        assert row.moment.angle == close(0.0, abs=1e-12)
+        assert math.radians(row.moment.angle_deg) == close(0.0, abs=1e-12)
 
 
 def test_vee_of_90_degrees(figure):
@@ -230,9 +230,33 @@ def test_vee_of_90_degrees(figure):
     assert first.sense == 1
     wanted = math.sqrt(2.0) * size(2)
     figure("V of 90 deg: force of order 2, across", second.major, wanted, EXACT, "N")
-    assert abs(second.angle) == approx(math.pi / 2)
+    assert abs(math.radians(second.angle_deg)) == approx(math.pi / 2)
     assert fourth.major == approx(math.sqrt(2.0) * size(4))
-    assert fourth.angle == close(0.0, abs=1e-12)
+    assert math.radians(fourth.angle_deg) == close(0.0, abs=1e-12)
+
+
+def test_a_rod_beside_its_axis_leaves_some_of_the_turning_first_order(figure):
+    """M l_d across a rod acts along the cylinder with -M l_d (sin b)'' = M l_d lambda w^2 sin a, no more.
+
+    Half of that turns with the crank, 90 deg behind it; two cylinders at 90 deg add their halves.
+    Counterweights opposite to the crank, with half of the reciprocating masses, leave it.
+    """
+    rod = replace(ROD, center_offset=0.004)
+    wanted = rod.mass * rod.center_offset * RADIUS / LENGTH * SPEED**2
+    for banks, share, backward in (((0.0,), 0.5, UNIT / 2), ((-45.0, 45.0), 1.0, 0.0)):
+        plain = engine([0.0], banks)
+        cylinders = [replace(cylinder, rod=rod) for cylinder in plain.cylinders]
+        plain = replace(plain, cylinders=cylinders)
+        weights = balancing_masses(plain, 0.5)
+        left = balance(replace(plain, rotating=weights), SPEED).of(1).force
+        what = f"lateral offset, share 0.5, {len(banks)} cylinders: what turns with the shaft"
+        figure(what, left.forward, -1j * share * wanted, 1e-10, "N", scale=wanted)
+        assert left.backward.real == close(backward, abs=EXACT * UNIT)
+        # A weight 90 deg ahead of the crank takes it away.
+        moment = share * rod.mass * rod.center_offset * RADIUS / LENGTH
+        more = (*weights, RotatingMass(moment, angle_deg=90.0))
+        gone = balance(replace(plain, rotating=more), SPEED).of(1).force
+        assert abs(gone.forward) < 1e-10 * wanted
 
 
 def test_cross_plane_v8(figure):

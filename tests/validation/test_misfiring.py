@@ -42,11 +42,13 @@ def missing_torques(run):
     cycle = np.pi * engine.engine.strokes
     psi = cycle * np.arange(DEFAULT_SAMPLES) / DEFAULT_SAMPLES
     found = np.empty((orders.size, len(layout.cylinders)), dtype=complex)
-    for number, firing in enumerate(layout.firing):
+    for number, firing in enumerate(np.radians(layout.firing_deg)):
         local = psi - firing
         sine, ratio = np.sin(local), r / length
         travel = r * (sine + ratio * sine * np.cos(local) / np.sqrt(1.0 - (ratio * sine) ** 2))
-        pressure = motored[number].at(local) - mechanism.pressure[number].at(local)
+        pressure = motored[number].at(angle_deg=np.degrees(local)) - mechanism.pressure[number].at(
+            angle_deg=np.degrees(local)
+        )
         torque = 0.25 * np.pi * engine.engine.bore**2 * pressure * travel
         found[:, number] = [
             2.0 * np.mean(torque * np.exp(-1j * order * psi)) for order in orders.tolist()

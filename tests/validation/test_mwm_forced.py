@@ -146,6 +146,6 @@ def test_time_integration(excitation, place, figure):
         unit = "rad" if what == "angles" else "N m"
         figure(f"amplitudes of {what}", series.synthesis.amplitude[place], half, 2e-5, unit)
         assert np.all(series.synthesis.plain_sum[place] > 1.05 * half)
-    curve = loads.elements.at_angle(place, speed * times)
+    curve = loads.elements.at_angle(place, shaft_angle_deg=np.degrees(speed * times))
     largest = np.max(np.abs(torques))
     figure("torques over time, of the largest", curve.T, torques, 1e-6, "N m", scale=largest)

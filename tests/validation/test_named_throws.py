@@ -110,7 +110,7 @@ def test_balance_of_the_mechanism(engine, solids, figure):
     layout, sense = with_throws(mechanism), mechanism.turning_sense
     sizes = np.array([own.static_moment for own in layout.rotating])
     places = np.array([own.position for own in layout.rotating])
-    turned = sizes * np.exp(1j * np.array([own.angle for own in layout.rotating]))
+    turned = sizes * np.exp(1j * np.array([math.radians(own.angle_deg) for own in layout.rotating]))
     wanted = static[1] - 1j * sense * static[0]
     figure("static unbalance of its rotating masses", turned.sum(), wanted, EXACT, "kg m")
     about = np.sum(turned * (places - STARTS[-1] / 2.0))
@@ -139,6 +139,7 @@ def in_a_row(analyses):
     return np.diff(motions[2::6, 0]), np.diff(motions[5::6, 1])
 
 
+@pytest.mark.slow
 def test_the_axial_chain(run, analyses, figure):
     lengthening, _ = in_a_row(analyses)
     halves = np.array([analyses[name].mass for name in NAMES]) / 2.0
@@ -158,6 +159,7 @@ def test_the_axial_chain(run, analyses, figure):
     figure("natural frequencies", run.axial.chosen.elastic_frequencies, frequencies, SOLVED, "Hz")
 
 
+@pytest.mark.slow
 def test_the_torsional_chain(run, analyses, figure):
     _, twist = in_a_row(analyses)
     moving = (ROD - ROTATING + PISTON) / 2.0
@@ -170,6 +172,7 @@ def test_the_torsional_chain(run, analyses, figure):
     figure("stiffness between the cranks", chain.stiffness, 1.0 / joined, SOLVED, "N m/rad")
 
 
+@pytest.mark.slow
 def test_the_whole_crankshaft(engine, analyses, figure):
     """Sections stand where throws end; moved along itself it has the mass of throws and flywheel."""
     shaft = whole_shaft(engine, analyses).crankshaft.shaft

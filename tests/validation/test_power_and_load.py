@@ -24,13 +24,17 @@ def own_work(engine, pressure):
     """Work of one cylinder over a cycle [J], and the volume swept [m^3], of a slider crank in line."""
     radius, length = 0.5 * engine.engine.stroke, engine.rod.length
     area = 0.25 * np.pi * engine.engine.bore**2
-    count = 4 * len(pressure.angles)
+    count = 4 * len(pressure.angles_deg)
     angle = np.linspace(0.0, np.pi * engine.engine.strokes, count + 1)
     sine, rod = np.sin(angle), np.sqrt(length**2 - (radius * np.sin(angle)) ** 2)
     slope = area * (radius * sine + radius**2 * sine * np.cos(angle) / rod)
     weights = np.ones(count + 1)
     weights[1:-1:2], weights[2:-1:2] = 4.0, 2.0
-    work = np.sum(weights * pressure.at(angle) * slope) * (angle[1] - angle[0]) / 3.0
+    work = (
+        np.sum(weights * pressure.at(angle_deg=np.degrees(angle)) * slope)
+        * (angle[1] - angle[0])
+        / 3.0
+    )
     return work, 2.0 * radius * area
 
 
@@ -62,6 +66,7 @@ def test_published_power_and_mean_effective_pressure(figure):
     figure("mechanical efficiency", power.mechanical_efficiency, 19.0 / 20.0, 3e-3)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", OWN)
 def test_a_propeller_takes_the_cube_of_the_speed(name, figure):
     """In what is told, in the torque of the mechanism and in the forces that excite vibration."""

@@ -127,11 +127,13 @@ def test_work_of_the_forces_is_what_damping_takes(figure):
     """Over a cycle of the steady motion; velocities by the exact derivative of its Fourier series."""
     chain, acting, speed = mwm(), torque(), 200.0
     found = steady_motion(chain, acting, speed)
-    count = found.shaft_angle.size
+    count = found.shaft_angle_deg.size
     numbers = np.fft.rfftfreq(count, 1.0 / count) / found.turns * speed
     spectrum = np.fft.rfft(found.motion, axis=0)
     velocity = np.fft.irfft(1j * numbers[:, np.newaxis] * spectrum, count, axis=0)
-    given = acting.at_angle(int(np.flatnonzero(speed == SPEEDS)[0]), found.shaft_angle)
+    given = acting.at_angle(
+        int(np.flatnonzero(speed == SPEEDS)[0]), shaft_angle_deg=found.shaft_angle_deg
+    )
     work = np.sum(given * velocity)
     taken = np.sum(velocity @ found.system.system.damping * velocity)
     # 1e-6 is what power balances of this project keep; both sums are exact for such series.

@@ -105,7 +105,7 @@ def test_torque_at_the_start(figure):
 def test_trajectory_of_modelica(figure):
     time, angle, speed = np.array(TRAJECTORY).T
     found = turned(time)
-    figure("Modelica: angle", found.angle, angle, 1e-5, "rad")
+    figure("Modelica: angle", np.radians(found.angle_deg), angle, 1e-5, "rad")
     figure("Modelica: speed", found.speed, speed, 1e-5, "rad/s")
     assert found.energy_error < 1e-9
 
@@ -172,5 +172,5 @@ def test_lagrange_equation_with_differences(figure):
         states.append(found.y[:, -1])
     times, speeds = np.array(states).T
     free = turned(times)
-    assert free.angle == close(ends, rel=1e-9, abs=1e-9)
+    assert np.radians(free.angle_deg) == close(ends, rel=1e-9, abs=1e-9)
     figure("Lagrange: speed at the ends of the strokes", free.speed, speeds, 1e-9, "rad/s")

@@ -2,7 +2,7 @@
 
 Source: Yu. P. Makushev, T. A. Polyakova, Harmonic analysis of the torque of the YaMZ-5340 engine,
 Omsk Scientific Bulletin 2024 no. 3 (191), pp. 39-47, doi 10.25206/1813-8225-2024-191-39-47:
-table 2 (torque of one throw), sections 2.1 and 2.2 (harmonics), section 3 (resonance).
+table 2 (torque of one throw), sections 2.1 and 2.2 (harmonics; figures 2 and 3), section 3 (resonance).
 
 Tolerances: half a unit of the last printed digit. Where exact arithmetic on the paper's own input
 differs from the print, the figure is the exact one and the comment gives the printed one.
@@ -64,6 +64,20 @@ def test_first_two_harmonics(table, route, figure):
     # Printed 20.37 deg, from a tangent rounded to 0.37.
     phases = np.degrees(found.phase[:2])
     figure("their phases", phases, [230.16, 20.38], 0.005, "deg", "absolute")
+
+
+def test_curves_of_figures_2_and_3(table, figure):
+    pytest.importorskip("matplotlib")
+    axes = table.harmonics().plot(show="curves", highest_order=1.0, unit="N m")
+    # The printed equations, x by the cycle; 20.37 deg is printed for 20.38.
+    x = np.radians(np.linspace(0.0, 360.0, 721))
+    first, second = (
+        279.68 * np.sin(x + np.radians(230.16)),
+        396.44 * np.sin(2 * x + np.radians(20.37)),
+    )
+    curves = [line.get_ydata() for line in axes.lines]
+    figure("curve of figure 3a", curves[0], first, 0.03, "N m", "absolute")
+    figure("curve of figure 3b", curves[1], second, 0.1, "N m", "absolute")
 
 
 def test_two_mass_resonance(check, figure):

@@ -7,8 +7,10 @@ import numpy as np
 from crankbase.drawing.diagram_style import figure, make_folder
 from crankfem.analyses.hinge.hinge_run import HingeRun
 
-# Files of the diagrams; that of the guides is written where springs are compared.
+# Files of the diagrams; that of the guides is written where springs are compared, that of their surface
+# where rollers have a radius.
 FILES, GUIDES = ("hinge_moment.svg", "hinge_speed.svg"), "hinge_guides.svg"
+SURFACE = "hinge_surface.svg"
 
 
 def plot_hinge(folder: Path, run: HingeRun) -> list[Path]:
@@ -38,7 +40,11 @@ def plot_hinge(folder: Path, run: HingeRun) -> list[Path]:
     if run.compared:
         made.append(folder / GUIDES)
         count = len(run.spring_sizes)
-        with figure(made[2], columns=count, width=4.6 * count, height=4.9) as panels:
+        with figure(made[-1], columns=count, width=4.6 * count, height=4.9) as panels:
             for size, panel in enumerate(np.atleast_1d(panels)):
                 run.plot_guides(panel, size)
+    if run.surface is not None:
+        made.append(folder / SURFACE)
+        with figure(made[-1], width=6.4, height=6.8) as axes:
+            run.profile.plot(axes)
     return made

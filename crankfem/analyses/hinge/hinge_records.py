@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from crankbase.checks.arrays import FloatArray
+from crankbase.checks.arrays import ComplexArray, FloatArray
 from crankbase.units.units import RPM
 from crankfem.analyses.hinge.hinge_run import HingeRun, OtherSpeed
 from crankfem.analyses.record import Record, assumed_values, attributes
@@ -24,7 +24,8 @@ def hinge_record(run: HingeRun) -> Record:
             **attributes(spring, "piston_area", "height", "pressure", "exponent"),
             "ambient_pressure": spring.ambient,
         },
-        "profile": profile_record(run.profile),
+        "profile": profile_record(run.profile)
+        | {"roller_radius": run.profile.roller_radius, "surface": _surface_record(run.surface)},
         "turning": {
             "with_hinge": _turning_record(run.with_hinge),
             "without": _turning_record(run.without)
@@ -57,7 +58,9 @@ def profile_record(profile: HingeProfile) -> Record:
         "lowest_pressure": float(profile.pressure.min()),
         "largest_spring_force": float(profile.spring_force.max()),
         "largest_normal_force": float(profile.normal_force.max()),
-        "largest_force_angle_deg": float(np.degrees(np.abs(profile.force_angle).max())),
+        "largest_force_angle_deg": float(
+            np.degrees(np.abs(np.radians(profile.force_angle_deg)).max())
+        ),
         "checks": [
             {**attributes(check, "name", "met", "value", "limit", "unit"), "meaning": check.reason}
             for check in profile.checks
@@ -66,8 +69,16 @@ def profile_record(profile: HingeProfile) -> Record:
     }
 
 
+def _surface_record(surface: ComplexArray | None) -> Record | None:
+    """Least and largest distance of the guides' surface from the axis."""
+    if surface is None:
+        return None
+    distance = np.abs(surface)
+    return {"smallest_radius": float(distance.min()), "largest_radius": float(distance.max())}
+
+
 def _moment_record(moment: HingeMoment) -> Record:
-    degrees = np.degrees(moment.angles)
+    degrees = moment.angles_deg
     highest, lowest = int(np.argmax(moment.moment)), int(np.argmin(moment.moment))
     return {
         "load": moment.load,
@@ -99,7 +110,7 @@ def _other_record(other: OtherSpeed) -> Record:
     return {
         "speed_rpm": other.point.speed * RPM,
         "hinge_moment": _moment_record(other.point),
-        **attributes(best, "fitted_ratio", "fluctuation", "moment_residual"),
+        **attributes(best, "fitted_ratio", "fluctuation", "moment_residual", "largest_residual"),
         "best_pressure": best.pressure,
         "best_ratio": best.ratio,
         "fluctuation_unchanged": best.unchanged,
@@ -111,8 +122,10 @@ def _other_record(other: OtherSpeed) -> Record:
 def hinge_columns(run: HingeRun) -> dict[str, FloatArray]:
     """Return forces, moments, guides and speeds over the turn, by name with unit."""
     moment, profile = run.moment, run.profile
+    surface = run.surface
+    guides = {} if surface is None else {"guide_x_m": surface.real, "guide_y_m": surface.imag}
     return {
-        "crank_angle_deg": np.degrees(moment.angles),
+        "crank_angle_deg": moment.angles_deg,
         "gas_force_N": moment.gas,
         "reduced_inertia_kg_m2": moment.reduced.inertia,
         "inertia_rate_kg_m2_per_rad": moment.reduced.inertia_rate,
@@ -124,11 +137,12 @@ def hinge_columns(run: HingeRun) -> dict[str, FloatArray]:
         "pressure_Pa": profile.pressure,
         "spring_force_N": profile.spring_force,
         "normal_force_N": profile.normal_force,
-        "speed_with_hinge_rad_per_s": _at(run.with_hinge, moment.angles),
-        "speed_without_rad_per_s": _at(run.without, moment.angles),
+        **guides,
+        "speed_with_hinge_rad_per_s": _at(run.with_hinge, np.radians(moment.angles_deg)),
+        "speed_without_rad_per_s": _at(run.without, np.radians(moment.angles_deg)),
     }
 
 
 def _at(turn: SpeedOverAngle, angles: FloatArray) -> FloatArray:
     """Return the speed at angles, those of the integration lying close enough for straight lines."""
-    return np.interp(angles, turn.angle, turn.speed)
+    return np.interp(angles, np.radians(turn.angle_deg), turn.speed)

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
+from crankbase.checks.arrays import ComplexArray
 from crankbase.checks.choices import check_choice
 from crankbase.drawing.diagram_style import new_axes
 from crankbase.errors import InputError
@@ -89,6 +90,18 @@ class HingeRun:
     compared: list[tuple[GasSpring, float, HingeProfile | str]]
     deviations: dict[Kinematics, float]
 
+    @property
+    def surface(self) -> ComplexArray | None:
+        """What rollers of the file's radius run on, x + i y [m]; see `HingeProfile.guide`.
+
+        None where the rollers have no radius, so that it is their path, or where the surface would have a
+        cusp, which the checks of the guides tell.
+        """
+        try:
+            return self.profile.guide() if self.profile.roller_radius > 0.0 else None
+        except InputError:
+            return None
+
     def plot(self, axes: "Axes | None" = None, *, show: Shown = "moment") -> "Axes":
         """Draw one diagram of the hinge.
 
@@ -118,7 +131,10 @@ class HingeRun:
         points = [self.moment, *(other.point for other in self.others)]
         if show == "moment":
             given = [
-                (self.profile.moment_at(one.point.angles, one.best.pressure), one.best.pressure)
+                (
+                    self.profile.moment_at(one.best.pressure, angles_deg=one.point.angles_deg),
+                    one.best.pressure,
+                )
                 for one in self.others
             ]
             hinge_panels.draw_moments(axes, points, [None, *given])

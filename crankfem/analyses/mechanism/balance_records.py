@@ -30,7 +30,8 @@ def balance_record(found: Balance) -> Record:
     Returns
     -------
     dict
-        "speed" [rad/s], "about" [m], "model", "masses" (a record for each cylinder [kg, kg m]) and
+        "speed" [rad/s], "about" [m], "model", "masses" (a record for each cylinder [kg, kg m]),
+        "rotating" (what else turns with the shaft: "static_moment" [kg m], "angle_deg", "position") and
         "orders": for each order force [N] and moment [N m] in total and by part, each as
         `hodograph_record` gives it, whether it is balanced, and the scale of that judgment.
     """
@@ -43,6 +44,10 @@ def balance_record(found: Balance) -> Record:
                 "lateral_static_moment": masses.lateral,
             }
             for place, masses in enumerate(moving_masses(found.engine), start=1)
+        ],
+        "rotating": [
+            attributes(mass, "static_moment", "angle_deg", "position")
+            for mass in found.engine.rotating
         ],
         "orders": [_order_record(row) for row in found.rows],
     }
@@ -76,8 +81,8 @@ def hodograph_record(hodograph: Hodograph) -> Record:
     """
     return {
         **attributes(hodograph, "major", "minor", "sense", "x", "y"),
-        "angle_deg": _degrees(hodograph.angle),
-        "largest_at_deg": _degrees(hodograph.largest_at),
+        "angle_deg": hodograph.angle_deg,
+        "largest_at_deg": hodograph.largest_at_deg,
         "forward": [hodograph.forward.real, hodograph.forward.imag],
         "backward": [hodograph.backward.real, hodograph.backward.imag],
     }
@@ -105,7 +110,7 @@ def _case_record(hodograph: Hodograph, reference: Hodograph) -> Record:
     change = hodograph_change(hodograph, reference)
     return {
         **hodograph_record(hodograph),
-        "change": {**attributes(change, "major", "minor"), "turn_deg": _degrees(change.turn)},
+        "change": {**attributes(change, "major", "minor"), "turn_deg": change.turn_deg},
     }
 
 

@@ -37,8 +37,8 @@ def cylinder_table(record: Record) -> Table:
             ]
             for row in record["cylinders"]
         ],
-        note="p: peak pressure, absolute, and its angle from the firing top; p_i: mean effective; N, pin, "
-        "T: largest side force, piston-pin force and tangential force.",
+        note="p: peak pressure, absolute, and its angle from the firing top; p_i: mean indicated pressure; "
+        "N, pin, T: largest side force, piston-pin force and tangential force.",
         merged=True,
     )
 

@@ -9,11 +9,13 @@ from crankbase.checks.arrays import FloatArray
 from crankbase.tables.table import format_names
 from crankbase.units.units import RPM
 from crankfem.analyses.assumptions import input_values
-from crankfem.analyses.mechanism.mechanism_run import MechanismRun
-from crankfem.analyses.mechanism.rod_comparison import compare_rod_models
+from crankfem.analyses.mechanism.acceleration_records import acceleration_columns
+from crankfem.analyses.mechanism.mechanism_run import MechanismRun, hinged_group
+from crankfem.analyses.mechanism.rod_comparison import ModelDifference, compare_rod_models
 from crankfem.analyses.record import Record, assumed_values, attributes
 from crankfem.files.engine.mechanism_file import MechanismFile
 from crankfem.files.engine.rated_power import EnginePower, indicated_power
+from dynamics.cycle import cycle_radians
 from dynamics.engine.firing import firing_intervals
 from dynamics.engine.forces import pin_groups
 from dynamics.engine.loads import LoadDiagram
@@ -29,19 +31,22 @@ def mechanism_record(run: MechanismRun) -> Record:
         "engine": mechanism.name,
         "speed_rpm": run.speed * RPM,
         "rod_model": forces.model,
-        "firing_angles_deg": np.degrees(run.layout.firing).tolist(),
+        "firing_angles_deg": list(run.layout.firing_deg),
         "firing_intervals_deg": mechanism_intervals(run),
-        "angle_step_deg": float(np.degrees(forces.shaft_angles[1] - forces.shaft_angles[0])),
+        "angle_step_deg": float(forces.shaft_angles_deg[1] - forces.shaft_angles_deg[0]),
         "power": run.torque.power,
         "mean_indicated_pressure": _mean_indicated_pressure(run),
         "rated": None if mechanism.power is None else power_record(mechanism.power),
-        "torque": {"mean": run.torque.mean, **_extremes(torque, forces.shaft_angles)},
+        "torque": {
+            "mean": run.torque.mean,
+            **_extremes(torque, forces.shaft_angles_deg),
+        },
         "energy_error": run.torque.energy_error,
         "cylinders": [
             {
                 "cylinder": place + 1,
                 **attributes(work, "peak_pressure", "mean_effective_pressure"),
-                "peak_angle_deg": float(np.degrees(work.peak_angle)),
+                "peak_angle_deg": work.peak_angle_deg,
                 "indicated_work": work.work,
                 "largest_side_force": float(np.max(np.abs(forces.side[place]))),
                 "largest_piston_pin_force": float(np.max(np.abs(forces.piston_pin[place]))),
@@ -80,7 +85,7 @@ def mechanism_record(run: MechanismRun) -> Record:
 def mechanism_intervals(run: MechanismRun) -> list[float]:
     """Return the angles from each firing to the next, in the firing order [deg]."""
     layout = run.layout
-    fired = [layout.firing[int(number) - 1] for number in layout.firing_order]
+    fired = [np.radians(layout.firing_deg[int(number) - 1]) for number in layout.firing_order]
     return [round(math.degrees(step), 6) for step in firing_intervals(fired, layout.strokes)]
 
 
@@ -145,19 +150,21 @@ def _gas_remarks(run: MechanismRun) -> list[str]:
     ]
 
 
-def _extremes(values: FloatArray, angles: FloatArray) -> dict[str, float]:
+def _extremes(values: FloatArray, angles_deg: FloatArray) -> dict[str, float]:
     least, most = int(np.argmin(values)), int(np.argmax(values))
     return {
         "smallest": float(values[least]),
-        "smallest_angle_deg": float(np.degrees(angles[least])),
+        "smallest_angle_deg": float(angles_deg[least]),
         "largest": float(values[most]),
-        "largest_angle_deg": float(np.degrees(angles[most])),
+        "largest_angle_deg": float(angles_deg[most]),
     }
 
 
 def _from_firing(run: MechanismRun, load: LoadDiagram, group: Sequence[int]) -> float:
     """Return the angle of the largest load from the firing top of the rod's own cylinder [deg]."""
-    after = (load.maximum_angle - run.layout.firing[group[0] - 1]) % run.layout.cycle
+    after = (
+        math.radians(load.maximum_angle_deg) - np.radians(run.layout.firing_deg[group[0] - 1])
+    ) % cycle_radians(run.layout.strokes)
     return float(np.degrees(after))
 
 
@@ -167,7 +174,7 @@ def _load_record(load: LoadDiagram, size: Size) -> Record:
         "name": load.name,
         "mean": load.mean,
         "largest": load.maximum,
-        "largest_angle_deg": float(np.degrees(load.maximum_angle)),
+        "largest_angle_deg": float(load.maximum_angle_deg),
         "diameter": size[0],
         "length": size[1],
         "mean_specific_pressure": float(pressure.mean()),
@@ -175,10 +182,16 @@ def _load_record(load: LoadDiagram, size: Size) -> Record:
     }
 
 
-def force_columns(run: MechanismRun) -> tuple[dict[str, FloatArray], str]:
-    """Return the forces over the shaft angle by name with unit, and what they are of."""
+def force_columns(
+    run: MechanismRun, compared: ModelDifference | None = None
+) -> tuple[dict[str, FloatArray], str]:
+    """Return the forces over the shaft angle by name with unit, and what they are of.
+
+    With accelerations of the pistons on the first crankpin that has hinged rods, and the load of the first
+    crankpin by two rod models, if they are compared.
+    """
     columns = {
-        "shaft_angle_deg": np.degrees(run.forces.shaft_angles),
+        "shaft_angle_deg": run.forces.shaft_angles_deg,
         "torque_Nm": run.torque.total,
     }
     for place in range(len(run.layout.cylinders)):
@@ -193,5 +206,12 @@ def force_columns(run: MechanismRun) -> tuple[dict[str, FloatArray], str]:
     for load in (*run.crankpins, *run.bearings):
         name = load.name.replace(", ", "_").replace(" ", "_")
         columns |= {f"{name}_{key}": load.columns()[key] for key in ("force_x_N", "force_y_N")}
+    angles, group = np.radians(run.forces.shaft_angles_deg), hinged_group(run.layout)
+    columns |= acceleration_columns(run.layout, run.speed, group, angles)
+    if compared is not None:
+        for model, load in zip(compared.models, (compared.first, compared.second), strict=True):
+            columns[f"{load.name.replace(', ', '_').replace(' ', '_')}_{model}_N"] = load.magnitude
+        columns["difference_of_same_angle"] = compared.of_same_angle
+        columns["difference_of_mean"] = compared.of_mean
     heading = f"{run.mechanism.name}, {run.speed * RPM:.10g} 1/min, rods as {run.forces.model}"
     return columns, heading

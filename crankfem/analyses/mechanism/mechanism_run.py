@@ -4,6 +4,8 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Literal, get_args
 
+import numpy as np
+
 from crankbase.checks.choices import check_choice, check_not_given
 from crankbase.checks.scalars import is_whole
 from crankbase.errors import InputError
@@ -42,8 +44,8 @@ class CylinderWork:
 
     Parameters
     ----------
-    peak_pressure, peak_angle : float
-        Absolute [Pa], and its angle from the firing top [rad].
+    peak_pressure, peak_angle_deg : float
+        Absolute [Pa], and its angle from the firing top [deg].
     work : float
         Indicated work of one cycle [J].
     mean_effective_pressure : float
@@ -51,7 +53,7 @@ class CylinderWork:
     """
 
     peak_pressure: float
-    peak_angle: float
+    peak_angle_deg: float
     work: float
     mean_effective_pressure: float
 
@@ -163,7 +165,7 @@ class MechanismRun:
             {
                 "cylinder": (list(range(1, len(works) + 1)), "1"),
                 "peak_pressure": ([one.peak_pressure for one in works], "Pa"),
-                "peak_angle": ([one.peak_angle for one in works], "rad"),
+                "peak_angle": ([one.peak_angle_deg for one in works], "deg"),
                 "work": ([one.work for one in works], "J"),
                 "mean_effective_pressure": ([one.mean_effective_pressure for one in works], "Pa"),
             }
@@ -219,7 +221,9 @@ def run_mechanism(
         pressure = motored_pressures(mechanism.gas, layout) if motored else mechanism.pressure
     angles, gas = samples_and_gas(layout, pressure, DEFAULT_SAMPLES, ATMOSPHERE)
     torque = engine_torque(layout, turning, gas, model=model, throws=mechanism.throws)
-    forces = mechanism_forces(layout, angles, turning, gas, model=model)
+    forces = mechanism_forces(
+        layout, turning, gas, model=model, shaft_angles_deg=np.degrees(angles)
+    )
     return MechanismRun(
         mechanism=mechanism,
         layout=layout,
@@ -269,7 +273,7 @@ def _works(torque: EngineTorque, pressures: Sequence[GasPressure]) -> Iterator[C
         swept = torque.engine.cylinders[place].area * (high - low)
         yield CylinderWork(
             pressure.peak_pressure,
-            pressure.peak_angle,
+            pressure.peak_angle_deg,
             work,
             indicated_mean_effective_pressure(work, swept),
         )

@@ -4,9 +4,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from crankbase.checks.arrays import FloatArray
+from crankbase.summaries import summarized
+from crankfem.analyses.mechanism.load_tables import ROUND_OFF
 from crankfem.analyses.mechanism.mechanism_run import MechanismRun
 from dynamics.engine.forces import MechanismForces, mechanism_forces
-from dynamics.engine.loads import crankpin_loads
+from dynamics.engine.loads import LoadDiagram, crankpin_loads
 from dynamics.mechanism.rod_model_names import ROD_MODELS, RodModelName
 
 
@@ -46,5 +49,63 @@ def compare_rod_models(run: MechanismRun) -> tuple[ModelComparison, ...]:
 
 def _with_model(run: MechanismRun, model: RodModelName) -> MechanismForces:
     return mechanism_forces(
-        run.layout, run.forces.shaft_angles, run.speed, run.forces.gas, model=model
+        run.layout,
+        run.speed,
+        run.forces.gas,
+        model=model,
+        shaft_angles_deg=run.forces.shaft_angles_deg,
+    )
+
+
+@summarized("models", "mean: first.mean [N]", "of_same_angle", "of_mean", "piston_area [m^2]")
+@dataclass(frozen=True, eq=False)
+class ModelDifference:
+    """The load of one crankpin by two models of the rods' mass.
+
+    Parameters
+    ----------
+    models : tuple of two str
+    first, second : LoadDiagram
+        Of the same crankpin; the first is the one that the second is held against.
+    piston_area : float
+        Of the piston above the crankpin [m^2].
+
+    Notes
+    -----
+    Yamanin, Zhukov, Baryshnikov 2018, doi 10.21821/2309-5180-2018-10-1-191-200, draw forces over the
+    piston's area, and tell the difference of momentary values.
+    """
+
+    models: tuple[RodModelName, RodModelName]
+    first: LoadDiagram
+    second: LoadDiagram
+    piston_area: float
+
+    @property
+    def change(self) -> FloatArray:
+        """Size of the force by the second model less that by the first, shape (m,) [N].
+
+        Zero where it is round-off of the largest force.
+        """
+        change = self.second.magnitude - self.first.magnitude
+        return np.where(np.abs(change) < ROUND_OFF * self.first.maximum, 0.0, change)
+
+    @property
+    def of_same_angle(self) -> FloatArray:
+        """The change as a share of the size by the first model at the same angle, shape (m,)."""
+        return self.change / self.first.magnitude
+
+    @property
+    def of_mean(self) -> FloatArray:
+        """The change as a share of the mean size by the first model, shape (m,)."""
+        return self.change / self.first.mean
+
+
+def model_difference(run: MechanismRun, model: RodModelName) -> ModelDifference:
+    """Hold the load of the first crankpin by another rod model against that of a run."""
+    return ModelDifference(
+        (run.forces.model, model),
+        run.crankpins[0],
+        crankpin_loads(_with_model(run, model))[0],
+        run.layout.cylinders[0].area,
     )

@@ -1,5 +1,7 @@
 """The axial and the torsional chain of an engine file, with all that the file attaches to them."""
 
+from dataclasses import replace
+
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
@@ -10,7 +12,7 @@ from dynamics.chains.attachments import DrivenMachine
 from dynamics.chains.dampers import TorsionalDamper
 from dynamics.chains.engine_chains import EngineChain, Kind, axial_chain, torsional_chain
 from dynamics.chains.throw_inertias import throw_inertias
-from dynamics.response.damping import DampedChain, damped
+from dynamics.response.damping import UNIT, DampedChain, damped
 from dynamics.response.linear_system import DEFAULT_MAGNIFIER, MAGNIFIER_SOURCE
 
 Array = NDArray[np.float64]
@@ -36,7 +38,7 @@ def engine_axial_chain(
         compliances,
         np.broadcast_to(throw_masses, len(compliances)),
         engine_file.flywheel.mass,
-        thrust.bearing,
+        thrust.section_index,
         thrust.stiffness,
         {0: at_free_end},
         damper=None if damper is None else damper.damper(),
@@ -139,6 +141,15 @@ def magnifier_of(engine_file: EngineFile, kind: Kind) -> tuple[float | None, str
 def damped_engine_chain(engine_file: EngineFile, chain: EngineChain) -> DampedChain:
     """Return the chain with the damping of engine and shaft; dampers and couplings add theirs."""
     magnifier, source = magnifier_of(engine_file, chain.kind)
-    if magnifier is None:
-        return damped(chain.chain)
-    return damped(chain.chain, magnifier=magnifier, source=source)
+    told, assumed = engine_file.provenance.get(f"damping.{chain.kind}_magnifier", ("", False))
+    found = (
+        damped(chain.chain)
+        if magnifier is None
+        else damped(
+            chain.chain,
+            magnifier=magnifier,
+            source=f"assumed: {told}" if assumed and source != ASSUMED else source,
+        )
+    )
+    unit = "N s/m" if chain.kind == "axial" else "N m s/rad"
+    return replace(found, record=tuple(said.replace(UNIT, unit) for said in found.record))

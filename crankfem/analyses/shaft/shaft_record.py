@@ -27,7 +27,7 @@ def shaft_balance_record(engine_file: EngineFile) -> Record:
     """Masses and unbalance of the whole crankshaft, about the middle of its throws; no rods."""
     shaft = Crankshaft(
         engine_file.crank_throws,
-        crank_angles_deg=np.degrees(engine_file.throw_angles).tolist(),
+        crank_angles_deg=engine_file.throw_angles_deg,
         ends=engine_file.shaft_ends,
     )
     masses = shaft.masses(engine_file.material.density)

@@ -40,13 +40,13 @@ def shaft_surroundings(
     remarks : tuple of str
         What was assumed.
     """
-    throws, per_throw = len(engine_file.throw_angles), len(engine_file.throw.parts.pins)
+    throws, per_throw = len(engine_file.throw_angles_deg), len(engine_file.throw.parts.pins)
     each = crank_analyses(engine_file, analysis)
     solids = np.array([own.masses.inertia_about_shaft for own in each])
     rods = engine_throw_inertias(engine_file, solids) - solids
     at_each = np.repeat(rods / per_throw, per_throw) / engine_file.throw.crank_radius**2
     thrust, damper = engine_file.thrust_bearing, engine_file.axial_damper
-    supports = [AxialSupport(thrust.bearing, thrust.stiffness)]
+    supports = [AxialSupport(thrust.section_index, thrust.stiffness)]
     if damper is not None:
         supports.append(AxialSupport(0, damper.stiffness, damper.damping))
     held, first = (bearings, ()) if bearings is not None else _bearings(engine_file, throws)
@@ -124,11 +124,11 @@ def _free_end(engine_file: EngineFile) -> tuple[EndBody | None, Remarks]:
     if given is not None:
         across, missing = given.diametral_inertia, []
         if given.mass == 0.0:
-            missing.append("it has no mass of its own (free_end.mass)")
+            missing.append("has no mass of its own (free_end.mass)")
         if across is None:
-            missing.append("half of it is taken about a diameter (free_end.diametral_inertia)")
+            missing.append("has half its inertia about a diameter (free_end.diametral_inertia)")
         if missing:
-            remarks = (f"of the free end's inertia: {', '.join(missing)}",)
+            remarks = (f"assumed: what turns at the free end {' and '.join(missing)}",)
         mass += given.mass
         polar += given.inertia
         diametral += 0.5 * given.inertia if across is None else across

@@ -1,20 +1,26 @@
 """Compliances of an engine's throws from every source: finite elements, regression, formulas."""
 
+from collections.abc import Sequence
+from functools import cache
+
 import numpy as np
 from numpy.typing import NDArray
 
 from crankbase.errors import InputError
 from crankfem.analyses.shaft.bearings import bearing_stiffness
+from crankfem.analyses.shaft.regression_source import REGRESSION, throw_lookups
 from crankfem.analyses.shaft.throw_analyses import Analyses, crank_analyses
 from crankfem.files.engine.engine_file import EngineFile
+from fem.material import Material
 from fem.shaft import ShaftCompliances, shaft_compliances
 from geometry.throw import CrankThrow
 from regression.formulas.arguments import fold_angle_deg
 from regression.formulas.axial_formulas import axial_formulas
+from regression.formulas.formula_value import FormulaValue
 from regression.formulas.torsional_formulas import torsional_formulas
 from regression.models.compliance_model import ComplianceModel
 
-FE, FE_PINNED, REGRESSION = "fe", "fe pinned", "regression"
+FE, FE_PINNED = "fe", "fe pinned"
 # The formulas know no free end: a throw tilts there as it does beside an opposite crank.
 NO_NEIGHBOR_DEG = 180.0
 
@@ -40,7 +46,7 @@ def compliances_in_shaft(
     held = bearing_stiffness(engine_file).nominal if stiffness is None else stiffness
     return shaft_compliances(
         throws,
-        crank_angles_deg=np.degrees(engine_file.throw_angles).tolist(),
+        crank_angles_deg=engine_file.throw_angles_deg,
         bearing_stiffness=held,
     )
 
@@ -53,7 +59,9 @@ def axial_sources(
 ) -> Sources:
     """Axial compliance of each throw [m/N] by source; see `crankfem.analyses.vibration.modes`."""
     fitted = _fitted_sources(engine_file, analysis, model, "axial_compliance", shaft.axial)
-    return fitted | _axial_formula_sources(engine_file)
+    return fitted | axial_by_formulas(
+        engine_file.crank_throws, engine_file.throw_angles_deg, engine_file.material
+    )
 
 
 def torsional_sources(
@@ -64,7 +72,7 @@ def torsional_sources(
 ) -> Sources:
     """Torsional compliance of each throw [rad/(N m)] by source."""
     fitted = _fitted_sources(engine_file, analysis, model, "torsional_compliance", shaft.torsional)
-    return fitted | _torsional_formula_sources(engine_file)
+    return fitted | torsional_by_formulas(engine_file.crank_throws, engine_file.material)
 
 
 def _fitted_sources(
@@ -93,42 +101,50 @@ def _fitted_sources(
 def _from_regression(
     engine_file: EngineFile, model: ComplianceModel, quantity: str, ratios: NDArray[np.float64]
 ) -> tuple[NDArray[np.float64], str]:
-    """Values of the equation for each throw in the shaft; no numbers if a throw is not of its family."""
-    values: dict[CrankThrow, float] = {}
-    for name, throw in engine_file.named_throws.items():
-        try:
-            values[throw] = model.of_throw(throw)[quantity].value
-        except (InputError, KeyError) as error:
-            if len(engine_file.named_throws) == 1:
-                raise
-            reason = str(error) if isinstance(error, InputError) else "it is of another size"
-            return np.full_like(ratios, np.nan), f"says nothing of the throw {name}: {reason}"
+    """Values of the equation for each throw in the shaft; no numbers where it says nothing of a throw."""
+    try:
+        found = throw_lookups(engine_file, model, quantity)
+    except InputError as error:
+        return np.full_like(ratios, np.nan), str(error)
     return (
-        np.array([values[throw] for throw in engine_file.crank_throws]) * ratios,
+        np.array([found[throw].value for throw in engine_file.crank_throws]) * ratios,
         "the equation's pinned value, times each throw's ratio from the assembled superelements",
     )
 
 
-def _axial_formula_sources(engine_file: EngineFile) -> Sources:
-    """Formula values of each throw: the mean of those at the angles to either neighbor."""
-    angles = np.rad2deg(engine_file.throw_angles)
-    gaps = [NO_NEIGHBOR_DEG, *np.abs(np.diff(angles)).tolist(), NO_NEIGHBOR_DEG]
-    material = engine_file.material
+def neighbor_angles(throw_angles_deg: Sequence[float]) -> list[tuple[float, float]]:
+    """Return the angles between each throw and its neighbors [deg] from the throws' angles [deg]."""
+    gaps = np.abs(np.diff(throw_angles_deg)).tolist()
+    return list(zip((NO_NEIGHBOR_DEG, *gaps), (*gaps, NO_NEIGHBOR_DEG), strict=True))
+
+
+def axial_by_formulas(
+    throws: Sequence[CrankThrow], throw_angles_deg: Sequence[float], material: Material
+) -> Sources:
+    """Formula values of each throw [m/N]: the mean of those at the angles to either neighbor.
+
+    Parameters
+    ----------
+    throws : sequence of CrankThrow
+        Of the cranks, from the free end.
+    throw_angles_deg : sequence of float
+        Theirs [deg].
+    material : Material
+    """
+
+    @cache
+    def formulas(throw: CrankThrow, gap: float) -> dict[str, FormulaValue]:
+        return axial_formulas(
+            throw,
+            gap,
+            youngs_modulus=material.youngs_modulus,
+            poisson_ratio=material.poisson_ratio,
+        )
+
     # Of each throw: the angles to its neighbors, and the formulas at both.
     sides = [
-        [
-            (
-                gap,
-                axial_formulas(
-                    throw,
-                    gap,
-                    youngs_modulus=material.youngs_modulus,
-                    poisson_ratio=material.poisson_ratio,
-                ),
-            )
-            for gap in beside
-        ]
-        for throw, *beside in zip(engine_file.crank_throws, gaps[:-1], gaps[1:], strict=True)
+        [(gap, formulas(throw, gap)) for gap in beside]
+        for throw, beside in zip(throws, neighbor_angles(throw_angles_deg), strict=True)
     ]
     sources: Sources = {}
     for name in sides[0][0][1]:
@@ -146,14 +162,14 @@ def _axial_formula_sources(engine_file: EngineFile) -> Sources:
     return sources
 
 
-def _torsional_formula_sources(engine_file: EngineFile) -> Sources:
-    material = engine_file.material
+def torsional_by_formulas(throws: Sequence[CrankThrow], material: Material) -> Sources:
+    """Formula values of each throw [rad/(N m)]; arguments as `axial_by_formulas`."""
     tables = {
         throw: torsional_formulas(
             throw, youngs_modulus=material.youngs_modulus, poisson_ratio=material.poisson_ratio
         )
-        for throw in dict.fromkeys(engine_file.crank_throws)
+        for throw in dict.fromkeys(throws)
     }
     remark = "the same for every throw" if len(tables) == 1 else "by each throw's own dimensions"
-    each = [tables[throw] for throw in engine_file.crank_throws]
+    each = [tables[throw] for throw in throws]
     return {name: (np.array([own[name].value for own in each]), remark) for name in each[0]}

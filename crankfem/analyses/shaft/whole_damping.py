@@ -49,7 +49,10 @@ def damping_remarks(engine_file: EngineFile) -> tuple[str, ...]:
         f"{bending:.3g} % for bending{assumed}"
     ]
     if engine_file.damping is not None and engine_file.damping.cylinder_damping:
-        found.append("absolute damping of the cylinders in torsion is left out; magnifiers remain")
+        found.append(
+            "the damping of the cylinders in torsion (damping.cylinder_damping), which the torsional chain "
+            "has, is left out"
+        )
     return tuple(found)
 
 

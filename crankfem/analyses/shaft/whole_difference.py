@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 
 from crankbase.errors import InputError
-from crankbase.units.number_formats import UNBOUNDED
+from crankbase.units.number_formats import UNBOUNDED, significant
 from crankfem.analyses.shaft.motion import MOTION
 from crankfem.analyses.shaft.whole_shaft import ShaftComparison, WholeShaft
 from dynamics.chains.engine_chains import EngineChain
@@ -77,12 +77,13 @@ def _difference(verdict: ChainVerdict, causes: dict[tuple[str, int], FrequencyDi
     motion, found = MOTION[verdict.kind], verdict.response
     if found is not None and abs(found.difference) > RESPONSE_LIMIT:
         chain, shaft = (
-            _three_digits(peak / motion.size) if np.isfinite(peak) else UNBOUNDED
+            significant(peak / motion.size, 3) if np.isfinite(peak) else UNBOUNDED
             for peak in (float(np.max(found.chain)), float(np.max(found.shaft)))
         )
         first = next((one for one in causes.values() if one.kind == verdict.kind), None)
         said = (
-            f"{verdict.kind} amplitude of the free end {shaft} instead of {chain} {motion.printed}"
+            f"largest {verdict.kind} amplitude of the free end, over all speeds calculated, {shaft} "
+            f"instead of {chain} {motion.printed}"
         )
         return said if first is None else f"{said} ({first.sentence})"
     for match in verdict.modes:
@@ -97,9 +98,7 @@ def _difference(verdict: ChainVerdict, causes: dict[tuple[str, int], FrequencyDi
             own = causes.get((verdict.kind, number))
             return f"{said} ({own.shown_causes})" if own and own.shown_causes else said
     mixed = min(verdict.modes, key=lambda match: match.share)
-    number = mixed.chain_mode - mixed.chain_rigid + 1
-    return f"{verdict.kind} mode {number} is {verdict.kind} by {100.0 * mixed.share:.0f} % only"
-
-
-def _three_digits(value: float) -> str:
-    return f"{value:.0f}" if value >= 1000.0 else f"{value:.3g}"
+    return (
+        f"its {verdict.kind} mode at {mixed.shaft_frequency:.1f} Hz is {verdict.kind} by "
+        f"{100.0 * mixed.share:.0f} % only"
+    )

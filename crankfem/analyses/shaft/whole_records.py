@@ -84,7 +84,7 @@ def _chain(verdict: ChainVerdict) -> Record:
 
 def _split(coupled: CoupledResponse) -> Record:
     """Largest axial amplitude of the free end by each kind of force and by both, each with its speed."""
-    split = coupled.split("section 0 uz")
+    split = coupled.split("main bearing 1 uz")
     record: Record = {}
     for name, curve in (
         ("tangential", split.tangential_sum),

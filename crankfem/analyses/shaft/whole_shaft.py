@@ -48,7 +48,7 @@ KEPT_FACTOR = 2.0
 # Superelements are made for no less than this [Hz], so that the first modes of a slow engine are right.
 LEAST_FREQUENCY = 200.0
 # The point whose motion is drawn: the free end along the shaft.
-FREE_END = "section 0 uz"
+FREE_END = "main bearing 1 uz"
 
 
 @summarized("modes.frequencies [Hz]", "highest_frequency [Hz]", "rotation_ratios", "remarks")
@@ -150,7 +150,7 @@ class ShaftComparison:
             A point's motion by tangential and by radial forces; or the free end's motion by the whole
             shaft and by the chain of that kind.
         point : str, optional
-            Of the first alone, such as "section 0 uz", the free end along the shaft, the default.
+            Of the first alone, such as "main bearing 1 uz", the free end along the shaft, the default.
 
         Returns
         -------
@@ -230,7 +230,10 @@ def whole_shaft(
     throws = [
         throw
         for own, element, angle in zip(
-            engine_file.crank_throws, elements, engine_file.throw_angles, strict=True
+            engine_file.crank_throws,
+            elements,
+            np.radians(engine_file.throw_angles_deg),
+            strict=True,
         )
         for throw in shaft_throws(element, own, crank_angles_deg=[math.degrees(angle)])
     ]

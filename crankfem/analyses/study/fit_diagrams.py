@@ -13,6 +13,7 @@ from regression.plots.equations import (
     Curve,
     draw_curves,
     draw_elasticities,
+    draw_shapley,
     draw_sobol,
 )
 from regression.plots.factor_axis import factor_size, label_factor_axis, sweep
@@ -83,8 +84,11 @@ def draw_fit_elasticities(
 
 
 def draw_fit_sobol(axes: "Axes", names: Sequence[str], known: Sensitivities) -> None:
-    """Draw Sobol indices over the ranges, none for a response that does not vary."""
+    """Draw Sobol indices over the ranges, under constraints Shapley effects; none where there are none."""
     sobol = known.sobol
+    if sobol is not None and sobol.shapley is not None:
+        draw_shapley(axes, names, sobol.shapley)
+        return
     first, total = ((), ()) if sobol is None else (sobol.first, sobol.total)
     draw_sobol(axes, names, first, total)
 

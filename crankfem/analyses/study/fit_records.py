@@ -9,6 +9,7 @@ from crankbase.errors import InputError
 from crankfem.analyses.record import Record
 from crankfem.analyses.study.nominal_throw import Sensitivities, sensitivities
 from crankfem.analyses.study.response_fits import ResponseFits
+from fem.responses import RESPONSES
 from geometry.throw import CrankThrow
 from regression.fits.equation_text import term_symbols
 from regression.fits.fits import Fit
@@ -31,6 +32,8 @@ FORM = (
     "r_squared",
     "adjusted_r_squared",
     "q_squared",
+    "band_error",
+    "band_designs",
     "coefficients",
     "undetermined",
     "dropped",
@@ -66,6 +69,7 @@ def study_record(
         "runs": int(np.sum(~table.held_out)),
         "held_out": int(np.sum(table.held_out)),
         "computed_now": table.computed,
+        "added": table.added,
         "failures": [
             {"role": role, "values": list(values), "reason": reason}
             for role, values, reason in table.failures
@@ -81,6 +85,7 @@ def study_record(
             "responses": {name: column.tolist() for name, column in table.responses.items()},
             "errors": {name: column.tolist() for name, column in table.errors.items()},
         },
+        "value_units": [factor.unit or "1" for factor in plan.factors],
         "statement": LACK_OF_FIT,
         "fits": {name: fits_record(table, found) for name, found in fits.items()},
         "unfitted": {
@@ -92,6 +97,7 @@ def study_record(
 
 def fits_record(table: StudyTable, found: ResponseFits) -> Record:
     """All forms fitted to one response, and what its chosen equation says of the factors."""
+    units = {factor.name: factor.unit for factor in table.plan.factors}
     return {
         "column": found.column,
         "symbol": found.symbol,
@@ -103,9 +109,10 @@ def fits_record(table: StudyTable, found: ResponseFits) -> Record:
         "fe_scatter": found.fe_scatter,
         "skipped": list(found.skipped),
         "twins": dict(found.twins),
-        "forms": [form_record(found, fit) for fit in found.fits],
-        "sensitivities": _sensitivity_record(sensitivities(table, found))
-        | {"units": {factor.name: factor.unit for factor in table.plan.factors}},
+        "forms": [
+            form_record(found, fit) | coefficient_units(found, fit, units) for fit in found.fits
+        ],
+        "sensitivities": _sensitivity_record(sensitivities(table, found)) | {"units": units},
     }
 
 
@@ -139,6 +146,24 @@ def form_record(found: ResponseFits, fit: Fit) -> Record:
             )
         ],
         "warnings": warnings_of(fit),
+    }
+
+
+def coefficient_units(found: ResponseFits, fit: Fit, factor_units: Mapping[str, str]) -> Record:
+    """Units of a form's coefficients: of the natural ones by term, or one for all, and of the coded ones."""
+    form = fit.fitted
+    own = "1" if form.logarithmic or fit.basis == "groups" else found.unit or "1"
+    columns = [
+        "" if logarithm else factor_units.get(name, "")
+        for name, logarithm in zip(form.factors, form.log_factors, strict=True)
+    ]
+    if not any(columns):
+        return {"coefficient_units": own, "coded_unit": own}
+    terms = [[columns[place] for place in term] for term in form.natural_coefficients()]
+    units = [f"({own})/({' '.join(filter(None, term))})" if any(term) else own for term in terms]
+    return {
+        "coefficient_units": dict(zip(fit.coefficients, units, strict=True)),
+        "coded_unit": own,
     }
 
 
@@ -176,6 +201,9 @@ def _sensitivity_record(found: Sensitivities) -> Record:
             "first": dict(zip(sobol.names, sobol.first, strict=True)),
             "total": dict(zip(sobol.names, sobol.total, strict=True)),
             "points": sobol.points,
+            "shapley": None
+            if sobol.shapley is None
+            else dict(zip(sobol.names, sobol.shapley, strict=True)),
         },
     }
 
@@ -201,6 +229,7 @@ def _comparison(
     row: ExtraRow, column: str, measured: float, model: ComplianceModel, plan: StudyPlan
 ) -> Record:
     record: Record = {"source": row.source, "response": column, "measured": measured}
+    record["unit"] = RESPONSES[column].unit
     name = column.removesuffix("_pinned")
     if name not in model.responses:
         return record | {"reason": "the model has no such response"}

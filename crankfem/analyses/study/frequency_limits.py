@@ -23,8 +23,9 @@ Kind = Literal["axial", "torsional"]
 
 @dataclass(frozen=True, eq=False)
 class EngineFrequencies:
-    """First natural frequencies of an engine over the compliance of its throws.
+    """First natural frequencies of an engine's crankshaft over the compliance of its throws.
 
+    Modes of a coupling, a damper's ring or a shaft line are passed over (`EngineChain.first_mode`).
     In the shaft each throw has another compliance than pinned alone; its ratio to the pinned one is
     taken from finite elements of the engine's own throw, and kept as the throw changes.
 
@@ -65,12 +66,15 @@ class EngineFrequencies:
 
 
 def _first(named: EngineChain) -> float:
-    """First elastic frequency [Hz]; a search asks thousands of times, and needs no mode shapes."""
-    chain = named.chain
-    root = np.sqrt(chain.inertia)
-    squares = np.linalg.eigvalsh(chain.stiffness_matrix() / np.outer(root, root))
-    rigid = chain.rigid_motions()[0].shape[1]
-    return float(np.sqrt(squares[rigid]) / (2.0 * np.pi))
+    """Lowest frequency of the crankshaft itself [Hz], as the engine's vibration tells it."""
+    modes = named.chain.modes()
+    first = named.first_mode(modes)
+    if first is None:
+        raise InputError(
+            f"--first-{named.kind}-frequency: given for an engine without a {named.kind} mode of the "
+            "crankshaft itself; allowed is one with a mode that has half of its strain energy there or more."
+        )
+    return float(modes.frequencies[first])
 
 
 def engine_frequencies(engine_file: EngineFile) -> EngineFrequencies:
@@ -105,7 +109,7 @@ def engine_frequencies(engine_file: EngineFile) -> EngineFrequencies:
 def frequency_limit(
     kind: Kind, frequencies: EngineFrequencies, model: ComplianceModel, at_least: float
 ) -> Limit:
-    """Limit the first frequency of an engine.
+    """Limit the first frequency of an engine's crankshaft.
 
     Parameters
     ----------

@@ -1,17 +1,33 @@
 """Equations around the nominal throw: sections along one factor, elasticities, Sobol indices."""
 
+import json
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
 
 from crankfem.analyses.study.response_fits import ResponseFits, predicted, surface
+from geometry.throw import CrankThrow
+from regression.fits.constrained_sensitivity import (
+    RegionSample,
+    constrained_indices,
+    region_sample,
+)
 from regression.fits.fits import Fit
-from regression.fits.sensitivity import SobolIndices, elasticities, nominal_values, sobol_indices
+from regression.fits.sensitivity import (
+    Model,
+    SobolIndices,
+    elasticities,
+    nominal_values,
+    sobol_indices,
+)
+from regression.models.extrapolation import find_out_of_range
 from regression.plans.factors import Factor, field_value
 from regression.plans.plan import StudyPlan
 from regression.runs.study_table import StudyTable
+from regression.throw_values import format_value, same_dimension, throw_values
 
 Array = NDArray[np.float64]
 
@@ -30,7 +46,8 @@ class Sensitivities:
     elasticity : dict
         Factor that is a number to d ln y / d ln p.
     sobol : SobolIndices or None
-        Over the ranges; None for a response that does not vary.
+        Over the ranges, or what the study's constraints leave of them; None for a response that does not
+        vary, and where the constraints leave too little.
     """
 
     nominal: dict[str, float | str]
@@ -51,8 +68,23 @@ def sensitivities(table: StudyTable, found: ResponseFits) -> Sensitivities:
             for factor, value in zip(plan.factors, nominal, strict=True)
         },
         elasticity=dict(zip(numbers, slopes, strict=True)),
-        sobol=sobol_indices(model, plan.factors),
+        sobol=_indices(plan, model),
     )
+
+
+def _indices(plan: StudyPlan, model: Model) -> SobolIndices | None:
+    """Shares of the variance over the ranges; under constraints over what these leave."""
+    if not plan.constraints:
+        return sobol_indices(model, plan.factors)
+    sample = _kept_sample(json.dumps(plan.as_record()))
+    return None if sample is None else constrained_indices(model, sample)
+
+
+@lru_cache(maxsize=2)
+def _kept_sample(record: str) -> RegionSample | None:
+    """Sample what a plan's constraints leave, once for all responses."""
+    plan = StudyPlan.from_record(json.loads(record))
+    return region_sample(plan.factors, plan.variants().keep_constraints)
 
 
 def nominal_points(plan: StudyPlan) -> list[float]:
@@ -69,6 +101,41 @@ def _base_value(record: Mapping[str, object], factor: Factor) -> float | None:
     if factor.labels:
         return float(factor.labels.index(value)) if value in factor.labels else None
     return float(value) if isinstance(value, int | float) else None
+
+
+def outside_study(plan: StudyPlan) -> str:
+    """Say why the base throw of a study is none of those that it varies; empty if it is one of them.
+
+    Ranges, choices and constraints are looked at, and relations where all factors are the throw's.
+    """
+    record = plan.throw.model_dump(mode="json")
+    for factor in plan.factors:
+        value = _base_value(record, factor)
+        if factor.labels and value is None:
+            return f"{factor.name}: given none of {', '.join(factor.labels)}"
+        if value is None:
+            continue
+        found = find_out_of_range(factor.name, value, factor.lowest, factor.highest, factor.unit)
+        if found is not None:
+            return found[0].remark
+    variant = plan.variants().at(np.array([nominal_points(plan)]))[0]
+    if variant.throw is None:
+        return variant.reason
+    varied = throw_values(CrankThrow(**variant.throw))
+    known = throw_values(plan.throw)
+    free = any(_base_value(record, factor) is None for factor in plan.factors)
+    for name in () if free else plan.relations:
+        given, follows = known.get(name), varied.get(name)
+        if (
+            isinstance(given, float)
+            and isinstance(follows, float)
+            and not same_dimension(given, follows)
+        ):
+            return (
+                f"{name}: given {format_value(name, given)}, not {format_value(name, follows)} as the "
+                f"study's relation {plan.relations[name]!r} has it"
+            )
+    return ""
 
 
 def nominal_section(table: StudyTable) -> Array:

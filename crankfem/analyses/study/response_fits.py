@@ -220,12 +220,21 @@ def surface(plan: StudyPlan, found: ResponseFits, fit: Fit) -> Callable[[Array],
     On groups, the dimensions follow from the factors by the study's relations; constraints are not
     regarded.
     """
-    needed: list[str] = []
-    if fit.basis == "groups":
-        names = [name for name in found.encodings["groups"].names if "=" not in name]
-        groups = [group_named(name) for name in names]
-        needed = ["pin_diameter", *(name for group in groups for name in group.dimensions)]
-    return lambda values: _values(plan, found, fit, values, dimensions_at(plan, values, needed))
+    return lambda values: _values(
+        plan, found, fit, values, needed_dimensions(plan, found, fit, values)
+    )
+
+
+def needed_dimensions(
+    plan: StudyPlan, found: ResponseFits, fit: Fit, values: Array
+) -> dict[str, Array]:
+    """Return the dimensions at factor values (n, k) that a fit on groups needs; none for others."""
+    if fit.basis != "groups":
+        return {}
+    names = [name for name in found.encodings["groups"].names if "=" not in name]
+    groups = [group_named(name) for name in names]
+    needed = ["pin_diameter", *(name for group in groups for name in group.dimensions)]
+    return dimensions_at(plan, values, needed)
 
 
 def _values(

@@ -18,6 +18,7 @@ from crankfem.analyses.study.fit_diagrams import (
     fe_axis_label,
 )
 from crankfem.analyses.study.fitting import fit_study
+from crankfem.analyses.study.growth import run_grown
 from crankfem.analyses.study.nominal_throw import sensitivities
 from crankfem.analyses.study.response_fits import ResponseFits
 from crankfem.analyses.study.study_model import compliance_model
@@ -25,7 +26,7 @@ from crankfem.files.engine.throw_file import load_study
 from regression.factor_labels import factor_text
 from regression.models.compliance_model import ComplianceModel
 from regression.plots.factor_axis import response_text
-from regression.runs.study import Progress, run_plan
+from regression.runs.study import Progress
 from regression.runs.study_table import StudyTable
 
 if TYPE_CHECKING:
@@ -137,6 +138,7 @@ def run_study(
     time_limit: float | None = None,
     memory_limit: float | None = None,
     note: Callable[[str], None] | None = None,
+    more: int = 0,
 ) -> StudyResult:
     """Run, or continue, the study of a file and fit its equations.
 
@@ -159,6 +161,9 @@ def run_study(
     note : callable, optional
         Told in a sentence what should be known meanwhile, such as that a cluster has no workers and is
         waited for; by default it is written to standard error. ``note=lambda _: None`` says nothing.
+    more : int
+        How many runs beside those of its plan the study shall have, where its equations are worst, at most
+        1000. The store remembers those that were added: the same number again adds none.
 
     Returns
     -------
@@ -174,7 +179,7 @@ def run_study(
     StudyStoppedError
         If the store cannot be written any more, or the cluster is gone; finished designs are kept.
     """
-    table = run_plan(
+    table = run_grown(
         load_study(study),
         store,
         workers,
@@ -183,6 +188,7 @@ def run_study(
         time_limit=time_limit,
         memory_limit=memory_limit,
         note=note or _to_stderr,
+        more=more,
     )
     return fitted(table)
 

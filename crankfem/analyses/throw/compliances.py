@@ -5,9 +5,9 @@ from typing import Any
 
 from crankbase.units.number_formats import percent
 from crankfem.analyses.record import Record
+from regression.models.response_model import ResponseModel
 
 UNITS = {"axial": "m/N", "torsional": "rad/(N m)"}
-RESPONSES = {"axial": "axial_compliance", "torsional": "torsional_compliance"}
 
 
 def compliance_tables(results: Mapping[str, Any]) -> Record:
@@ -66,7 +66,14 @@ def compliance_tables(results: Mapping[str, Any]) -> Record:
         regression = results["formulas"].get("regression")
         if regression is not None and regression.get(kind) is not None:
             own = regression[kind]
-            rows.append(row("regression of the study", own["value"], "regression", own["remarks"]))
+            rows.append(
+                row(
+                    f"regression of {own.get('of', 'the study')}",
+                    own["value"],
+                    "regression",
+                    own["remarks"],
+                )
+            )
         own_rows = [
             row(f["name"], f["value"], f["name"], f["remarks"], f["valid"])
             for f in results["formulas"][kind]
@@ -101,38 +108,41 @@ def _cranks_of_first(results: Mapping[str, Any]) -> list[int]:
 
 
 def regression_record(
-    study: Mapping[str, Any] | None, values: Mapping[str, float]
-) -> Record | None:
-    """Return what the study's equations say of the throw itself.
+    values: Mapping[str, tuple[float, ResponseModel]], source: str = "the study", *remarks: str
+) -> Record:
+    """Return what fitted equations say of the throw itself.
 
     Parameters
     ----------
-    study : mapping or None
-        The record of the study.
     values : mapping
-        Response, "axial_compliance" and "torsional_compliance", to its value at the throw [SI].
+        Kind, "axial" or "torsional", to the compliance of the throw [SI] and its equation.
+    source : str, optional
+        Where the equations come from.
+    *remarks : str
+        What else is to be said of them.
 
     Returns
     -------
-    dict or None
-        For each kind "value", "form", "largest_error_held_out" and "remarks"; None without a study.
+    dict
+        For each kind "value", "of" (the source), "form", "largest_error_held_out" and "remarks".
     """
-    if study is None:
-        return None
-    found: Record = {}
-    for kind, response in RESPONSES.items():
-        fits = study["fits"].get(response)
-        if fits is None or response not in values:
-            continue
-        chosen = next(form for form in fits["forms"] if form["form"] == fits["chosen"])
-        error = chosen["largest_error_held_out"]
-        found[kind] = {
-            "value": values[response],
-            "form": fits["chosen"],
-            "largest_error_held_out": error,
-            "remarks": [
-                f"{fits['chosen'].capitalize()} equation fitted to {study['runs']} designs; its largest "
-                f"error at designs held out is {percent(error)} %."
-            ],
+    return {
+        kind: {
+            "value": value,
+            "of": source,
+            "form": fit.form,
+            "largest_error_held_out": fit.largest_heldout_error,
+            "remarks": [_fit_remark(fit), *remarks],
         }
-    return found
+        for kind, (value, fit) in values.items()
+    }
+
+
+def _fit_remark(fit: ResponseModel) -> str:
+    held = fit.largest_heldout_error
+    judged = (
+        "none was held out to judge it"
+        if held is None
+        else f"its largest error at designs held out is {percent(held)} %"
+    )
+    return f"{fit.form.capitalize()} equation fitted to {fit.runs} designs; {judged}."

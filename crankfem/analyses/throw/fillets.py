@@ -7,7 +7,7 @@ import numpy as np
 
 from crankbase.errors import InputError, MeshError
 from crankfem.analyses.throw.pictures.offscreen import OffscreenProcess
-from crankfem.analyses.throw.pictures.stress_picture import picture_arrays, picture_name
+from crankfem.analyses.throw.pictures.stress_picture import RENDER, picture_arrays, picture_name
 from fem import fillet_stress
 from fem.fillet_peaks import FilletStresses
 from fem.material import Material
@@ -82,4 +82,4 @@ class StressRendering(OffscreenProcess):
     """
 
     def __init__(self, stresses: FilletStresses, folder: Path) -> None:
-        super().__init__(f"{picture_arrays.__module__}:render", folder, picture_arrays(stresses))
+        super().__init__(RENDER, folder, picture_arrays(stresses))

@@ -67,7 +67,7 @@ def stress_tables(record: Record, units: OutputUnits = SI) -> list[Table]:
                         for name in ("principal", "von Mises", "nominal")
                     ),
                     Column("factor", decimals=2),
-                    Column("at x y z", length),
+                    Column("principal at x y z", length),
                 ],
                 [
                     [

@@ -1,10 +1,12 @@
 """A throw's compliances, reactions and masses as plain JSON content."""
 
+from collections.abc import Sequence
+
 from crankfem.analyses.checks import asymmetry
 from crankfem.analyses.record import Record, attributes
 from fem.modes import ThrowModes
 from fem.superelement import superelement_of_end_forces
-from fem.supports import Support, reactions
+from fem.supports import Neighbors, Support, reactions
 from fem.throw_analysis import ThrowAnalysis
 from geometry.mass import unbalance
 from geometry.mesher import Throw
@@ -13,7 +15,13 @@ from geometry.throw import CrankThrow
 SUPPORTS: tuple[Support, ...] = ("pinned", "guided")
 
 
-def throw_record(analysis: ThrowAnalysis, radial_force: float) -> Record:
+def throw_record(
+    analysis: ThrowAnalysis,
+    radial_force: float,
+    *,
+    pin_force: Sequence[float] | None = None,
+    gamma_deg: float | None = None,
+) -> Record:
     """Compliances, reactions and masses of a throw.
 
     Parameters
@@ -21,16 +29,25 @@ def throw_record(analysis: ThrowAnalysis, radial_force: float) -> Record:
     analysis : ThrowAnalysis
     radial_force : float
         Z for which reactions are given [N].
+    pin_force : (3,) sequence of float, optional
+        On the first pin, in the throw frame, in place of Z [N].
+    gamma_deg : float, optional
+        Angle to equal neighbors, one more support [deg].
     """
     supports, mesh = {}, analysis.mesh
-    for support in SUPPORTS:
+    named: dict[str, Support] = {str(support): support for support in SUPPORTS}
+    if gamma_deg is not None:
+        named[f"neighbors {gamma_deg:g} deg"] = Neighbors(gamma_deg, gamma_deg)
+    acting = (0.0, -radial_force, 0.0) if pin_force is None else tuple(pin_force)
+    for name, support in named.items():
         answer = analysis.supported(support)
-        found = analysis.reactions((0.0, -radial_force, 0.0), support)
-        supports[str(support)] = {
+        found = analysis.reactions(acting, support)
+        supports[name] = {
             "axial_compliance": answer.axial,
             "torsional_compliance": answer.torsional,
             "influence_coefficient": answer.influence,
             "axial_force_per_radial": answer.influence / answer.axial,
+            "axial_force": float(answer.stretches[0] @ acting) / answer.axial,
             "reactions": {
                 side: attributes(getattr(found, side), "force", "moment")
                 for side in ("left", "right")
@@ -40,8 +57,13 @@ def throw_record(analysis: ThrowAnalysis, radial_force: float) -> Record:
         "dimensions": _dimensions(analysis.throw),
         "material": analysis.material.model_dump(),
         "supports": supports,
-        "radial_force": radial_force,
+        "radial_force": -acting[1],
+        "pin_force": list(acting),
         **attributes(analysis, "mass", "center_of_mass", "inertia", "stiffness"),
+        "stiffness_units": {
+            "row": (["N"] * 3 + ["N m"] * 3) * 2,
+            "per_column": (["m"] * 3 + ["rad"] * 3) * 2,
+        },
         "inertia_about_shaft": analysis.masses.inertia_about_shaft,
         "unbalance": attributes(
             unbalance(analysis.masses, analysis.throw.length / 2.0), "static", "dynamic"

@@ -1,5 +1,7 @@
 """The tables of a throw, from its plain record."""
 
+from dataclasses import replace
+
 from crankbase.tables.output_units import SI, OutputUnits
 from crankbase.tables.table import Column, Table
 from crankfem.analyses.record import Record
@@ -28,11 +30,35 @@ def support_table(record: Record) -> Table:
     )
 
 
+def loaded_table(record: Record, units: OutputUnits = SI) -> Table:
+    """Return the compliances of a throw with the axial force P of the force on its pin beside them."""
+    table = support_table(record)
+    return replace(
+        table,
+        columns=[*table.columns, Column("P", "kN")],
+        rows=[
+            [*row, own["axial_force"]]
+            for row, own in zip(table.rows, record["supports"].values(), strict=True)
+        ],
+        note=f"P: axial force at the right end that keeps the length under {pin_force_words(record, units)}.",
+    )
+
+
+def pin_force_words(record: Record, units: OutputUnits = SI) -> str:
+    """Say which force acts on the pin of a `throw_record`."""
+    unit = units.of("kN")
+    # Records of older versions know radial forces only.
+    x, y, z = record.get("pin_force", (0.0, -record["radial_force"], 0.0))
+    if x == z == 0.0 and y <= 0.0:
+        return f"a radial force of {unit.with_name(-y)} on the pin"
+    shown = ", ".join(unit.number(value) for value in (x, y, z))
+    return f"a force of {shown} {unit.name} (x, y, z) on the pin"
+
+
 def reaction_table(record: Record, units: OutputUnits = SI) -> Table:
     """Return what the ends of a throw take of a radial force on its pin."""
     return Table(
-        f"Reactions to a radial force of {units.of('kN').with_name(record['radial_force'])} on the "
-        "pin, length kept",
+        f"Reactions to {pin_force_words(record, units)}, length kept",
         [
             Column("support", words=True),
             Column("end", words=True),

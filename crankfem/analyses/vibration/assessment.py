@@ -1,6 +1,6 @@
 """What an engine's forced vibration means: limits, verdict, and how sure it is."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
@@ -10,9 +10,9 @@ from crankbase.checks.arrays import FloatArray
 from crankbase.summaries import summarized
 from crankbase.tables.frames import table
 from crankfem.analyses.shaft.chains import damped_engine_chain
-from crankfem.analyses.shaft.sources import FE, FE_PINNED
-from crankfem.analyses.shaft.throw_analyses import Analyses, analyses_by_name
-from crankfem.analyses.vibration.bearing_sweep import HeldChains, other_chains
+from crankfem.analyses.shaft.source_errors import source_spread
+from crankfem.analyses.shaft.throw_analyses import Analyses
+from crankfem.analyses.vibration.bearing_sweep import HeldChains, answers_by_chain
 from crankfem.analyses.vibration.decision import engine_decision
 from crankfem.analyses.vibration.engine_limits import (
     engine_limits,
@@ -20,9 +20,11 @@ from crankfem.analyses.vibration.engine_limits import (
     limit_findings,
     limited_series,
 )
-from crankfem.analyses.vibration.forced import ForcedVibration
+from crankfem.analyses.vibration.forced import ForcedVibration, forced_vibrations
+from crankfem.analyses.vibration.modes import Vibration
+from crankfem.analyses.vibration.source_verdicts import Again, source_verdicts
 from crankfem.files.engine.engine_file import EngineFile
-from dynamics.assessment.decided import Decision
+from dynamics.assessment.decided import Decision, Trial, decide
 from dynamics.assessment.limits import VibrationLimit
 from dynamics.assessment.response_curves import with_resonances
 from dynamics.assessment.separation import USUAL_MARGIN, CriticalRange, critical_ranges
@@ -31,21 +33,17 @@ from dynamics.assessment.uncertainty import Samples, chain_samples, frequency_bo
 from dynamics.assessment.verdict import LimitCheck, Verdict
 from dynamics.chains.chain import Chain
 from dynamics.critical import engine_orders
+from dynamics.excitation.cylinder_harmonics import CylinderHarmonics
 from dynamics.response.forced import forced_response
 from dynamics.response.peak_cause import PeakCause, peak_cause
 from dynamics.response.series import OrderSeries
 from dynamics.response.synthesis import synthesis
 from dynamics.running_limits import within
+from fem.shaft import ShaftCompliances
+from regression.models.compliance_model import ComplianceModel
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
-
-# The estimate of the discretization error may be off by this factor.
-ERROR_FACTOR = 2.0
-FE_ERROR = {
-    "axial": "error of the finite elements",
-    "torsional": "error of the finite elements (that of the axial compliance)",
-}
 
 
 @summarized("kind", "spreads", "nominal [Hz]", "lowest [Hz]", "highest [Hz]")
@@ -65,6 +63,8 @@ class Uncertainty:
     amplitudes : Samples or None
         Largest amplitude of the free end over the running range [rad or m] for many possible chains;
         None unless the engine file has the section [ranges].
+    barred : tuple of pairs of float
+        Speeds to be barred with some compliance of the range [rad/s]; those of the verdict lie among them.
     """
 
     kind: str
@@ -74,6 +74,7 @@ class Uncertainty:
     highest: FloatArray
     critical: tuple[CriticalRange, ...]
     amplitudes: Samples | None
+    barred: tuple[tuple[float, float], ...] = ()
 
     def to_pandas(self) -> Any:
         """Return a table of the elastic natural frequencies with their bounds.
@@ -145,9 +146,10 @@ def assess(
     engine_file: EngineFile,
     axial: ForcedVibration,
     torsional: ForcedVibration,
-    analysis: Analyses,
+    errors: Mapping[str, Spread],
     held: Sequence[HeldChains] = (),
-    again: Callable[[EngineFile], tuple[ForcedVibration, ForcedVibration]] | None = None,
+    chains: tuple[Vibration, Vibration] | None = None,
+    again: Again | None = None,
 ) -> Assessment:
     """Hold the forced vibration of an engine against limits, and carry what is uncertain through it.
 
@@ -156,13 +158,16 @@ def assess(
     engine_file : EngineFile
         Its sections [limits] and [ranges] are used where given.
     axial, torsional : ForcedVibration
-    analysis : ThrowAnalysis or mapping
-        Of the throw, or of each throw by its name, for the largest error of their compliances.
+    errors : mapping of str to Spread
+        Kind to the error of its compliances' source; see `crankfem.analyses.shaft.source_errors`.
     held : sequence of HeldChains, optional
-        The chains over the range of the bearings' stiffness, all of which frequencies' bounds hold for.
+        The chains over the range of the bearings' stiffness with their answers, for all of which the bounds
+        of frequencies and critical speeds hold.
+    chains : pair of Vibration, optional
+        The axial and the torsional one.
     again : callable, optional
-        Forced vibration, axial and torsional, of an engine with other damping, to find out whether the
-        verdict holds; without it other damping is not tried.
+        Forced vibration of an engine with other damping or other chains, to find out whether the verdict
+        holds; without it and the chains neither is tried.
 
     Raises
     ------
@@ -170,8 +175,6 @@ def assess(
         If a limit is on an element that the chain does not have.
     """
     limits, remarks = engine_limits(engine_file)
-    analyses = analyses_by_name(engine_file, analysis).values()
-    error = max(own.error_estimate for own in analyses)
     findings = limit_findings(engine_file, axial, torsional)
     verdict = engine_verdict(engine_file, findings)
     limited = {
@@ -185,14 +188,72 @@ def assess(
         replace(one, cause=_cause(one, *limited[one.limit.name, one.curve.name], torsional))
         for one in verdict.checks
     )
+    spreads = {own.kind: _spreads(engine_file, own, errors[own.kind]) for own in (axial, torsional)}
+    trials: tuple[Trial, ...] = ()
+    barred: dict[str, tuple[tuple[float, float], ...]] = {}
+    damped = None
+    if again is not None and chains is not None:
+        known, answer = chains, again
+
+        def damped(other: EngineFile) -> tuple[ForcedVibration, ForcedVibration]:
+            return answer(other, *known)
+
+        for kind, own in spreads.items():
+            (spread,) = (one for one in own if one.kind == "compliance")
+            found = source_verdicts(engine_file, chains, kind, spread, verdict, again)
+            trials, barred = (*trials, *found.trials), barred | {kind: found.barred}
+    decision = engine_decision(engine_file, verdict.status, findings, damped)
     return Assessment(
         verdict=replace(verdict, checks=checks),
         limits=limits,
-        decision=engine_decision(engine_file, verdict.status, findings, again),
+        decision=decide(verdict.status, (*decision.trials, *trials)),
         remarks=remarks,
-        axial=_uncertainty(engine_file, axial, error, held),
-        torsional=_uncertainty(engine_file, torsional, error, held),
+        axial=_uncertainty(engine_file, axial, spreads["axial"], held, barred.get("axial", ())),
+        torsional=_uncertainty(
+            engine_file, torsional, spreads["torsional"], held, barred.get("torsional", ())
+        ),
     )
+
+
+def assess_chains(
+    engine_file: EngineFile,
+    harmonics: CylinderHarmonics,
+    chains: tuple[Vibration, Vibration],
+    forced: tuple[ForcedVibration, ForcedVibration],
+    shaft: ShaftCompliances,
+    analysis: Analyses,
+    model: ComplianceModel | None,
+    held: Sequence[HeldChains],
+) -> Assessment:
+    """Assess the forced vibration of an engine's chains, with other chains and damping where these decide.
+
+    Parameters
+    ----------
+    engine_file : EngineFile
+    harmonics : CylinderHarmonics
+        What excites.
+    chains : pair of Vibration
+        The axial and the torsional one.
+    forced : pair of ForcedVibration
+        Theirs.
+    shaft, analysis, model
+        What the compliances come from; see `source_spread`.
+    held : sequence of HeldChains
+        As of `assess`.
+    """
+
+    def again(
+        other: EngineFile, axial: Vibration, torsional: Vibration
+    ) -> tuple[ForcedVibration, ForcedVibration]:
+        return forced_vibrations(
+            other, harmonics, axial, torsional, shaft, analysis, limits_alone=True
+        )
+
+    errors = {
+        own.kind: source_spread(engine_file, own.kind, own.chosen.source, analysis, shaft, model)
+        for own in chains
+    }
+    return assess(engine_file, *forced, errors, held, chains, again)
 
 
 def _cause(
@@ -224,15 +285,16 @@ def _cause(
 def _uncertainty(
     engine_file: EngineFile,
     forced: ForcedVibration,
-    error_estimate: float,
+    spreads: tuple[Spread, ...],
     held: Sequence[HeldChains],
+    barred: tuple[tuple[float, float], ...],
 ) -> Uncertainty:
     """Bounds of frequencies and critical speeds; amplitudes by samples where ranges are given."""
     engine, given = engine_file.engine, engine_file.ranges
     chain, running = forced.engine_chain.chain, (engine.lowest_speed, engine.highest_speed)
-    spreads = _spreads(engine_file, forced, error_estimate)
     rigid = chain.modes().rigid
-    others = other_chains(held, forced.kind)
+    each = answers_by_chain(held, forced)
+    others = tuple(each)[1:]
     low, high = frequency_bounds(chain, spreads, others)
     orders = engine_orders(engine.strokes, engine_file.vibration.highest_order)
     margin = USUAL_MARGIN if given is None else given.separation_margin
@@ -257,17 +319,16 @@ def _uncertainty(
             orders,
             running,
             within=margin,
-            damped=forced.damped_shift,
+            damped=lambda own, mode, order: each[own].damped_shifts(mode, order),
             others=others,
         ),
         amplitudes=amplitudes,
+        barred=barred,
     )
 
 
-def _spreads(
-    engine_file: EngineFile, forced: ForcedVibration, error_estimate: float
-) -> tuple[Spread, ...]:
-    """What the file says is uncertain, and at least the error of the finite elements."""
+def _spreads(engine_file: EngineFile, forced: ForcedVibration, error: Spread) -> tuple[Spread, ...]:
+    """What the file says is uncertain, and at least the error of the compliances' source."""
     given = engine_file.ranges
     elements = tuple(range(len(forced.crank_elements.names)))
     found: tuple[Spread, ...] = ()
@@ -277,15 +338,7 @@ def _spreads(
         )
     if any(own.kind == "compliance" for own in found):
         return found
-    softer = 1.0 + ERROR_FACTOR * error_estimate
-    settings = engine_file.vibration
-    source = settings.axial_source if forced.kind == "axial" else settings.torsional_source
-    name = (
-        FE_ERROR[forced.kind]
-        if source.casefold() in (FE, FE_PINNED)
-        else f"compliance by {source} (as much as finite elements err; its own error is not known)"
-    )
-    return (Spread("compliance", 1.0, softer, elements, name), *found)
+    return (replace(error, places=elements), *found)
 
 
 def _peak(engine_file: EngineFile, forced: ForcedVibration, chain: Chain) -> float:

@@ -27,7 +27,7 @@ def assessment_record(assessment: Assessment) -> Record:
         "decision": attributes(assessment.decision, "status", "sentence")
         | {
             "trials": [
-                attributes(one, "field", "name", "value", "unit", "status", "taken")
+                attributes(one, "field", "name", "value", "unit", "status", "taken", "why")
                 for one in assessment.decision.trials
             ]
         },
@@ -108,6 +108,9 @@ def _uncertainty(uncertain: Uncertainty) -> Record:
                     "high_rpm": one.high * RPM,
                 }
                 for one in uncertain.critical
+            ],
+            "barred": [
+                {"low_rpm": low * RPM, "high_rpm": high * RPM} for low, high in uncertain.barred
             ],
             "amplitudes": None
             if amplitudes is None

@@ -18,12 +18,14 @@ from crankfem.analyses.shaft.whole_shaft import WholeShaft, unmodeled_sections
 from crankfem.analyses.vibration.engine_excitation import calculated_range
 from crankfem.analyses.vibration.engine_limits import (
     assessment_end_speeds,
+    bending_speeds,
     engine_limits,
     engine_verdict,
     limit_findings,
 )
 from crankfem.analyses.vibration.forced import ForcedVibration, forced_vibrations
 from crankfem.analyses.vibration.modes import Vibration, axial_vibration, torsional_vibration
+from crankfem.analyses.vibration.resonances import resonances_of
 from crankfem.files.engine.engine_file import EngineFile
 from dynamics.assessment.decided import Trial
 from dynamics.assessment.verdict import Status, Verdict
@@ -55,12 +57,15 @@ class HeldChains:
     shaft : ShaftCompliances
     axial, torsional : Vibration
         With the chosen compliances alone.
+    answers : tuple of ForcedVibration or None
+        Axial and torsional, with their resonances; None where they were not calculated.
     """
 
     stiffness: float
     shaft: ShaftCompliances
     axial: Vibration
     torsional: Vibration
+    answers: tuple[ForcedVibration, ForcedVibration] | None = None
 
     def chain(self, kind: str) -> EngineChain:
         """Return the chain of one kind with the chosen compliances."""
@@ -118,16 +123,19 @@ class BearingSweep:
         held = self.bearings
         over = f"Main bearings of {_stiffness(held.lowest)} to {_stiffness(held.highest)} N/m"
         over += " (assumed)" if held.assumed else ""
-        moved = [
-            f"{kind} {_range(own, '.1f')} Hz by the {by}"
-            for kind in KINDS[::-1]
-            for by, own in (
-                ("chain", self.chains.get(kind)),
-                ("whole crankshaft", self.shaft.get(kind)),
-            )
-            if own is not None and np.any(np.isfinite(own))
-        ]
-        found = [f"{over}: first frequency of the crankshaft {', '.join(moved)}."]
+        found = []
+        for kind in KINDS[::-1]:
+            moved = [
+                f"{_range(own, '.1f')} Hz by the {by}"
+                for by, own in (
+                    ("chain", self.chains.get(kind)),
+                    ("whole crankshaft", self.shaft.get(kind)),
+                )
+                if own is not None and np.any(np.isfinite(own))
+            ]
+            if moved:
+                found.append(f"first {kind} frequency of the crankshaft {', '.join(moved)}")
+        found = [f"{over}: {'; '.join(found)}."]
         if self.used:
             uses = ", ".join(
                 f"{_range(100.0 * own, '.0f')} % of the limit on {name}"
@@ -136,7 +144,7 @@ class BearingSweep:
             said = (
                 f"the verdict changes within this range: {self.status_by_stiffness}"
                 if self.flips
-                else f'the verdict is "{self.statuses[0]}" over the whole range'
+                else f'the verdict, all else as taken, is "{self.statuses[0]}" over the whole range'
             )
             found.append(f"Over that range {uses} are used, and {said}.")
         return tuple(found)
@@ -249,7 +257,13 @@ def bearing_sweep(
         verdicts = [
             verdict
             if verdict is not None and place == nominal
-            else _verdict(engine_file, one, analysis, harmonics)
+            else engine_verdict(
+                engine_file,
+                limit_findings(
+                    engine_file,
+                    *(one.answers or _answers(engine_file, one, analysis, harmonics)),
+                ),
+            )
             for place, one in enumerate(each)
         ]
     limits = dict.fromkeys(check.limit.name for own in verdicts for check in own.checks)
@@ -278,9 +292,35 @@ def in_bearings(shaft: AssembledShaft, added: float) -> AssembledShaft:
     return replace(shaft, stiffness=shaft.stiffness + added * rows.T @ rows)
 
 
-def other_chains(each: Sequence[HeldChains], kind: str) -> tuple[Chain, ...]:
-    """Return the chains of one kind, for bounds that hold for all of them."""
-    return tuple(own.chain(kind).chain for own in each)
+def with_answers(
+    engine_file: EngineFile,
+    each: Sequence[HeldChains],
+    analysis: Analyses,
+    harmonics: CylinderHarmonics,
+) -> tuple[HeldChains, ...]:
+    """Return chains of the sweep with their forced vibration and its resonances, but for the nominal ones.
+
+    Speeds are those of a coarse grid; resonances are looked for between them.
+    """
+    nominal = len(each) // 2
+    return tuple(
+        one
+        if place == nominal
+        else replace(one, answers=_answers(engine_file, one, analysis, harmonics))
+        for place, one in enumerate(each)
+    )
+
+
+def answers_by_chain(
+    each: Sequence[HeldChains], nominal: ForcedVibration
+) -> dict[Chain, ForcedVibration]:
+    """Return the forced vibration of one kind by its chain: the nominal one first, then the others."""
+    found = {nominal.engine_chain.chain: nominal}
+    for one in each:
+        for answer in one.answers or ():
+            if answer.kind == nominal.kind:
+                found[answer.engine_chain.chain] = answer
+    return found
 
 
 def _first(chain: EngineChain) -> float:
@@ -298,11 +338,11 @@ def _matched(shaft: AssembledShaft, modes: Any, chain: EngineChain) -> float:
     return math.nan if found is None else found
 
 
-def _verdict(
+def _answers(
     engine_file: EngineFile, held: HeldChains, analysis: Analyses, harmonics: CylinderHarmonics
-) -> Verdict:
-    """Judge the forced vibration in bearings of one stiffness, at a coarse grid of speeds."""
-    answers: tuple[ForcedVibration, ForcedVibration] = forced_vibrations(
+) -> tuple[ForcedVibration, ForcedVibration]:
+    """Return the forced vibration in bearings of one stiffness, at a coarse grid of speeds."""
+    lengthened, twisted = forced_vibrations(
         engine_file,
         harmonics,
         held.axial,
@@ -311,12 +351,16 @@ def _verdict(
         analysis,
         speeds=_coarse_speeds(engine_file, harmonics.orders, held),
     )
-    return engine_verdict(engine_file, limit_findings(engine_file, *answers))
+    return (
+        replace(lengthened, resonances=resonances_of(engine_file, lengthened)),
+        replace(twisted, resonances=resonances_of(engine_file, twisted)),
+    )
 
 
 def _coarse_speeds(engine_file: EngineFile, orders: FloatArray, held: HeldChains) -> FloatArray:
     low, high = calculated_range(engine_file)
-    found = [np.linspace(low, high, POINTS), np.clip(assessment_end_speeds(engine_file), low, high)]
+    marked = (*assessment_end_speeds(engine_file), *bending_speeds(engine_file))
+    found = [np.linspace(low, high, POINTS), np.clip(marked, low, high)]
     limits, _ = engine_limits(engine_file)
     judged = ("torsional", *(["axial"] if any(name.startswith("axial") for name in limits) else []))
     for kind in judged:

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from crankbase.errors import InputError
 from crankfem.analyses.shaft.throw_analyses import Analyses, crank_analyses
-from crankfem.analyses.vibration.engine_limits import assessment_end_speeds
+from crankfem.analyses.vibration.engine_limits import assessment_end_speeds, bending_speeds
 from crankfem.analyses.vibration.engine_load import pressure_over_speeds
 from crankfem.analyses.vibration.modes import SourceResult
 from crankfem.files.engine.engine_file import EngineFile
@@ -114,7 +114,7 @@ def calculated_speeds(
     chains: Sequence[DampedChain],
     further: Frequencies = (),
 ) -> NDArray[np.float64]:
-    """Return speeds among which no resonance is missed, and where judging ends.
+    """Return speeds among which no resonance is missed, and where limits bend and judging ends.
 
     Parameters
     ----------
@@ -139,8 +139,8 @@ def calculated_speeds(
         (low, high),
         points=POINTS,
     )
-    ends = [min(end, high) for end in assessment_end_speeds(engine_file) if within(end, low, high)]
-    return merged_speeds(speeds, ends)
+    ends = (*assessment_end_speeds(engine_file), *bending_speeds(engine_file))
+    return merged_speeds(speeds, [min(end, high) for end in ends if within(end, low, high)])
 
 
 def merged_speeds(speeds: Frequencies, others: Frequencies) -> NDArray[np.float64]:

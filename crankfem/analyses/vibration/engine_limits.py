@@ -32,6 +32,8 @@ RULE_PICKED = (
 )
 # Any number above zero serves where only the names of nodes and elements are wanted.
 ANY_COMPLIANCE, ANY_INERTIA = 1e-8, 1.0
+# Just beyond the speed at which a limit ends, as a share of it.
+BEYOND = 1e-6
 # Firings count as even if their intervals differ by less [deg].
 UNEVEN = 0.01
 COUPLING, DAMPER = "flywheel - driven machine", "damper ring"
@@ -163,6 +165,15 @@ def assessment_end_speeds(engine_file: EngineFile) -> tuple[float, ...]:
     return tuple(sorted({*running, *ends}))
 
 
+def bending_speeds(engine_file: EngineFile) -> tuple[float, ...]:
+    """Return the speeds at which a limit may bend or jump [rad/s]: the rated one, and where passing ends."""
+    limits, _ = engine_limits(engine_file)
+    ends = [one.passing.high for one in limits.values() if one.passing is not None]
+    finite = [end for end in ends if np.isfinite(end)]
+    beyond = [end * (1.0 + BEYOND) for end in finite]
+    return tuple(sorted({engine_file.engine.rated_speed, *finite, *beyond}))
+
+
 def limit_findings(
     engine_file: EngineFile, axial: Limited, torsional: Limited
 ) -> list[tuple[VibrationLimit, AmplitudeCurve]]:
@@ -212,7 +223,7 @@ def refuse_limits(engine_file: EngineFile) -> None:
     ------
     InputError
     """
-    compliances = np.full(len(engine_file.throw_angles), ANY_COMPLIANCE)
+    compliances = np.full(len(engine_file.throw_angles_deg), ANY_COMPLIANCE)
     inertias = engine_throw_inertias(engine_file, ANY_INERTIA)
     named = engine_torsional_chain(engine_file, compliances, inertias)
     if engine_file.limits is None:

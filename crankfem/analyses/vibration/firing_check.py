@@ -10,9 +10,11 @@ from crankbase.summaries import summarized
 from crankbase.tables.frames import Row
 from crankbase.units.quantity import format_quantity
 from dynamics.assessment.largest_amplitude import largest_amplitude
+from dynamics.assessment.limit_sentences import use_in_words
 from dynamics.assessment.limits import VibrationLimit
 from dynamics.response.series import OrderSeries
 
+DIGITS = 3
 # Numbers of cylinders that fail together, from 1.
 Cylinders = tuple[int, ...]
 
@@ -70,6 +72,9 @@ class FiringCheck:
         In the worst case, held against the limit while misfiring, `VibrationLimit.misfiring`.
     each : dict
         Cylinders that fail to the worst then.
+    over_speed : tuple of three (S,) arrays, or None
+        Running speeds [rad/s], and at the place of `misfiring` the amplitude with all cylinders firing
+        and in the worst case; of the crankshaft's stress alone.
     """
 
     quantity: str
@@ -79,6 +84,7 @@ class FiringCheck:
     cylinders: Cylinders
     misfiring: Reached
     each: Mapping[Cylinders, Reached]
+    over_speed: tuple[FloatArray, FloatArray, FloatArray] | None = None
 
     @property
     def passed(self) -> bool:
@@ -88,30 +94,23 @@ class FiringCheck:
     @property
     def sentence(self) -> str:
         """What was found while misfiring, and beside it normal firing."""
-        own, unit = self.misfiring, self.unit
-        speed = format_quantity(own.speed, "rad/s", 4)
-        place = f"With {named(self.cylinders)} misfiring, {self.quantity}, {own.place}"
-        allowed = "" if np.isinf(own.permitted) else format_quantity(own.permitted, unit, 4)
-        if np.isinf(own.value):
-            found = f"is unbounded at {speed}"
+        own, normal, limit = self.misfiring, self.normal, self.limit
+        if limit is None or np.isinf(own.permitted):
+            found = f"is at worst {self._amount(own)}"
         else:
-            reached = format_quantity(own.value, unit, 4)
-            if not allowed:
-                found = f"is at worst {reached} at {speed}"
-            elif self.passed:
-                found = (
-                    f"is at worst {reached} at {speed}, {100.0 * own.used:.3g} % of the {allowed} "
-                    "permitted then"
-                )
-            else:
-                found = f"reaches {reached} at {speed}, {own.used:.3g} times the {allowed} permitted then"
-        normal = (
-            "unbounded"
-            if np.isinf(self.normal.value)
-            else format_quantity(self.normal.value, unit, 4)
+            found = use_in_words(limit, own.speed, own.value, own.permitted, DIGITS)
+        elsewhere = "" if normal.place == own.place else f", {normal.place}"
+        return (
+            f"With {named(self.cylinders)} misfiring, {self.quantity}, {own.place}: {found}; with all "
+            f"cylinders firing {self._amount(normal)}{elsewhere}."
         )
-        other = format_quantity(self.normal.speed, "rad/s", 4)
-        return f"{place}: {found}; with all cylinders firing {normal} at {other}."
+
+    def _amount(self, found: Reached) -> str:
+        """Write what is reached, and at which speed."""
+        at = format_quantity(found.speed, "rad/s", 4)
+        if np.isinf(found.value):
+            return f"unbounded at {at}"
+        return f"{format_quantity(found.value, self.unit, DIGITS)} at {at}"
 
     def row(self) -> Row:
         """Return what a table shows, each value with its unit; see `table_of`."""

@@ -125,15 +125,15 @@ class ForcedVibration:
         found[self.modes.numbers[numbered] - 1] = self.modes.frequencies[numbered]
         return found
 
-    def damped_shift(self, mode: int, order: float) -> float:
-        """Return the critical speed of an order and a mode with damping over that without.
+    def damped_shifts(self, mode: int, order: float) -> tuple[float, ...]:
+        """Return the critical speeds of an order and a mode with damping over that without, peak by peak.
 
         Beyond the speeds judged it is the ratio of the mode's frequencies.
         """
-        for one in self.resonances:
-            if (one.mode, one.order) == (mode, order):
-                return one.speed / one.undamped_speed
-        return float(self.frequencies[mode - 1] / self.modes.undamped[mode - 1])
+        met = [one for one in self.resonances if (one.mode, one.order) == (mode, order)]
+        if not met:
+            return (float(self.frequencies[mode - 1] / self.modes.undamped[mode - 1]),)
+        return tuple(one.speed / one.undamped_speed for one in met if one.has_peak)
 
     @property
     def peaks(self) -> tuple[DampedCritical, ...]:
@@ -280,6 +280,7 @@ def forced_vibrations(
     analysis: Analyses,
     further: Frequencies = (),
     speeds: FloatArray | None = None,
+    limits_alone: bool = False,
 ) -> tuple[ForcedVibration, ForcedVibration]:
     """Calculate the forced vibration of an engine's chains over its speeds.
 
@@ -299,6 +300,8 @@ def forced_vibrations(
     speeds : (S,) array, optional
         Ascending, to calculate at these alone [rad/s]: neither are the worst speeds looked for between
         them nor resonances.
+    limits_alone : bool, optional
+        Whether resonances and the comparison of axial forces are left out, which no limit holds for.
 
     Returns
     -------
@@ -324,6 +327,8 @@ def forced_vibrations(
         else own
     )
     forces = forces_over_speeds(engine_file, harmonics, merged_speeds(speeds, worst))
+    if limits_alone:
+        return _vibrations(chains, forces)
     compliances = chains.pulled.compliances
     compared = compared_axial_forces(engine_file, forces, compliances, shaft, analysis)
     lengthened, twisted = _vibrations(chains, forces)

@@ -16,7 +16,6 @@ from crankfem.analyses.vibration.engine_excitation import (
     calculated_speeds,
     failing_harmonics,
     forces_over_speeds,
-    merged_speeds,
 )
 from crankfem.analyses.vibration.engine_limits import (
     compared_quantities,
@@ -30,7 +29,6 @@ from crankfem.analyses.vibration.firing_check import (
     weights,
     worst_of,
 )
-from crankfem.files.engine.engine_file import EngineFile
 from crankfem.files.engine.mechanism_file import MechanismFile
 from dynamics.assessment.largest_amplitude import speeds_above
 from dynamics.assessment.limit_sentences import shown_range
@@ -40,8 +38,7 @@ from dynamics.excitation.cylinders import CylinderForces, forces_at_speeds
 from dynamics.response.series import OrderSeries
 from dynamics.running_limits import within
 
-# Just beyond the speed at which a limit ends, as a share of it.
-BEYOND = 1e-6
+STRESS = "crankshaft_stress"
 # By the key of `compared_quantities`.
 Series = dict[str, OrderSeries]
 Found = dict[str, dict[Cylinders, Reached]]
@@ -77,6 +74,11 @@ class Misfiring:
     def worst(self) -> FiringCheck:
         """The quantity of which most of the limit while misfiring is used."""
         return self.checks[0]
+
+    @property
+    def of_stress(self) -> FiringCheck | None:
+        """That of the crankshaft's stress."""
+        return next((one for one in self.checks if one.over_speed is not None), None)
 
     @property
     def passed(self) -> bool:
@@ -155,19 +157,9 @@ def misfiring_or_reason(
             raise
         return None, f"misfiring is not calculated: {error}"
     engine = file.engine
-    speeds = merged_speeds(
-        calculated_speeds(file, harmonics.orders, chains.damped), _limits_bend_at(file)
-    )
+    speeds = calculated_speeds(file, harmonics.orders, chains.damped)
     running = speeds[within(speeds, engine.lowest_speed, engine.highest_speed)]
     return _misfiring(_Superposition(chains, harmonics, failing), running), ""
-
-
-def _limits_bend_at(engine_file: EngineFile) -> list[float]:
-    """Return speeds at which a limit may bend or jump: the rated one, and where passing ends [rad/s]."""
-    limits = [one.limit for one in compared_quantities(engine_file).values()]
-    ends = [one.passing.high for one in limits if one is not None and one.passing is not None]
-    finite = [end for end in ends if np.isfinite(end)]
-    return [engine_file.engine.rated_speed, *finite, *(end * (1.0 + BEYOND) for end in finite)]
 
 
 @dataclass(frozen=True, eq=False)
@@ -224,6 +216,9 @@ def _misfiring(added: _Superposition, speeds: FloatArray) -> Misfiring:
             cylinders=worst[key],
             misfiring=own[worst[key]],
             each=own,
+            over_speed=_over_speed(added, speeds, key, worst[key], own[worst[key]].place)
+            if key == STRESS
+            else None,
         )
         for key, own in each.items()
     ]
@@ -234,6 +229,17 @@ def _misfiring(added: _Superposition, speeds: FloatArray) -> Misfiring:
         checks=tuple(sorted(checks, key=lambda one: (one.limit is None, -one.misfiring.used))),
         exceeded=_ranges(speeds, exceeded),
     )
+
+
+def _over_speed(
+    added: _Superposition, speeds: FloatArray, key: str, case: Cylinders, place: str
+) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Return speeds, and the amplitude at a place in normal firing and in one case of misfiring."""
+    normal, failing = (
+        _at_place(found[key], place).synthesis.amplitude[:, 0]
+        for _, found in added.at(speeds, [(), case])
+    )
+    return speeds, normal, failing
 
 
 def _ranges(speeds: FloatArray, flags: NDArray[np.bool_]) -> tuple[tuple[float, float], ...]:

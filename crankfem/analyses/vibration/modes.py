@@ -22,6 +22,7 @@ from crankfem.analyses.shaft.chains import (
 from crankfem.analyses.shaft.motion import MOTION
 from crankfem.analyses.shaft.sources import Sources, axial_sources, torsional_sources
 from crankfem.analyses.shaft.throw_analyses import Analyses, crank_analyses
+from crankfem.analyses.titles import short_name
 from crankfem.analyses.vibration.engine_limits import assessment_end_speeds
 from crankfem.files.engine.engine_file import EngineFile
 from dynamics.chains.chain_modes import Modes
@@ -117,18 +118,6 @@ class SourceResult:
 def mode_label(frequency: float, nodes: Sequence[float]) -> str:
     """Return what the legend says of a mode shape: its frequency [Hz] and how many nodes it has."""
     return f"{frequency:.1f} Hz, {len(nodes)} node{'s' if len(nodes) != 1 else ''}"
-
-
-def short_name(name: str) -> str:
-    """Return a node's name as it stands below an axis."""
-    return (
-        name.replace("cylinder ", "cyl. ")
-        .replace("section ", "")
-        .replace(", flywheel", "\nflywheel")
-        .replace(", thrust bearing", "\nthrust")
-        .replace("driven machine", "driven\nmachine")
-        .replace("damper ring", "damper\nring")
-    )
 
 
 @dataclass(frozen=True)

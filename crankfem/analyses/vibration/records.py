@@ -12,6 +12,7 @@ from crankfem.analyses.record import ASSUMED, Record, assumed_values, attributes
 from crankfem.analyses.shaft.motion import MOTION
 from crankfem.analyses.shaft.whole_records import whole_record
 from crankfem.analyses.vibration.assessment_records import assessment_record
+from crankfem.analyses.vibration.axial_cycle import axial_cycle_record
 from crankfem.analyses.vibration.bearing_sweep import BearingSweep
 from crankfem.analyses.vibration.engine_load import EngineLoad
 from crankfem.analyses.vibration.forced import ForcedVibration
@@ -42,6 +43,7 @@ def run_record(run: EngineVibration) -> Record:
     return {
         **{own.kind: vibration_record(own) for own in (run.axial, run.torsional)},
         "forced": {own.kind: forced_record(own) for own in forced if own is not None} or None,
+        "axial_force": _axial_force(run),
         "load": None if run.load is None else load_record(run.load),
         "assumed": assumed_values(input_values(run.engine_file)),
         "assessment": None if run.assessment is None else assessment_record(run.assessment),
@@ -50,6 +52,15 @@ def run_record(run: EngineVibration) -> Record:
         "whole": None if run.whole is None else whole_record(run.whole, run.comparison),
         "bearings": None if run.bearings is None else sweep_record(run.bearings),
     }
+
+
+def _axial_force(run: EngineVibration) -> Record | None:
+    if run.axial_force is None or run.forced_axial is None:
+        return None
+    compared = run.comparison
+    # Without a chain to compare with, the whole crankshaft lacks what follows the flywheel.
+    coupled = None if compared is None or compared.axial is None else compared.coupled
+    return axial_cycle_record(run.axial_force, run.forced_axial, run.engine_file, coupled)
 
 
 def load_record(load: EngineLoad) -> Record:
@@ -85,6 +96,7 @@ def vibration_record(vibration: Vibration) -> Record:
         "source": chosen.source,
         "nodes": list(chosen.chain.nodes),
         **attributes(chosen.chain.chain, "inertia", "stiffness", "ground"),
+        "connections": [list(pair) for pair in chosen.chain.chain.connections],
         "modes": _mode_records(chosen),
         "criticals": [
             {
@@ -98,8 +110,8 @@ def vibration_record(vibration: Vibration) -> Record:
             {
                 "source": result.source,
                 "first_frequencies": result.elastic_frequencies[:3].tolist(),
-                "first_frequency": result.first_frequency,
-                "beside_chosen": _beside(result, chosen),
+                "first_frequency": _first(result, chosen),
+                "beside_chosen": _first(result, chosen) / _first(chosen, chosen),
                 "mean_compliance": float(result.compliances.mean()),
                 "remark": result.remark,
             }
@@ -109,11 +121,13 @@ def vibration_record(vibration: Vibration) -> Record:
     }
 
 
-def _beside(result: SourceResult, chosen: SourceResult) -> float:
-    """First frequency of the crankshaft itself beside that with the chosen source."""
-    if result.first_frequency is None or chosen.first_frequency is None:
-        return float(result.elastic_frequencies[0] / chosen.elastic_frequencies[0])
-    return result.first_frequency / chosen.first_frequency
+def _first(result: SourceResult, chosen: SourceResult) -> float:
+    """Frequency of the mode that is the crankshaft's first with the chosen source [Hz].
+
+    Another source changes the mode's frequency and what it is called, but hardly its number.
+    """
+    first = chosen.chain.first_mode(chosen.modes)
+    return float(result.modes.frequencies[chosen.modes.rigid if first is None else first])
 
 
 def _mode_records(result: SourceResult) -> list[Record]:

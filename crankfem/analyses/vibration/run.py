@@ -12,6 +12,7 @@ from crankbase.drawing.legends import write_title
 from crankbase.errors import InputError
 from crankbase.summaries import summarized
 from crankbase.tables.frames import table
+from crankfem.analyses.shaft.saved_model import usable_model
 from crankfem.analyses.shaft.sources import compliances_in_shaft
 from crankfem.analyses.shaft.throw_analyses import Analyses, analyses_by_name, analyze_throws
 from crankfem.analyses.shaft.whole_difference import whole_shaft_remark, with_differences
@@ -23,12 +24,14 @@ from crankfem.analyses.shaft.whole_shaft import (
     unmodeled_sections,
     whole_shaft,
 )
-from crankfem.analyses.vibration.assessment import Assessment, assess
+from crankfem.analyses.vibration.assessment import Assessment, assess_chains
+from crankfem.analyses.vibration.axial_cycle import axial_cycle
 from crankfem.analyses.vibration.bearing_sweep import (
     BearingSweep,
     bearing_sweep,
     chains_over_bearings,
     held_chains,
+    with_answers,
 )
 from crankfem.analyses.vibration.chain_answers import EngineChains
 from crankfem.analyses.vibration.engine_excitation import engine_harmonics
@@ -43,6 +46,7 @@ from dynamics.assessment.decided import decide
 from dynamics.assessment.verdict import LimitCheck
 from dynamics.chains.chain import Chain
 from dynamics.critical import engine_orders
+from dynamics.excitation.axial_cycle import AxialForceOverCycle
 from dynamics.plots.campbell import draw_campbell
 from fem.shaft import ShaftCompliances
 from fem.throw_analysis import ThrowAnalysis
@@ -94,6 +98,9 @@ class EngineVibration:
         At which load each speed was taken; None where nothing is forced.
     bearings : BearingSweep or None
         What the range of the main bearings' stiffness does; None where the file gives no range.
+    axial_force : AxialForceOverCycle or None
+        Over the cycle at rated speed, on the thrust bearing and between held ends; None where nothing is
+        forced.
     """
 
     engine_file: EngineFile
@@ -110,6 +117,7 @@ class EngineVibration:
     misfiring_note: str = ""
     load: EngineLoad | None = None
     bearings: BearingSweep | None = None
+    axial_force: AxialForceOverCycle | None = None
 
     @property
     def analysis(self) -> ThrowAnalysis:
@@ -257,7 +265,7 @@ def engine_vibration(
     mechanism : MechanismFile, optional
         Of the same engine, where it is there already.
     model : ComplianceModel, optional
-        Regression of compliances, one more source of them.
+        Regression of compliances, one more source of them; by default the one that the file names.
     coupled : bool, optional
         Whether the whole crankshaft is calculated too, from superelements of its throws: seconds more.
     step : callable, optional
@@ -270,7 +278,8 @@ def engine_vibration(
     Raises
     ------
     InputError
-        If the file cannot be used, or analysis or mechanism are those of another engine.
+        If the file cannot be used, a regression is to be the source that says nothing of the throws, or
+        analysis or mechanism are those of another engine.
     MeshError, SolveError
         If the throw cannot be meshed or solved.
     """
@@ -283,6 +292,7 @@ def engine_vibration(
     forcing = read.gas is not None or read.gas_map is not None
     harmonics = engine_harmonics(read, mechanism) if forcing else None
     refuse_limits(read)
+    model = usable_model(read, model)
     load = engine_load(read, mechanism) if forcing else None
     if analyses is None:
         tell("Analyzing the throw" if len(read.named_throws) == 1 else "Analyzing the throws")
@@ -292,7 +302,7 @@ def engine_vibration(
     axial = axial_vibration(read, analyses, shaft, model)
     torsional = torsional_vibration(read, analyses, shaft, model)
     held = chains_over_bearings(read, analyses, model)
-    lengthened = twisted = assessment = whole = comparison = misfiring = None
+    lengthened = twisted = assessment = whole = comparison = misfiring = axial_force = None
     note = ""
     if coupled:
         tell("Calculating the whole crankshaft")
@@ -300,22 +310,20 @@ def engine_vibration(
     if harmonics is not None:
         modes = None if whole is None else whole.modes
         further = () if modes is None else modes.frequencies[modes.rigid :]
-        chains = (harmonics, axial, torsional, shaft, analyses)
-        lengthened, twisted = forced_vibrations(read, *chains, further)
-        tell("Calculating misfiring")
-        misfiring, note = misfiring_or_reason(
-            EngineChains.of(read, axial, torsional, shaft), mechanism, harmonics
+        lengthened, twisted = forced_vibrations(
+            read, harmonics, axial, torsional, shaft, analyses, further
         )
+        ready = EngineChains.of(read, axial, torsional, shaft)
+        axial_force = axial_cycle(ready, harmonics)
+        tell("Calculating misfiring")
+        misfiring, note = misfiring_or_reason(ready, mechanism, harmonics)
+        if held:
+            tell("Varying the main bearings")
+            held = with_answers(read, held, analyses, harmonics)
         if read.ranges is not None:
             tell("Sampling what is uncertain")
-        assessment = assess(
-            read,
-            lengthened,
-            twisted,
-            analyses,
-            held,
-            lambda other: forced_vibrations(other, *chains),
-        )
+        chains, forced = (axial, torsional), (lengthened, twisted)
+        assessment = assess_chains(read, harmonics, chains, forced, shaft, analyses, model, held)
     if whole is not None:
         answer = None if twisted is None else shaft_response(read, whole, twisted.forces)
         comparison = (
@@ -339,7 +347,6 @@ def engine_vibration(
         )
     sweep = None
     if held:
-        tell("Varying the main bearings")
         verdict = None if assessment is None else assessment.verdict
         sweep = bearing_sweep(read, held, analyses, whole, harmonics, verdict)
     if assessment is not None:
@@ -365,6 +372,7 @@ def engine_vibration(
         misfiring_note=note,
         load=load,
         bearings=sweep,
+        axial_force=axial_force,
     )
 
 

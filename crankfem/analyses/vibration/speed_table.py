@@ -1,6 +1,6 @@
 """The one table of critical speeds of an engine: where they lie, how sure that is, and what they do."""
 
-from collections.abc import Iterable
+from dataclasses import replace
 
 from crankbase.tables.output_units import SI, OutputUnits
 from crankbase.tables.table import Cell, Column, Table
@@ -11,6 +11,9 @@ from crankfem.analyses.shaft.motion import MOTION
 from crankfem.analyses.vibration.tables import FREQUENCY, ROWS_SHOWN, SPEED, TOGETHER
 
 KINDS = ("axial", "torsional")
+# Of what there is none, or none is known, such as amplitudes beyond the speeds judged.
+ABSENT = "-"
+BESIDE = ("lowest", "highest", "undamped", "ring locked")
 
 
 def speed_table(vibration: Record, units: OutputUnits = SI, most: int = ROWS_SHOWN) -> Table:
@@ -36,23 +39,15 @@ def speed_table(vibration: Record, units: OutputUnits = SI, most: int = ROWS_SHO
     columns = [
         Column("vibration", words=True),
         SPEED,
-        *(
-            Column(name, "1/min", decimals=1, bare=True)
-            for name in ("lowest", "highest", "undamped")
-        ),
-        *(
-            [Column("ring locked", "1/min", decimals=1, bare=True)]
-            if any(row["ring locked"] is not None for row in rows)
-            else []
-        ),
+        *(_absent(Column(name, "1/min", decimals=1, bare=True)) for name in BESIDE),
         Column("order", digits=None),
         Column("mode"),
-        FREQUENCY,
-        Column("phase sum", decimals=2),
-        Column("amplitude"),
-        Column("damping", "%", decimals=2),
+        _absent(FREQUENCY),
+        _absent(Column("phase sum", decimals=2)),
+        _absent(Column("amplitude")),
+        _absent(Column("damping", "%", decimals=2)),
         Column("margin", "%", decimals=1, missing="inside"),
-        Column("kind", words=True),
+        Column("kind", words=True, missing=""),
     ]
     # A column that would say "none" of every speed says nothing.
     columns = [one for one in columns if any(row[one.name] is not None for row in rows)]
@@ -67,22 +62,41 @@ def speed_table(vibration: Record, units: OutputUnits = SI, most: int = ROWS_SHO
     )
 
 
+def _absent(column: Column) -> Column:
+    return replace(column, missing=ABSENT)
+
+
 def _speeds(vibration: Record, kind: str) -> list[Record]:
-    """Return what is known of each critical speed of one kind, put together by its mode and order."""
+    """Return what is known of each critical speed of one kind, put together by its mode and order.
+
+    One order may have several peaks by one mode, each a critical speed of its own.
+    """
     forced, assessment = vibration["forced"], vibration["assessment"]
-    found: dict[tuple[int, float], Record] = {}
+    peaks = [] if forced is None else forced[kind]["resonances"]
+    met = {_meeting(one): one for one in vibration[kind]["criticals"]}
+    found: list[Record] = [{"resonance": one} for one in peaks]
+    found += [{"critical": met[key]} for key in met.keys() - {_meeting(one) for one in peaks}]
+    for own in found:
+        key = _meeting(_known(own))
+        own |= {"kind of motion": kind} | ({"critical": met[key]} if key in met else {})
+    margins = [] if assessment is None else assessment["uncertainty"][kind]["critical"]
+    for margin in margins:
+        same = [own for own in found if _meeting(_known(own)) == _meeting(margin)]
+        if not same:
+            found.append({"kind of motion": kind, "margin": margin})
+            continue
+        nearest = min(same, key=lambda own: _distance(own, margin))
+        nearest["margin"] = margin
+    return found
 
-    def add(records: Iterable[Record], part: str) -> None:
-        for one in records:
-            own = found.setdefault((one["mode"], one["order"]), {"kind of motion": kind})
-            own[part] = one
 
-    add(vibration[kind]["criticals"], "critical")
-    if forced is not None:
-        add(forced[kind]["resonances"], "resonance")
-    if assessment is not None:
-        add(assessment["uncertainty"][kind]["critical"], "margin")
-    return list(found.values())
+def _meeting(record: Record) -> tuple[int, float]:
+    return record["mode"], record["order"]
+
+
+def _distance(record: Record, margin: Record) -> float:
+    speed = _speed_rpm(record)
+    return float("inf") if speed is None else abs(speed - float(margin["speed_rpm"]))
 
 
 def _strength(record: Record) -> float:
@@ -129,13 +143,13 @@ def _row(record: Record, units: OutputUnits) -> dict[str, Cell]:
         "phase sum": critical.get("phase_sum"),
         "amplitude": _amplitude(peak, kind, units),
         "damping": peak.get("damping_ratio"),
-        "margin": margin.get("margin") or None,
+        "margin": (margin["margin"] or None) if margin else ABSENT if peak else None,
         "kind": f"{named}{', ' if named else ''}outside" if above else named or None,
     }
 
 
 def _amplitude(peak: Record, kind: str, units: OutputUnits) -> str | None:
-    if not peak:
+    if peak.get("speed_rpm") is None:
         return None
     if peak["unbounded"]:
         return UNBOUNDED

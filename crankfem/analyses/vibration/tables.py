@@ -10,11 +10,14 @@ from crankbase.units.number_formats import UNBOUNDED
 from crankbase.units.units import RPM
 from crankfem.analyses.record import Record
 from crankfem.analyses.shaft.motion import MOTION
+from dynamics.chains.engine_chains import FREE_END
 
 # What a table shows; files hold everything.
 ROWS_SHOWN = 12
 # Resultant of the cylinders on a mode shape from which they count as acting together.
 TOGETHER = 0.5
+# Quantities of which there is one place, which they name.
+LONE_PLACE = ("free end", "torsional damper", "coupling")
 # Units in which loads are printed.
 LOAD = {"torsional": "kN m", "axial": "kN"}
 SPEED = Column("speed", "1/min", decimals=1)
@@ -23,26 +26,44 @@ FREQUENCY = Column("frequency", "Hz", decimals=2)
 
 def mode_table(record: Record) -> Table:
     """Return the natural modes of one kind, from its `vibration_record`."""
+    names = record["nodes"]
+    # Points have the numbers of their names: throws and main bearings count from 1.
+    first = 0 if names[0].startswith(FREE_END) else 1
     return Table(
         f"{record['kind'].capitalize()} modes (compliances: {record['source']})",
         [
             Column("mode", words=True),
             FREQUENCY,
             Column("[1/min]", decimals=0),
-            Column("nodes at", decimals=2, words=True),
+            Column("nodes at", words=True),
         ],
         [
             [
                 "rigid body" if one["rigid"] else f"{one['number']}{_beside_crankshaft(one)}",
                 one["frequency"],
                 60.0 * one["frequency"],
-                "moves as one" if one["rigid"] else one["node_positions"] or None,
+                "moves as one" if one["rigid"] else _still_at(one["node_positions"], record, first),
             ]
             for one in record["modes"]
         ],
-        note=f"Nodes count the chain's points: 0 is {record['nodes'][0]}, {len(record['nodes']) - 1} is "
-        f"{record['nodes'][-1]}.",
+        note=f"Nodes count the chain's points: {first} is {names[0]}, {first + len(names) - 1} is "
+        f"{names[-1]}.",
     )
+
+
+def _still_at(positions: list[float], record: Record, first: int) -> str | None:
+    """Say where a mode does not move: by the numbers of the points, or on the branch that it is on."""
+    names = record["nodes"]
+    # Results of older runs say nothing of branches.
+    pairs = record.get("connections") or [(node, node + 1) for node in range(len(names) - 1)]
+    found = []
+    for position in positions:
+        element = min(int(position), len(pairs) - 1)
+        (left, right), share = pairs[element], position - element
+        row = f"{first + left + share:.2f}"
+        branch = f"{share:.2f} of the way from {names[left]} to {names[right]}"
+        found.append(row if right == left + 1 else branch)
+    return ", ".join(found) or None
 
 
 def load_table(record: Record) -> Table:
@@ -123,6 +144,12 @@ def source_table(record: Record, said: Callable[[str], str] = str) -> Table:
         ],
         marks=["chosen" if one["source"] == record["source"] else "" for one in record["sources"]],
     )
+
+
+def barred_within_error(ranges: list[Record]) -> str:
+    """Say which speeds have to be barred over the range of the compliances."""
+    shown = ", ".join(f"{one['low_rpm']:.0f} to {one['high_rpm']:.0f}" for one in ranges)
+    return f"over that range of the compliances, speeds to be barred lie within {shown} 1/min"
 
 
 def resonance_table(record: Record, units: OutputUnits = SI) -> Table:
@@ -210,12 +237,14 @@ def element_table(record: Record) -> Table:
     )
 
 
-def limit_table(record: Record, limit: str | None = None, units: OutputUnits = SI) -> Table:
+def limit_table(
+    record: Record, limit: str | None = None, units: OutputUnits = SI, digits: int = 4
+) -> Table:
     """Return how far limits are used, each place at its worst speed: all of them, or one by its name."""
     checks = [one for one in record["checks"] if limit in (None, one["limit"])]
 
     def quantity(value: float | None, unit: str) -> str:
-        return UNBOUNDED if value is None else units.quantity(value, unit, 4)
+        return UNBOUNDED if value is None else units.quantity(value, unit, digits)
 
     # What was judged above the running range stands beside it.
     beside = any(one.get("above") is not None for one in checks)
@@ -259,15 +288,21 @@ def limit_table(record: Record, limit: str | None = None, units: OutputUnits = S
 
 def misfiring_table(record: Record, units: OutputUnits = SI) -> Table:
     """Return normal firing and the worst misfiring, row under row, from a `misfiring_record`."""
+    motions = {own.si: own.printed for own in MOTION.values()}
+
+    def written(value: float | None, unit: str) -> str | None:
+        if value is None:
+            return None
+        if unit in motions:
+            return units.of(motions[unit]).with_name(value, 3)
+        return units.quantity(value, unit, 3)
 
     def row(one: Record, firing: str, found: Record) -> list[Any]:
-        reached, permitted = (
-            None if found[name] is None else units.quantity(found[name], one["unit"], 3)
-            for name in ("value", "permitted")
-        )
+        reached, permitted = (written(found[name], one["unit"]) for name in ("value", "permitted"))
         at = found["speed_rpm"] / RPM
+        alone = one["quantity"].endswith(LONE_PLACE)
         return [
-            f"{one['quantity']}, {one['misfiring']['place']}",
+            one["quantity"] if alone else f"{one['quantity']}, {found['place']}",
             *(firing, at, reached or UNBOUNDED, permitted, found["used"]),
         ]
 
@@ -279,7 +314,8 @@ def misfiring_table(record: Record, units: OutputUnits = SI) -> Table:
         ]
 
     return Table(
-        "Largest at running speeds, all cylinders firing and the worst case of misfiring",
+        "All cylinders firing and the worst case of misfiring: at running speeds the largest use of each "
+        "limit, without a limit the largest amplitude",
         [
             Column("quantity", words=True),
             Column("firing", words=True),

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from crankbase.errors import InputError
+from crankbase.outputs import protect
 from crankbase.units.quantity import parse_quantity
 from crankfem.cli import console
 from crankfem.cli.commands import completion
@@ -54,8 +55,29 @@ def doe(
         ),
     ] = None,
     export: Annotated[
-        Path | None, typer.Option(help="Table of all results to write: .csv or .parquet.")
+        Path | None,
+        typer.Option(
+            help="Table of all results to write: .csv or .parquet; with --mesh a folder of designs."
+        ),
     ] = None,
+    mesh: Annotated[
+        str | None,
+        typer.Option(
+            metavar="KIND",
+            help="For other solvers: write a table of the designs and a mesh (inp, msh, vtu, ...) or solid "
+            "(step) of each into the folder of --export, and compute nothing.",
+        ),
+    ] = None,
+    more: Annotated[
+        int,
+        typer.Option(
+            help="How many further runs the study shall have, where its equations are worst; the store "
+            "remembers them, and the same number again adds none."
+        ),
+    ] = 0,
+    no_compute: Annotated[
+        bool, typer.Option("--no-compute", help="Compute nothing; fit what is there or imported.")
+    ] = False,
     plan: Annotated[
         bool, typer.Option("--plan", help="Show what would be computed, and compute nothing.")
     ] = False,
@@ -66,20 +88,37 @@ def doe(
     from crankfem.files.engine.throw_file import load_study
     from crankfem.files.reading.data_files import input_path
     from crankfem.jobs.outputs import check_distinct_files, check_writable
-    from regression.runs.export_table import check_export, export_table
+    from regression.runs.export_table import FORMATS, check_export, export_table
+    from regression.runs.store_rows import damaged_rows_warning
+    from regression.runs.study import read_study
 
     limits = {
         "time_limit": _quantity(time_limit, "s", "--time-limit"),
         "memory_limit": _quantity(memory_limit, "byte", "--memory-limit"),
     }
     read = load_study(study)
-    if plan and (export is not None or import_):
+    if plan and (export is not None or import_ or mesh or more):
         raise InputError(
-            "--plan: given with --export or --import; allowed is --plan alone, for it computes, reads and "
-            "writes nothing."
+            "--plan: given with --export, --import, --mesh or --more; allowed is --plan alone, for it "
+            "computes, reads and writes nothing."
         )
+    if more and no_compute:
+        raise InputError("--more: given with --no-compute; allowed is one of the two.")
     if plan:
         _show_plan(read, out.json)
+        return
+    if mesh is not None:
+        if export is None or import_ or more:
+            raise InputError(
+                "--mesh: given without --export, or with --import or --more; it needs --export FOLDER, and "
+                "computes and imports nothing."
+            )
+        if export.suffix in FORMATS:
+            raise InputError(
+                f"--export: given {export} with --mesh; allowed is a folder, for each design has a file."
+            )
+        protect(input_path(study), store)
+        _export_designs(read, store, export, mesh, out)
         return
     files = [store, input_path(study), *(import_ or ())]
     if export is not None:
@@ -87,8 +126,11 @@ def doe(
         check_distinct_files({"--store": store, "--export": export})
         check_writable(export, "table", *files, name=f"--export {export}")
     for file in import_ or ():
-        _import(read, store, file, out.quiet)
-    table = _run(read, store, workers, {"dask": dask, **limits}, out.quiet)
+        _import(read, store, file, no_compute, out.quiet)
+    if no_compute:
+        table = read_study(store, read.key)
+    else:
+        table = _run(read, store, workers, {"dask": dask, "more": more, **limits}, out.quiet)
 
     def print_progress(text: str) -> None:
         # With --json nothing but the results may stand on standard output.
@@ -98,8 +140,14 @@ def doe(
             console.print_line(text)
 
     print_progress(_summary(table, store))
-    for text in _warnings(table, store):
-        print_progress(f"Note: {text}")
+    if table.damaged:
+        console.print_warning(f"{damaged_rows_warning(table.damaged, store)}; import them again.")
+    held_out = int(table.held_out.sum())
+    if 0 < held_out < FEW_HELD_OUT:
+        print_progress(
+            f"Note: only {held_out} held-out designs judge the fits; with fewer than {FEW_HELD_OUT} their "
+            "largest error says little of the space between the runs."
+        )
     if export is not None:
         count = export_table(table, export)
         print_progress(f"{count} rows written to {export}.")
@@ -113,28 +161,13 @@ def _summary(table: "StudyTable", store: Path) -> str:
         f"Study {table.plan.key[:6]}: {len(table.held_out) - held_out} runs and {held_out} held-out "
         f"designs in {store}; {table.computed} computed now, {len(table.failures)} without a result"
     )
+    if table.added:
+        text += f", {table.added} of the runs added to the plan's"
     if table.excluded:
         text += f", {len(table.excluded)} excluded by the plan"
     if table.extra:
         text += f", {len(table.extra)} imported rows"
     return f"{text}."
-
-
-def _warnings(table: "StudyTable", store: Path) -> list[str]:
-    """What makes the errors of a fit say less than they seem to."""
-    from regression.runs.store_rows import damaged_rows_warning
-
-    held_out = int(table.held_out.sum())
-    found = []
-    if table.damaged:
-        told = damaged_rows_warning(table.damaged, store)
-        found.append(f"{told}; import them again.")
-    if 0 < held_out < FEW_HELD_OUT:
-        found.append(
-            f"only {held_out} held-out designs judge the fits; with fewer than {FEW_HELD_OUT} their largest "
-            "error says little of the space between the runs."
-        )
-    return found
 
 
 def _show_fits(table: "StudyTable", json: bool) -> None:
@@ -165,10 +198,44 @@ def _show_plan(plan: "StudyPlan", json: bool) -> None:
         print_plan(planned)
 
 
-def _import(plan: "StudyPlan", store: Path, file: Path, quiet: bool) -> None:
+def _export_designs(plan: "StudyPlan", store: Path, folder: Path, kind: str, out: Output) -> None:
+    """Write a study's designs for other solvers, those that were added in its store too."""
+    from crankfem.analyses.study.design_export import TABLE, check_kind, export_designs
+    from crankfem.jobs.outputs import make_output_folder
+    from regression.runs.registered_designs import known_designs
+
+    check_kind(kind)
+    planned = known_designs(store, plan)
+    made = make_output_folder("--export", folder, [TABLE], "table")
+    assert made is not None
+    with console.RunProgress(out.quiet) as progress:
+        progress.step("Writing the designs")
+        found = export_designs(
+            planned, made, kind, lambda done, total: progress.design(done, total, None)
+        )
+    if out.json:
+        print_json(
+            {
+                "table": str(found.table),
+                "files": [str(file) for file in found.files],
+                "written": found.written,
+                "failures": {str(file): reason for file, reason in found.failures.items()},
+            }
+        )
+        return
+    present = len(found.files) - len(found.failures)
+    console.print_line(
+        f"{found.table} written: {len(found.files)} designs, of which {present} have a file beside it "
+        f"({found.written} written now); lengths in m."
+    )
+    for file, reason in found.failures.items():
+        console.print_line(f"Not written: {file}: {reason}")
+
+
+def _import(plan: "StudyPlan", store: Path, file: Path, alone: bool, quiet: bool) -> None:
     from regression.runs.study import import_results
 
-    found = import_results(plan, store, file)
+    found = import_results(plan, store, file, alone=alone)
     left_out = f"; {found.left_out} do not belong to this study" if found.left_out else ""
     own = (
         f"; {found.coinciding} at the study's own designs are not used" if found.coinciding else ""
@@ -178,13 +245,13 @@ def _import(plan: "StudyPlan", store: Path, file: Path, quiet: bool) -> None:
         quiet,
     )
     if found.damaged:
-        console.print_note(f"Note: {found.damaged}.", quiet)
+        console.print_warning(f"{found.damaged}.")
 
 
 def _run(
     plan: "StudyPlan", store: Path, workers: int, options: dict[str, Any], quiet: bool
 ) -> "StudyTable":
-    from regression.runs import study
+    from crankfem.analyses.study.growth import run_grown
 
     if options["dask"] is not None:
         from regression.runs.dask_cluster import silence_dask_log
@@ -193,9 +260,7 @@ def _run(
     with console.RunProgress(quiet) as progress:
         progress.step("Running the study")
         try:
-            table = study.run_plan(
-                plan, store, workers, progress.design, note=progress.note, **options
-            )
+            table = run_grown(plan, store, workers, progress.design, note=progress.warn, **options)
         except KeyboardInterrupt:
             if not progress.total:  # nothing of the store is known yet
                 raise

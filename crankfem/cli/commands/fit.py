@@ -66,9 +66,7 @@ def fit(
     table = read_study(store, study)
     if table.damaged:
         again = "run the study again (crankfem doe), which computes their designs"
-        console.print_note(
-            f"Note: {damaged_rows_warning(table.damaged, store)}; {again}.", out.quiet
-        )
+        console.print_warning(f"{damaged_rows_warning(table.damaged, store)}; {again}.")
     fits = fit_study(table)
     if response is not None and response not in fits:
         raise InputError(

@@ -27,6 +27,7 @@ class _Request:
     orders: float | None
     cylinder: int | None
     speed: str | None
+    firing: tuple[str | None, str | None]
     csv: Path | None
     pictures: str | None
 
@@ -53,6 +54,20 @@ def harmonics(
         typer.Option(help="Also the harmonics of this cylinder's forces on its crankpin."),
     ] = None,
     speed: SpeedOption = None,
+    firing_order: Annotated[
+        str | None,
+        typer.Option(
+            metavar="1-3-4-2",
+            help="With a torque table: the cylinders that have this torque, fired at even steps.",
+        ),
+    ] = None,
+    firing_angles: Annotated[
+        str | None,
+        typer.Option(
+            metavar='"0, 540, 180, 360 deg"',
+            help="The same by the shaft angle at which each of the cylinders fires.",
+        ),
+    ] = None,
     csv: Annotated[
         Path | None, typer.Option(metavar="FILE.csv", help="Write the harmonics as a table.")
     ] = None,
@@ -71,7 +86,8 @@ def harmonics(
             f"--orders: given {orders:g}; allowed is an order above 0, because "
             "orders count cycles per crankshaft revolution."
         )
-    asked = _Request(strokes, orders, cylinder, speed, csv, pictures)
+    firing = (firing_order, firing_angles)
+    asked = _Request(strokes, orders, cylinder, speed, firing, csv, pictures)
     record = (
         _engine_harmonics(source, asked)
         if _names_engine(source)
@@ -80,9 +96,9 @@ def harmonics(
     if csv is not None:
         write_table(csv, record)
     if out.json:
-        print_json(record)
+        print_json(record, "torque")
         return
-    _print(record, orders, out.units)
+    _print(record, out.units)
     for path, kind in ((csv, "Table"), (pictures, "Pictures")):
         if path is not None:
             console.output.print(f"{kind}: {path}", soft_wrap=True)
@@ -99,8 +115,14 @@ def _names_engine(source: str) -> bool:
 
 
 def _torque_table_harmonics(source: str, asked: _Request) -> dict[str, Any]:
-    from crankfem.analyses.mechanism.harmonics_record import harmonics_record
-    from crankfem.analyses.mechanism.plots.torque_plots import plot_torque
+    from crankfem.analyses.mechanism.harmonics_record import (
+        fired_record,
+        harmonics_record,
+        residual_record,
+        seen_stars,
+    )
+    from crankfem.analyses.mechanism.plots.torque_plots import picture_torque_table, table_files
+    from crankfem.cli.firing_options import firing_angles_deg
     from crankfem.files.reading.data_files import torque_path
     from crankfem.jobs.outputs import check_outputs
     from dynamics.torque_table import read_torque_table
@@ -116,12 +138,18 @@ def _torque_table_harmonics(source: str, asked: _Request) -> dict[str, Any]:
             )
     path = torque_path(source)
     table = read_torque_table(path, strokes=4 if asked.strokes is None else asked.strokes)
+    firing = firing_angles_deg(*asked.firing, strokes=table.strokes)
     found = table.harmonics()
     _check_resolved(asked.orders, found)
-    folder = check_outputs(asked.csv, asked.pictures, path, names=["torque.svg"])
+    highest = min(asked.orders or USUAL_ORDERS, found.highest_order)
+    shown = found.up_to(highest)
+    stars = seen_stars(shown, firing) if firing else ()
+    folder = check_outputs(asked.csv, asked.pictures, path, names=table_files(stars))
     if folder is not None:
-        plot_torque(folder / "torque.svg", table.torque, found)
-    return {"table": path.name} | harmonics_record(found)
+        picture_torque_table(folder, table, shown, stars)
+    told = found if asked.orders is None else shown
+    record = {"table": path.name} | harmonics_record(told) | residual_record(told, table)
+    return record | ({"cylinders": fired_record(shown, stars, firing)} if firing else {})
 
 
 def _engine_harmonics(source: str, asked: _Request) -> dict[str, Any]:
@@ -138,6 +166,12 @@ def _engine_harmonics(source: str, asked: _Request) -> dict[str, Any]:
 
     mechanism = load_mechanism(source)
     engine, strokes, cylinder = mechanism.layout, asked.strokes, asked.cylinder
+    for option, given in zip(("--firing-order", "--firing-angles"), asked.firing, strict=True):
+        if given is not None:
+            raise InputError(
+                f"{option}: given {given!r} with an engine file; allowed is a torque table, because the "
+                "file says when its cylinders fire."
+            )
     turning = parse_speed(asked.speed)
     speed = mechanism.rated_speed if turning is None else turning
     if strokes is not None and strokes != engine.strokes:
@@ -182,22 +216,16 @@ def _check_resolved(orders: float | None, found: "Harmonics") -> None:
         )
 
 
-def _print(record: dict[str, Any], orders: float | None, units: "OutputUnits") -> None:
-    from crankbase.tables.table_units import table_unit
-    from crankfem.analyses.mechanism.harmonics_record import COLUMNS, harmonics_table
-    from crankfem.cli.tables.harmonics_tables import print_engine, print_pin_forces
-
-    if "throws" in record:
-        print_engine(record, units)
-        if "cylinder" in record:
-            print_pin_forces(record["cylinder"], units)
-        return
-    mean = table_unit([record["mean"]], "N m", units).with_unit(record["mean"])
-    console.print_line(
-        f"Mean {mean}; {record['samples']} samples resolve orders up to "
-        f"{record['highest_order']:g}."
+def _print(record: dict[str, Any], units: "OutputUnits") -> None:
+    from crankfem.cli.tables.harmonics_tables import (
+        print_engine,
+        print_pin_forces,
+        print_table_harmonics,
     )
-    highest = USUAL_ORDERS if orders is None else orders
-    kept = sum(order <= highest * (1.0 + 1e-9) for order in record["orders"])
-    shown = record | {name: record[name][:kept] for name in COLUMNS}
-    console.print_table(harmonics_table(shown, units=units), units)
+
+    if "throws" not in record:
+        print_table_harmonics(record, USUAL_ORDERS, units)
+        return
+    print_engine(record, units)
+    if "cylinder" in record:
+        print_pin_forces(record["cylinder"], units)

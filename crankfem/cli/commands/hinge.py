@@ -1,5 +1,6 @@
 """The elastic hinge that keeps a crank's speed constant."""
 
+from dataclasses import replace
 from pathlib import Path
 from typing import Annotated, Any, cast
 
@@ -31,6 +32,10 @@ def hinge(
     kinematics: Annotated[
         str, typer.Option(help="By which the guides are made: exact, series or printed.")
     ] = "exact",
+    roller_radius: Annotated[
+        str | None,
+        typer.Option(metavar='"60 mm"', help="Of the rollers, in place of that of the file."),
+    ] = None,
     csv: Annotated[
         Path | None, typer.Option(metavar="FILE.csv", help="Write all over the turn.")
     ] = None,
@@ -43,7 +48,7 @@ def hinge(
     """Guides of an elastic hinge for constant crank speed, and how evenly the crank turns with it."""
     from crankbase.checks.choices import check_choice
     from crankbase.units.quantity import parse_quantity
-    from crankfem.analyses.hinge.hinge_pictures import FILES, GUIDES, plot_hinge
+    from crankfem.analyses.hinge.hinge_pictures import FILES, GUIDES, SURFACE, plot_hinge
     from crankfem.analyses.hinge.hinge_records import hinge_columns, hinge_record
     from crankfem.analyses.hinge.hinge_run import run_hinge
     from crankfem.cli.column_file import write_columns
@@ -54,11 +59,18 @@ def hinge(
 
     other = None if speed is None else parse_quantity(speed, "rad/s", "--speed")
     loaded = load_hinge(file)
+    if roller_radius is not None:
+        radius = parse_quantity(roller_radius, "m", "--roller-radius")
+        loaded = replace(loaded, roller_radius=radius)
     check_choice(
         "--kinematics", kinematics, KINEMATICS, "these are the ways to describe the mechanism"
     )
-    names = [*FILES, *([] if loaded.comparison is None else [GUIDES])]
-    folder = check_outputs(csv, pictures, loaded.path, names=names)
+    names = [
+        *FILES,
+        *([] if loaded.comparison is None else [GUIDES]),
+        *([SURFACE] if loaded.roller_radius else []),
+    ]
+    folder = check_outputs(csv, pictures, loaded.path, *loaded.tables, names=names)
     run = run_hinge(loaded, cast(Any, kinematics), other)
     record = hinge_record(run)
     if csv is not None:

@@ -161,7 +161,8 @@ def _print_lookup(name: str, answer: "Lookup", shared: list[str], units: "Output
 
 def _print_bands(model: "ComplianceModel", names: list[str]) -> None:
     """Say from which errors the bands are made, and what is not known of them."""
-    from regression.models.error_band import equation_error, percent
+    from regression.fits.statistics import COVERAGE
+    from regression.models.error_band import FEWEST, equation_error, percent
 
     used = {name: model.responses[name] for name in names}
 
@@ -172,11 +173,18 @@ def _print_bands(model: "ComplianceModel", names: list[str]) -> None:
     estimates = [one.largest_fe_error for one in used.values() if one.largest_fe_error is not None]
     elements = f" and the finite elements' own estimate ({span(estimates)})" if estimates else ""
     equations = span([equation_error(one) for one in used.values()])
-    print_line(
-        f"Bands: largest error of the equation at held-out designs and runs ({equations}){elements}; "
-        "--json tells them by response."
-    )
-    unjudged = [_title(name) for name, one in used.items() if one.largest_heldout_error is None]
+    of = "largest error of the equation at held-out designs and runs"
+    if all(one.band_error is not None for one in used.values()):
+        enough = min(one.band_designs for one in used.values()) >= FEWEST
+        share = f"{100.0 * COVERAGE:g} % of throws"
+        of = f"error that {share} keep to" if enough else f"largest error, of too few for {share},"
+        of += " by designs that the equation did not see"
+    print_line(f"Bands: {of} ({equations}){elements}; --json tells them by response.")
+    unjudged = [
+        _title(name)
+        for name, one in used.items()
+        if one.band_error is None and one.largest_heldout_error is None
+    ]
     if unjudged:
         print_line(f"  Without held-out designs, too small an error: {', '.join(unjudged)}.")
     unknown = [_title(name) for name, one in used.items() if one.largest_fe_error is None]

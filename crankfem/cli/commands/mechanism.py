@@ -1,10 +1,12 @@
 """Forces, loads, torque and balance of an engine's crank mechanism."""
 
 from pathlib import Path
-from typing import Annotated, Any, cast
+from typing import Annotated, cast
 
 import typer
 
+from crankbase.checks.choices import check_choice
+from crankbase.errors import InputError
 from crankfem.cli import console
 from crankfem.cli.commands.options import (
     EngineArgument,
@@ -13,7 +15,9 @@ from crankfem.cli.commands.options import (
     with_output,
 )
 from crankfem.cli.console import print_json
-from dynamics.mechanism.rod_model_names import ROD_MODELS
+from dynamics.mechanism.rod_model_names import ROD_MODELS, RodModelName
+
+ROD_MODELS_FILE = "rod_models.svg"
 
 
 @with_output(files=True, units=True)
@@ -21,8 +25,14 @@ def mechanism(
     engine: EngineArgument,
     speed: SpeedOption = None,
     model: Annotated[
-        str, typer.Option(help=f"Of the rods' masses, one of: {', '.join(ROD_MODELS)}.")
-    ] = "rigid",
+        list[str] | None,
+        typer.Option(
+            metavar="MODEL",
+            help=f"Of the rods' masses, one of: {', '.join(ROD_MODELS)}; twice to hold the crankpin load "
+            "by the second against that by the first.",
+            show_default="rigid",
+        ),
+    ] = None,
     motored: Annotated[
         bool, typer.Option("--motored", help="Turn the engine without combustion.")
     ] = False,
@@ -36,47 +46,84 @@ def mechanism(
     out: Output,
 ) -> None:
     """Forces in the crank mechanism, load diagrams of the bearings, and the balance of the engine."""
-    from crankbase.checks.choices import check_choice
-    from crankfem.analyses.mechanism.balance_records import balance_record, hinged_rods_record
+    from crankfem.analyses.mechanism.acceleration_records import acceleration_record
+    from crankfem.analyses.mechanism.balance_records import hinged_rods_record
+    from crankfem.analyses.mechanism.balanced_masses import mechanism_balance_record
     from crankfem.analyses.mechanism.mechanism_records import force_columns, mechanism_record
-    from crankfem.analyses.mechanism.mechanism_run import run_mechanism
+    from crankfem.analyses.mechanism.mechanism_run import hinged_group, run_mechanism
+    from crankfem.analyses.mechanism.plots.load_plots import plot_model_difference
+    from crankfem.analyses.mechanism.rod_comparison import model_difference
+    from crankfem.analyses.mechanism.rod_model_records import (
+        model_difference_record,
+        rod_mass_records,
+    )
+    from crankfem.analyses.titles import at_speed
     from crankfem.cli.angle_and_speed import parse_speed
     from crankfem.cli.column_file import write_columns
     from crankfem.cli.tables.mechanism_tables import (
         print_balance,
+        print_balanced_masses,
         print_hinged_rods,
         print_mechanism,
+        print_rod_models,
     )
     from crankfem.files.engine.input_files import mechanism_inputs
     from crankfem.files.engine.mechanism_file import load_mechanism
     from crankfem.jobs.outputs import check_outputs
     from crankfem.report.interactive.mechanism_plots import MECHANISM
 
-    loaded, turning = load_mechanism(engine), parse_speed(speed)
-    check_choice("--model", model, ROD_MODELS, "these are the models of a rod's mass")
+    loaded, turning, models = load_mechanism(engine), parse_speed(speed), _rod_models(model)
     inputs = mechanism_inputs(loaded)
-    folder = check_outputs(csv, pictures, *inputs, names=MECHANISM.files())
-    run = run_mechanism(loaded, turning, cast(Any, model), motored=motored)
-    record = mechanism_record(run)
-    balanced, hinged = balance_record(run.balance), hinged_rods_record(run.hinged_rods)
+    names = [*MECHANISM.files(), *([ROD_MODELS_FILE] if len(models) == 2 else [])]
+    folder = check_outputs(csv, pictures, *inputs, names=names)
+    run = run_mechanism(loaded, turning, models[0], motored=motored)
+    compared = None if len(models) == 1 else model_difference(run, models[1])
+    record = mechanism_record(run) | {
+        "rod_masses": rod_mass_records(run.layout),
+        "model_difference": None if compared is None else model_difference_record(compared),
+    }
+    balanced, hinged = mechanism_balance_record(run), hinged_rods_record(run.hinged_rods)
+    group = hinged_group(run.layout)
+    pistons = acceleration_record(run.layout, run.speed, group) if group else None
     if csv is not None:
-        write_columns(csv, *force_columns(run))
+        write_columns(csv, *force_columns(run, compared))
     made = [] if folder is None else MECHANISM.draw(folder, run)
+    if folder is not None and compared is not None:
+        title = f"{compared.first.name}, {at_speed(loaded.name, run.speed)}"
+        plot_model_difference(folder / ROD_MODELS_FILE, compared, title=title)
+        made.append(folder / ROD_MODELS_FILE)
     if out.json:
         print_json(
             record
             | {
                 "balance": balanced,
                 "hinged_rods": hinged,
+                "accelerations": pistons,
                 "pictures": [str(path) for path in made],
             }
         )
         return
     print_mechanism(record, out.units)
+    if model:
+        print_rod_models(record, out.units)
+    print_balanced_masses(balanced, out.units)
     print_balance(balanced, out.units)
-    if hinged:
-        print_hinged_rods(hinged, out.units)
+    if pistons is not None:
+        print_hinged_rods(hinged, pistons, out.units)
     if csv is not None:
         console.output.print(f"Forces: {csv}", soft_wrap=True)
     if made:
         console.output.print(f"Pictures: {pictures} ({len(made)} files)", soft_wrap=True)
+
+
+def _rod_models(given: list[str] | None) -> list[RodModelName]:
+    """Return the one model of the rods' mass, or the two that are held against each other."""
+    models = given or ["rigid"]
+    for model in models:
+        check_choice("--model", model, ROD_MODELS, "these are the models of a rod's mass")
+    if len(models) > 2 or len(set(models)) < len(models):
+        raise InputError(
+            f"--model: given {', '.join(models)}; allowed are one model or two different ones, because "
+            "one is held against the other."
+        )
+    return cast(list[RodModelName], models)

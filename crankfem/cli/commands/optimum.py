@@ -41,10 +41,16 @@ def optimum(
         ),
     ] = None,
     first_axial_frequency: Annotated[
-        str | None, typer.Option(metavar='">= 40 Hz"', help="Lower bound, with --engine.")
+        str | None,
+        typer.Option(
+            metavar='">= 40 Hz"', help="Lower bound for the crankshaft's own, with --engine."
+        ),
     ] = None,
     first_torsional_frequency: Annotated[
-        str | None, typer.Option(metavar='">= 40 Hz"', help="Lower bound, with --engine.")
+        str | None,
+        typer.Option(
+            metavar='">= 40 Hz"', help="Lower bound for the crankshaft's own, with --engine."
+        ),
     ] = None,
     fixed: Annotated[
         list[str] | None,

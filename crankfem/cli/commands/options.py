@@ -44,6 +44,15 @@ ModelArgument = Annotated[
         metavar="MODEL.json", help="Model file.", autocompletion=completion.files(".json")
     ),
 ]
+SavedModelOption = Annotated[
+    Path | None,
+    typer.Option(
+        "--model",
+        metavar="MODEL.json",
+        help="Take the compliances that this saved model holds from it, in place of the file's sources.",
+        autocompletion=completion.files(".json"),
+    ),
+]
 SpeedOption = Annotated[
     str | None,
     typer.Option(metavar='"1000 1/min"', help="Speed of an engine; its rated speed by default."),
@@ -66,7 +75,10 @@ JsonOption = Annotated[
     ),
 ]
 QuietOption = Annotated[
-    bool, typer.Option("--quiet", "-q", help="Nothing on standard error but errors.")
+    bool,
+    typer.Option(
+        "--quiet", "-q", help="Nothing on standard error but errors, and warnings of lost data."
+    ),
 ]
 ForceOption = Annotated[
     bool,
@@ -97,7 +109,7 @@ ThrowOption = Annotated[
     typer.Option(
         "--throw",
         metavar="NAME",
-        help="Which of several throws, each a section [throws.NAME]; that at the free end by default.",
+        help="Which of several throws, each a section throws.NAME; that at the free end by default.",
         show_default=False,
     ),
 ]

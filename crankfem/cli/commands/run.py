@@ -11,6 +11,7 @@ from crankfem.cli import console
 from crankfem.cli.commands.options import (
     EngineArgument,
     Output,
+    SavedModelOption,
     StrictOption,
     WorkersOption,
     with_output,
@@ -29,6 +30,7 @@ def run(
         str | None, typer.Option(help="Folder for the results; NAME-results by default.")
     ] = None,
     workers: WorkersOption = 2,
+    model: SavedModelOption = None,
     strict: StrictOption = False,
     verbose: Annotated[
         bool, typer.Option(help="Print all tables between the verdict and its repetition.")
@@ -46,9 +48,10 @@ def run(
     from crankfem.jobs.run_inputs import RunInputs, read_inputs
 
     source: str | RunInputs = engine
-    if strict:
-        source = read_inputs(engine)
-        check_has_limits(source.engine_file)
+    if strict or model is not None:
+        source = read_inputs(engine, model)
+        if strict:
+            check_has_limits(source.engine_file)
     with console.RunProgress(out.quiet) as progress:
         try:
             made = run_engine(source, output, workers=workers, progress=progress)

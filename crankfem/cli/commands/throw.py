@@ -26,6 +26,23 @@ def throw(
     accuracy: Annotated[
         float, typer.Option(help=f"Relative accuracy of e_n, {COMPLIANCE_ACCURACY}.")
     ] = 0.01,
+    gamma: Annotated[
+        str | None,
+        typer.Option(
+            "--gamma",
+            "--gamma-deg",
+            metavar='"120 deg"',
+            help="Angle between neighboring cranks, one more support: between equal throws.",
+        ),
+    ] = None,
+    pin_force: Annotated[
+        str | None,
+        typer.Option(
+            metavar='"100 kN"',
+            help='On the first pin: Z towards the shaft, or x, y, z in its frame ("40, -100, 0 kN").',
+            show_default="100 kN",
+        ),
+    ] = None,
     pins: Annotated[
         list[str] | None,
         typer.Option("--pin", help="Name of a crankpin's face in a STEP file; once for each pin."),
@@ -47,6 +64,7 @@ def throw(
     "pin", or none named at all.
     """
     from crankfem.analyses.throw.throw_record import mode_records, throw_record
+    from crankfem.cli.angle_and_speed import parse_gamma
     from crankfem.cli.tables import throw_tables
     from crankfem.cli.throw_choice import select_throw
     from crankfem.jobs.run_records import UNIT_RADIAL_FORCE
@@ -57,6 +75,8 @@ def throw(
     from geometry.mesher import Throw
     from geometry.solid_files import ENDINGS
 
+    angle = None if gamma is None else parse_gamma(gamma, out.quiet)
+    force = None if pin_force is None else _parse_pin_force(pin_force)
     if not 0 <= modes <= MOST_MODES:
         raise InputError(f"--modes: given {modes}; allowed is 0 to {MOST_MODES}, 0 for none.")
     if Path(engine).suffix.lower() in ENDINGS:
@@ -78,7 +98,7 @@ def throw(
     analysis = analyze_throw(
         part, material, accuracy, solver=solver, end_sections=cast(Any, end_sections)
     )
-    record = throw_record(analysis, UNIT_RADIAL_FORCE)
+    record = throw_record(analysis, UNIT_RADIAL_FORCE, pin_force=force, gamma_deg=angle)
     if modes:
         start = time.perf_counter()
         record["free_modes"] = mode_records(analysis.free_modes(modes))
@@ -91,6 +111,20 @@ def throw(
         throw_tables.print_free_modes(record["free_modes"], out.units)
     if profile:
         throw_tables.print_profile(record["seconds"])
+
+
+def _parse_pin_force(text: str) -> list[float]:
+    """Return the force on a pin in the throw frame, x, y, z [N]; one number is Z towards the shaft."""
+    from crankfem.cli.quantity_list import parse_quantities
+    from fem.pin_response import LARGEST_LOAD
+
+    found = parse_quantities(text, "N", "--pin-force")
+    if len(found) not in (1, 3) or not max(map(abs, found)) <= LARGEST_LOAD:
+        raise InputError(
+            f'--pin-force: given {text!r}; allowed is one radial force, like "100 kN", or x, y, z, like '
+            f'"40, -100, 0 kN", none beyond {LARGEST_LOAD:g} N.'
+        )
+    return found if len(found) == 3 else [0.0, 0.0 - found[0], 0.0]
 
 
 @with_output(files=True, units=True)

@@ -7,7 +7,7 @@ import typer
 from crankbase.errors import InputError
 from crankfem.cli import console
 from crankfem.cli.commands import completion
-from crankfem.cli.commands.options import Output, StrictOption, with_output
+from crankfem.cli.commands.options import Output, SavedModelOption, StrictOption, with_output
 from crankfem.cli.commands.strict import check_has_limits, exit_unless_acceptable
 from crankfem.cli.console import print_json
 
@@ -40,13 +40,15 @@ def vibration(
     csv: Annotated[
         str | None,
         typer.Option(
-            metavar="FOLDER", help="Write amplitudes over the speed, a file for each kind."
+            metavar="FOLDER",
+            help="Write amplitudes over the speed by kind, and the axial force over the cycle.",
         ),
     ] = None,
     pictures: Annotated[
         str | None,
         typer.Option(metavar="FOLDER", help="Write mode shapes, Campbell diagrams and amplitudes."),
     ] = None,
+    model: SavedModelOption = None,
     strict: StrictOption = False,
     *,
     out: Output,
@@ -56,11 +58,14 @@ def vibration(
 
     content = any_sections(engine)
     if content is None or file_kind(content) == "chain":
-        others = coupled or strict or any(given is not None for given in (run_up, csv, pictures))
+        options = (run_up, csv, pictures, model)
+        others = coupled or strict or any(given is not None for given in options)
         _print_chain_modes(engine, content, out.json, out.units, only_engines=others)
         return
     from crankbase.outputs import protect
     from crankfem.analyses.shaft.motion import MOTION
+    from crankfem.analyses.shaft.saved_model import with_model
+    from crankfem.analyses.vibration.axial_cycle import axial_cycle_columns
     from crankfem.analyses.vibration.plots.transient_plots import picture_run_up
     from crankfem.analyses.vibration.records import forced_columns, run_record, run_up_record
     from crankfem.analyses.vibration.run import engine_vibration
@@ -75,12 +80,14 @@ def vibration(
     from crankfem.report.interactive.vibration import VIBRATION
 
     duration = None if run_up is None else parse_duration(run_up)
-    read = load_engine(content)
+    read = load_engine(content if model is None else with_model(content, model))
     if strict:
         check_has_limits(read)
     if csv is not None or pictures is not None:
         protect(read.path, *engine_tables(read, mechanism_of(read)))
-    tables = make_output_folder("--csv", csv, [f"{kind}.csv" for kind in MOTION], "table")
+    tables = make_output_folder(
+        "--csv", csv, [f"{one}.csv" for one in (*MOTION, "axial_force")], "table"
+    )
     known = read.gas is not None or read.gas_map is not None
     there = [*(["forced"] if known else []), *(["whole"] if coupled else [])]
     names = [*VIBRATION.files(there), *([] if run_up is None else ["run_up.svg"])]
@@ -98,6 +105,9 @@ def vibration(
             if forced is not None:
                 written.append(tables / f"{forced.kind}.csv")
                 write_columns(written[-1], *forced_columns(forced))
+        if run.axial_force is not None:
+            written.append(tables / "axial_force.csv")
+            write_columns(written[-1], *axial_cycle_columns(run.axial_force))
     if drawn is not None:
         written += VIBRATION.draw(drawn, run)
         if found is not None:
@@ -138,6 +148,6 @@ def _print_chain_modes(
         )
     record = chain_record(load_chain(content or path))
     if json:
-        print_json(record)
+        print_json(record, record["kind"])
     else:
         print_chain(record, units)

@@ -53,10 +53,13 @@ def print_chain(record: Record, units: OutputUnits = SI) -> None:
             (Column("mode", words=True), "name"),
             (Column("frequency", "Hz", decimals=3), "frequency"),
             (Column("[1/min]", decimals=1), lambda mode: 60.0 * mode["frequency"]),
-            (Column("nodes at", decimals=2, words=True), "node_positions"),
+            (
+                Column("nodes at", decimals=2, words=True),
+                lambda mode: [1.0 + place for place in mode["node_positions"]],
+            ),
             (Column("moves most", words=True), lambda mode: _largest(mode["kinetic_shares"])),
             (Column("strained most", words=True), lambda mode: _largest(mode["strain_shares"])),
-            note="Nodes at 2.37 are at 37 % of element 2, counted from 0; shares are those of kinetic and of "
+            note="Nodes at 2.37 are at 37 % of element 2, counted from 1; shares are those of kinetic and of "
             "strain energy.",
         ),
         units,

@@ -2,16 +2,21 @@
 
 import re
 from collections import defaultdict
+from collections.abc import Iterator
+from dataclasses import asdict
 from typing import Any
+
+import numpy as np
 
 from crankbase.tables.output_units import OutputUnit
 from crankbase.tables.table import Cell, Column, Table
 from crankbase.units.units import DISPLAY_UNITS
 from crankfem.analyses.record import attributes
 from crankfem.cli.console import print_line, print_table
+from regression.plans.design_quality import DesignQuality, design_quality
 from regression.plans.factors import Factor
 from regression.plans.plan import ExcludedDesign, PlannedStudy
-from regression.records import HELD_OUT
+from regression.records import HELD_OUT, RUN
 
 # More lines than this nobody reads.
 MOST_ROWS = 200
@@ -22,11 +27,12 @@ NUMBER = re.compile(r"\d[\d.]*(?:e[+-]?\d+)?")
 
 def plan_record(planned: PlannedStudy) -> dict[str, Any]:
     """Return the designs of a study as JSON content: SI units, choices by their labels."""
-    factors = planned.plan.factors
+    factors, quality = planned.plan.factors, _quality(planned)
     return {
         "study": planned.plan.key,
         "statement": planned.statement,
         "remarks": list(planned.remarks),
+        "quality": asdict(quality) | {"correlated": list(quality.correlated)},
         "factors": [
             {"name": factor.name, "unit": factor.unit, "labels": list(factor.labels)}
             for factor in factors
@@ -52,6 +58,8 @@ def print_plan(planned: PlannedStudy) -> None:
     )
     for remark in planned.remarks:
         print_line(f"Note: {remark}")
+    for line in _quality_lines(_quality(planned)):
+        print_line(line)
     print_table(
         Table(
             "Designs",
@@ -67,6 +75,27 @@ def print_plan(planned: PlannedStudy) -> None:
     for path, text in plan.relations.items():
         print_line(f"In every design {path} = {text}.")
     _print_excluded(planned)
+
+
+def _quality(planned: PlannedStudy) -> DesignQuality:
+    runs = [design.values for design in planned.designs if design.role == RUN]
+    return design_quality(planned.plan.factors, np.array(runs))
+
+
+def _quality_lines(quality: DesignQuality) -> Iterator[str]:
+    """Say how well the runs fill the box, ranges taken as 0 to 1."""
+    distance = "" if quality.distance is None else f"nearest runs {quality.distance:.3g} apart, "
+    yield (
+        f"Runs in the unit cube: {distance}discrepancy {quality.discrepancy:.2g} (random points: "
+        f"{quality.random_discrepancy:.2g})."
+    )
+    if quality.correlated:
+        yield (
+            f"Largest correlation of two factors: {quality.correlation:.2g}, of "
+            f"{' and '.join(quality.correlated)}."
+        )
+    elif quality.correlation is not None:
+        yield "No two factors are correlated."
 
 
 def _print_excluded(planned: PlannedStudy) -> None:

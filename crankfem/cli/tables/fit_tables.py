@@ -98,13 +98,15 @@ def _print_overview(fits: Mapping[str, Record], form: str | None = None) -> None
     equations = "their chosen equations" if form is None else f"the form {form}, as given"
     print_table(
         Table.of_records(
-            f"All responses by {equations}: largest and mean error held out, estimated error of FE",
+            f"All responses by {equations}: largest and mean error held out, error that 95 % of new throws "
+            "keep to, estimated error of FE",
             [f | {"name": name, "fe_error": fits[name]["fe_error"]} for name, f in chosen.items()],
             (Column("response", words=True), lambda f: _form_label(f["name"])),
             (Column("form", words=True), "form"),
             (Column("Q2", decimals=5), "q_squared"),
             (Column("held out"), lambda f: _percent(f["largest_error_held_out"])),
             (Column("mean"), lambda f: _percent(f["mean_error_held_out"])),
+            (Column("95 %"), lambda f: _percent(f["band_error"])),
             (Column("FE"), lambda f: _percent(f["fe_error"])),
         )
     )
@@ -150,6 +152,7 @@ def _print_coefficients(form: Record) -> None:
 def _print_sensitivities(name: str, record: Record) -> None:
     found = record["sensitivities"]
     sobol, elasticity = found["sobol"] or {"first": {}, "total": {}}, found["elasticity"]
+    shapley = sobol.get("shapley")
 
     def nominal(factor: str) -> str:
         value = found["nominal"][factor]
@@ -167,11 +170,19 @@ def _print_sensitivities(name: str, record: Record) -> None:
             (Column("elasticity"), change),
             (Column("Sobol, first", decimals=3), sobol["first"].get),
             (Column("total", decimals=3), sobol["total"].get),
+            *(() if shapley is None else ((Column("Shapley", decimals=3), shapley.get),)),
         )
+    )
+    shares = (
+        "shares of the variance over the ranges, alone and with others."
+        if shapley is None
+        else "shares of the variance over what the constraints leave of the ranges: what a factor takes away "
+        "that alone is known (first), what stays while it alone is unknown (total), and its part of the "
+        "whole (Shapley; these add up to 1)."
     )
     print_line(
         "Elasticity: change in per cent for one per cent of the factor, at the nominal values. "
-        "Sobol indices: shares of the variance over the ranges, alone and with others."
+        f"Sobol indices: {shares}"
     )
 
 

@@ -3,25 +3,26 @@
 import math
 from pathlib import Path
 
-import numpy as np
-
 from crankbase.tables.output_units import SI, OutputUnits
 from crankbase.tables.table import Column, Table
 from crankbase.tables.table_units import table_unit
 from crankbase.units.units import RPM
 from crankfem.analyses.mechanism.harmonics_record import (
     COLUMNS,
+    RESIDUALS,
     harmonics_record,
     harmonics_table,
+    stars_record,
 )
-from crankfem.analyses.record import Record, attributes
+from crankfem.analyses.record import Record
 from crankfem.cli.column_file import write_rows
 from crankfem.cli.console import number, print_line, print_notes, print_table
 from crankfem.files.engine.mechanism_file import MechanismFile
 from dynamics.torque.pin_harmonics import PinForceHarmonics
-from dynamics.torque.star import Star, leading_stars, same_stars, star_diagram
+from dynamics.torque.star import star_diagram
 from dynamics.torque.torque import EngineTorque
 
+SUMMED = "torque of all cylinders"
 PARTS = ("gas", "inertia", "gas and inertia")
 
 
@@ -50,11 +51,9 @@ def engine_record(mechanism: MechanismFile, torque: EngineTorque, highest: float
             }
             for place, throw in enumerate(torque.throws, start=1)
         ],
-        "firing_angles_deg": np.rad2deg(engine.firing).tolist(),
-        "stars": [_star_record(star) for star in stars],
+        "firing_angles_deg": list(engine.firing_deg),
         "hinged_rods": any(cylinder.slave_pin is not None for cylinder in engine.cylinders),
-        "leading_orders": [star.order for star in leading_stars(stars)],
-        "same_stars": [[star.order for star in group] for group in same_stars(stars)],
+        **stars_record(stars),
         "remarks": remarks,
     }
 
@@ -64,7 +63,7 @@ def pin_force_record(found: PinForceHarmonics) -> Record:
     fields = ("tangential", "radial")
     return {
         "number": found.number,
-        "firing_angle_deg": math.degrees(found.firing_angle),
+        "firing_angle_deg": found.firing_angle_deg,
         **{
             field: {
                 "gas": harmonics_record(getattr(found, f"{field}_gas")),
@@ -74,11 +73,6 @@ def pin_force_record(found: PinForceHarmonics) -> Record:
             for field in fields
         },
     }
-
-
-def _star_record(star: Star) -> Record:
-    known = attributes(star, "order", "kind", "resultant", "share")
-    return known | {"directions_deg": np.rad2deg(star.directions).tolist()}
 
 
 def print_engine(record: Record, units: OutputUnits = SI) -> None:
@@ -110,6 +104,45 @@ def print_engine(record: Record, units: OutputUnits = SI) -> None:
         ),
         units,
     )
+    print_stars(record, units, hinged=record["hinged_rods"])
+
+
+def print_table_harmonics(record: Record, usual: float, units: OutputUnits = SI) -> None:
+    """Print the harmonics of a torque table, and the torque of the cylinders if it is told how they fire.
+
+    Orders above the usual ones are printed only where they are all that was asked for.
+    """
+    kept = sum(order <= usual * (1.0 + 1e-9) for order in record["orders"])
+    record = record | {name: record[name][:kept] for name in (*COLUMNS, *RESIDUALS)}
+    mean = table_unit([record["mean"]], "N m", units).with_unit(record["mean"])
+    print_line(
+        f"Mean {mean}; {record['samples']} samples resolve orders up to "
+        f"{record['highest_order']:g}."
+    )
+    print_table(harmonics_table(record, units=units), units)
+    most, upto = record["residual_largest"][-1], f"The sum up to order {record['orders'][-1]:g}"
+    if most <= 1e-9 * max(record["amplitude"]):
+        print_line(f"{upto} meets every sample.")
+    else:
+        shown = table_unit([most], "N m", units).with_unit(most)
+        print_line(f"{upto} differs from the samples by at most {shown}.")
+    fired = record.get("cylinders")
+    if fired is None:
+        return
+    mean = table_unit([fired["torque"]["mean"]], "N m", units).with_unit(fired["torque"]["mean"])
+    angles = ", ".join(f"{angle:g}" for angle in fired["firing_angles_deg"])
+    count = len(fired["firing_angles_deg"])
+    those = "1 cylinder" if count == 1 else f"{count} cylinders, each"
+    print_line(f"{those} with this torque, fired at {angles} deg: mean torque {mean}.")
+    print_table(
+        harmonics_table(fired["torque"], "Harmonics of the sum of all cylinders", units), units
+    )
+    print_stars(fired, units, hinged=False)
+    print_notes(fired["remarks"], units)
+
+
+def print_stars(record: Record, units: OutputUnits, *, hinged: bool) -> None:
+    """Print the stars of a `stars_record`; with hinged rods, that they are not all there is."""
     like = {order: group for group in record["same_stars"] for order in group}
     print_table(
         Table.of_records(
@@ -119,12 +152,17 @@ def print_engine(record: Record, units: OutputUnits = SI) -> None:
             (Column("kind", words=True), "kind"),
             (Column("resultant / sum", decimals=4), "share"),
             (
+                Column("vectors by cylinder", "deg", digits=None, words=True),
+                lambda star: [math.radians(round(angle, 6)) for angle in star["directions_deg"]],
+            ),
+            (
                 Column("same star as", digits=6, words=True),
                 lambda star: [own for own in like[star["order"]] if own != star["order"]],
             ),
-        )
+        ),
+        units,
     )
-    if record["hinged_rods"]:
+    if hinged:
         print_line(
             "Cylinders with hinged rods differ from the others: of an order whose star is balanced, some "
             "torque can be left, as the harmonics above tell."
@@ -165,7 +203,9 @@ def _throw_name(place: int, throw: Record) -> str:
 def table_rows(record: Record) -> list[list[object]]:
     """Return the rows of a CSV file of harmonics: of a torque table or of an engine."""
     if "throws" not in record:
-        return _rows("torque", "N m", record)
+        fired = record.get("cylinders")
+        rows = _rows("torque", "N m", record)
+        return rows if fired is None else [*rows, *_rows(SUMMED, "N m", fired["torque"])]
     rows = _rows("engine torque", "N m", record["harmonics"])
     for place, throw in enumerate(record["throws"], start=1):
         rows += _rows(f"torque of throw {place}", "N m", throw["harmonics"])

@@ -71,6 +71,7 @@ def _print_moment(record: Record, units: OutputUnits) -> None:
 
 def _print_profile(record: Record, units: OutputUnits) -> None:
     spring, profile = record["spring"], record["profile"]
+    surface = profile["surface"] or {}
     length, pressure = units.of("mm"), units.of("MPa")
     print_table(
         Table(
@@ -82,6 +83,15 @@ def _print_profile(record: Record, units: OutputUnits) -> None:
                 for name, value, unit in (
                     ("radius, smallest", profile["smallest_radius"], length),
                     ("radius, largest", profile["largest_radius"], length),
+                    *(
+                        (
+                            f"surface of the rollers' guides, {name}",
+                            surface[f"{name}_radius"],
+                            length,
+                        )
+                        for name in ("smallest", "largest")
+                        if surface
+                    ),
                     ("compression z, largest", profile["largest_compression"], length),
                     ("gas pressure, largest", profile["largest_pressure"], pressure),
                     ("force on a roller, largest", profile["largest_normal_force"], units.of("kN")),
@@ -155,9 +165,13 @@ def _print_others(record: Record, units: OutputUnits) -> None:
             (Column("p_0", "MPa"), "best_pressure"),
             (Column("ratio", decimals=3), "best_ratio"),
             (Column("fluctuation", digits=3), "fluctuation"),
-            (Column("M_h lacks", "%", 3), "moment_residual"),
+            (Column("M_h lacks", "%", 3, joint=", at most "), _lacking),
         ),
         units,
+    )
+    print_line(
+        "M_h lacks: of the moment for constant speed, first root mean square by root mean square, then "
+        "largest by largest."
     )
     wanted = record["turning"]["flywheel"]["fluctuation"]
     for other in record["other_speeds"]:
@@ -198,6 +212,10 @@ def _print_compared(compared: list[Record], units: OutputUnits) -> None:
         units,
     )
     print_notes((entry["refused"] for entry in compared if "refused" in entry), units)
+
+
+def _lacking(other: Record) -> Cell:
+    return other["moment_residual"], other["largest_residual"]
 
 
 def _field(name: str) -> str:

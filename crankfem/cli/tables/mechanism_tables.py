@@ -2,16 +2,30 @@
 
 from crankbase.tables.output_units import SI, OutputUnits
 from crankbase.units.units import RPM
+from crankfem.analyses.mechanism.acceleration_records import (
+    acceleration_sentences,
+    acceleration_table,
+)
 from crankfem.analyses.mechanism.balance_records import (
     BALANCED_TEXT,
     balance_table,
     hinged_rod_table,
+)
+from crankfem.analyses.mechanism.balanced_masses import (
+    balance_contents,
+    moving_mass_table,
+    throw_mass_table,
 )
 from crankfem.analyses.mechanism.load_tables import (
     bearing_table,
     crankpin_table,
     cylinder_table,
     rod_model_table,
+)
+from crankfem.analyses.mechanism.rod_model_records import (
+    model_difference_sentence,
+    model_difference_table,
+    rod_mass_table,
 )
 from crankfem.analyses.record import ASSUMED, Record
 from crankfem.cli.console import print_line, print_table
@@ -53,6 +67,24 @@ def _print_power(record: Record, units: OutputUnits) -> None:
         print_line(units.text(f"{sentence[0].upper()}{sentence[1:]}."))
 
 
+def print_rod_models(record: Record, units: OutputUnits = SI) -> None:
+    """Print the masses that stand in for the rods, and the load by two models, if there are two."""
+    print_table(rod_mass_table(record["rod_masses"]), units)
+    difference = record["model_difference"]
+    if difference is not None:
+        table = model_difference_table(difference)
+        if table is not None:
+            print_table(table, units)
+        print_line(model_difference_sentence(difference, units))
+
+
+def print_balanced_masses(record: Record, units: OutputUnits = SI) -> None:
+    """Print which masses are in the balance of a `mechanism_balance_record`."""
+    for make in (moving_mass_table, throw_mass_table):
+        print_table(make(record), units)
+    print_line(balance_contents(record, units))
+
+
 def print_balance(record: Record, units: OutputUnits = SI) -> None:
     """Print the tables of forces and moments of `balance_record`."""
     for kind in ("force", "moment"):
@@ -63,9 +95,14 @@ def print_balance(record: Record, units: OutputUnits = SI) -> None:
     )
 
 
-def print_hinged_rods(records: list[Record], units: OutputUnits = SI) -> None:
-    """Print the table of `hinged_rods_record`."""
+def print_hinged_rods(
+    records: list[Record], accelerations: Record, units: OutputUnits = SI
+) -> None:
+    """Print the tables of `hinged_rods_record` and `acceleration_record`."""
     print_table(hinged_rod_table(records), units)
+    print_table(acceleration_table(accelerations, units), units)
+    for sentence in acceleration_sentences(accelerations, units):
+        print_line(sentence)
 
 
 def _print_remarks(remarks: list[str], units: OutputUnits) -> None:

@@ -6,13 +6,13 @@ from crankbase.tables.output_units import SI, OutputUnits
 from crankbase.tables.table import Column, Table
 from crankfem.analyses.record import Record
 from crankfem.analyses.throw.stress import mirrored, stress_tables
-from crankfem.analyses.throw.throw_tables import reaction_table, support_table
+from crankfem.analyses.throw.throw_tables import loaded_table, reaction_table
 from crankfem.cli.console import print_line, print_notes, print_table
 
 
 def print_throw(record: Record, units: OutputUnits = SI) -> None:
     """Print compliances, reactions and masses of a throw, from its record."""
-    print_table(support_table(record), units)
+    print_table(loaded_table(record, units), units)
     print_table(reaction_table(record, units), units)
     print_line(
         units.text(

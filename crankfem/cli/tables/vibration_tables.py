@@ -4,6 +4,7 @@ from crankbase.tables.output_units import SI, OutputUnits
 from crankfem.analyses.record import Record
 from crankfem.analyses.shaft.motion import MOTION
 from crankfem.analyses.vibration.tables import (
+    barred_within_error,
     critical_table,
     element_table,
     limit_table,
@@ -35,8 +36,12 @@ def print_run(record: Record, units: OutputUnits = SI) -> None:
             print_table(critical_table(own), units)
         sources = source_table(own).select("source", "frequencies", "first beside chosen")
         print_table(sources, units)
+        print_notes([f"Not used: {one}." for one in own["unusable"]], units)
         if forced is not None:
             _print_forced(forced[kind], units)
+        if kind == "axial" and record.get("axial_force") is not None:
+            for line in record["axial_force"]["sentences"]:
+                print_line(units.text(line))
     if record["whole"] is not None:
         _print_whole(record["whole"], units)
     for line in (record.get("bearings") or {"sentences": ()})["sentences"]:
@@ -153,11 +158,13 @@ def print_assessment(record: Record, units: OutputUnits = SI) -> None:
     decision = record.get("decision", {"status": "", "sentence": ""})
     if decision["status"] == "undecided":
         print_line(units.text(f"Verdict: undecided, {decision['sentence']}."))
-        print_line(units.text(f"With the values assumed: {record['sentence']}"))
+        print_line(units.text(f"With the values used: {record['sentence']}"))
     else:
         print_line(units.text(f"Verdict: {record['sentence']}"))
         if decision["sentence"]:
-            print_line(units.text(f"It hangs on what is assumed: {decision['sentence']}."))
+            print_line(
+                units.text(f"It hangs on what is assumed or uncertain: {decision['sentence']}.")
+            )
     for line in record["beside"]:
         print_line(units.text(line))
 
@@ -168,6 +175,8 @@ def _print_uncertainty(kind: str, record: Record, units: OutputUnits) -> None:
             f"{kind.capitalize()}: {spread['name']} {spread['low']:.3g} to {spread['high']:.3g} times the "
             "value used"
         )
+    if record.get("barred"):
+        print_line(units.text(f"{kind.capitalize()}: {barred_within_error(record['barred'])}."))
     print_table(margin_table(record, kind), units)
     found, motion = record["amplitudes"], units.of(MOTION[kind].printed)
     if found is not None:

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from crankbase.checks.arrays import positive_number
-from crankbase.errors import InputError
+from crankbase.errors import InputError, InputErrors
 from crankfem.files.chain.chain_sections import (
     UNITS,
     AxialChainSection,
@@ -61,27 +61,28 @@ def chain_of(section: Section, material: Material) -> Chain:
     Raises
     ------
     InputError
-        If lists and tables stand side by side, a node is unknown or named twice, an element is
-        neither stiffness nor shape, or the chain cannot be.
+        If lists and tables stand side by side, a node is named twice, or the chain cannot be; with a
+        sentence for each element, dashpot, gear and damper whose nodes are unknown or that is not one.
     """
     nodes = _nodes(section)
     given = tuple(nodes)
-    dashpots: Sequence[TorsionalDashpot | AxialDashpot] = section.dashpots
+    errors = InputErrors()
     inner: dict[str | None, list[str]] = {}
     rows: list[_Row] = []
     for number, element in enumerate(_elements(section, len(given))):
-        left, right = _ends(element, number, given)
-        if element.shape is None:
-            rows.append(_spring(section, number, element, left, right))
-            continue
-        _check_shape(number, element, element.shape)
-        between = [f"{left} - {right} {k}" for k in range(1, element.parts)]
-        pieces = _piece(element, element.shape, material).divided(element.parts)
-        rows += _shaft(section, element, pieces, [left, *between, right])
-        # Between neighbors the inner nodes stand in their place of the row, otherwise at its end.
-        places = given.index(left), given.index(right)
-        host = given[min(places)] if abs(places[0] - places[1]) == 1 else None
-        inner.setdefault(host, []).extend(between if host == left else between[::-1])
+        with errors.noted():
+            left, right = _ends(element, number, given)
+            if element.shape is None:
+                rows.append(_spring(section, number, element, left, right))
+                continue
+            _check_shape(number, element, element.shape)
+            between = [f"{left} - {right} {k}" for k in range(1, element.parts)]
+            pieces = _piece(element, element.shape, material).divided(element.parts)
+            rows += _shaft(section, element, pieces, [left, *between, right])
+            # Between neighbors the inner nodes stand in their place of the row, otherwise at its end.
+            places = given.index(left), given.index(right)
+            host = given[min(places)] if abs(places[0] - places[1]) == 1 else None
+            inner.setdefault(host, []).extend(between if host == left else between[::-1])
     order = [name for own in given for name in (own, *inner.get(own, ()))] + inner.get(None, [])
     number_of = {name: number for number, name in enumerate(order)}
     # Inner nodes of a piece of shaft have nothing but its own inertia.
@@ -91,6 +92,22 @@ def chain_of(section: Section, material: Material) -> Chain:
         _check_known(f"chain.{field}", name, given)
         return number_of[name]
 
+    listed: Sequence[TorsionalDashpot | AxialDashpot] = section.dashpots
+    dashpots: list[Dashpot] = []
+    for k, own in enumerate(listed):
+        with errors.noted():
+            first, second = (place(f"dashpots[{k}].nodes", name) for name in own.nodes)
+            dashpots.append(Dashpot(first, second, own.damping))
+    gears: list[Gear] = []
+    for k, gear in enumerate(section.gears):
+        with errors.noted():
+            driver = place(f"gears[{k}].driver", gear.driver)
+            gears.append(Gear(driver, place(f"gears[{k}].driven", gear.driven), gear.ratio))
+    dampers: Sequence[TorsionalDamperPart | AxialDamperPart] = section.dampers
+    for k, part in enumerate(dampers):
+        with errors.noted():
+            place(f"dampers[{k}].node", part.node)
+    errors.tell()
     chain = Chain(
         [_inertia(node) for node in values],
         [row.stiffness for row in rows],
@@ -100,27 +117,11 @@ def chain_of(section: Section, material: Material) -> Chain:
         loss_factor=[row.loss_factor for row in rows],
         ground_damping=[node.ground_damping for node in values],
         distributed_inertia=[row.distributed_inertia for row in rows],
-        dashpots=[
-            Dashpot(
-                place(f"dashpots[{k}].nodes", dashpot.nodes[0]),
-                place(f"dashpots[{k}].nodes", dashpot.nodes[1]),
-                dashpot.damping,
-            )
-            for k, dashpot in enumerate(dashpots)
-        ],
-        gears=[
-            Gear(
-                place(f"gears[{k}].driver", gear.driver),
-                place(f"gears[{k}].driven", gear.driven),
-                gear.ratio,
-            )
-            for k, gear in enumerate(section.gears)
-        ],
+        dashpots=dashpots,
+        gears=gears,
         names=order,
     )
-    dampers: Sequence[TorsionalDamperPart | AxialDamperPart] = section.dampers
     for k, part in enumerate(dampers):
-        place(f"dampers[{k}].node", part.node)
         chain = with_damper(chain, part.node, part.damper(f"chain.dampers[{k}]"))
     return chain
 

@@ -63,7 +63,7 @@ def load_chain(path: str | Path | TomlFile) -> ChainFile:
     Raises
     ------
     InputError
-        With one sentence that names what was given and what is allowed.
+        With a sentence for each wrong field, which names what was given and what is allowed.
     """
     found = path.path if isinstance(path, TomlFile) else input_path(path, "chain")
     if found.suffix.lower() != ".toml":
@@ -72,19 +72,23 @@ def load_chain(path: str | Path | TomlFile) -> ChainFile:
         _check_sizes(found.name, read.chain)
         return ChainFile(found, read.name or found.stem, read.kind, read.chain, (), {})
     content = path if isinstance(path, TomlFile) else read_toml(found)
-    content.check_sections({"chain": True, "material": False})
-    kind = content.sections["chain"].get("kind")
-    if not isinstance(kind, str) or kind not in KINDS:
-        raise InputError(
-            f"{found.name}: chain.kind: given {kind!r}; allowed are torsional and axial, because units "
-            "follow from it."
-        )
-    section: Section = content.required("chain", KINDS[kind])
-    material = content.model("material", Material) or STEEL
+    kind = content.sections.get("chain", {}).get("kind")
+    known = isinstance(kind, str) and kind in KINDS
+    with content.all_errors(
+        {"material": Material} | ({"chain": KINDS[str(kind)]} if known else {})
+    ):
+        content.check_sections({"chain": True, "material": False})
+        if not known:
+            raise InputError(
+                f"{found.name}: chain.kind: given {kind!r}; allowed are torsional and axial, because units "
+                "follow from it."
+            )
+        section: Section = content.required("chain", KINDS[str(kind)])
+        material = content.model("material", Material) or STEEL
     try:
         chain = chain_of(section, material)
     except InputError as error:
-        raise InputError(f"{found.name}: {error}") from None
+        raise InputError("\n".join(f"{found.name}: {one}" for one in error.sentences)) from None
     _check_sizes(found.name, chain)
     return ChainFile(
         found, section.name, section.kind, chain, tuple(content.records), content.sources

@@ -15,7 +15,7 @@ Text after # is a comment.
 import re
 from dataclasses import dataclass, field
 
-from crankbase.errors import InputError
+from crankbase.errors import InputError, InputErrors
 from crankbase.summaries import summarized
 from crankbase.units.quantity import parse_quantity
 from crankfem.files.chain.chain_sections import UNITS
@@ -70,12 +70,12 @@ def read_chain_text(text: str, source: str = "text") -> ChainText:
     Raises
     ------
     InputError
-        With the line that cannot be used.
+        With a sentence for each line that cannot be used.
     """
     try:
         return _read(text)
     except InputError as error:
-        raise InputError(f"{source}: {error}") from None
+        raise InputError("\n".join(f"{source}: {one}" for one in error.sentences)) from None
 
 
 def _read(text: str) -> ChainText:
@@ -83,6 +83,7 @@ def _read(text: str) -> ChainText:
     title = ""
     nodes: dict[str, dict[str, float]] = {}
     links: list[_Link] = []
+    errors = InputErrors()
     for number, raw in enumerate(text.splitlines(), start=1):
         line = raw.split("#", 1)[0].rstrip()
         if not line.strip():
@@ -90,10 +91,12 @@ def _read(text: str) -> ChainText:
         where = f"line {number}"
         if kind is None:
             kind, title = _heading(where, line)
-        elif line[0].isspace():
-            above = next(reversed(nodes), None)
-            links.append(_link(where, COLUMNS.split(line.strip()), UNITS[kind], above))
-        else:
+            continue
+        with errors.noted():
+            if line[0].isspace():
+                above = next(reversed(nodes), None)
+                links.append(_link(where, COLUMNS.split(line.strip()), UNITS[kind], above))
+                continue
             name, values = _node(where, COLUMNS.split(line), UNITS[kind])
             if name in nodes:
                 raise InputError(
@@ -106,6 +109,7 @@ def _read(text: str) -> ChainText:
             nodes[name] = values
     if kind is None:
         raise InputError("given no line; allowed is a heading, torsional or axial, and nodes.")
+    errors.tell()
     return ChainText(kind, title, _chain(nodes, links))
 
 
@@ -180,17 +184,20 @@ def _number(name: str, text: str) -> float:
 def _chain(nodes: dict[str, dict[str, float]], links: list[_Link]) -> Chain:
     numbers = {name: number for number, name in enumerate(nodes)}
     springs, dashpots, gears = [], [], []
+    errors = InputErrors()
     for link in links:
-        left, right = (_place(link, name, numbers) for name in (link.left, link.right))
-        try:
-            if "gear" in link.values:
-                gears.append(Gear(left, right, link.values["gear"]))
-            elif "dashpot" in link.values:
-                dashpots.append(Dashpot(left, right, link.values["dashpot"]))
-            else:
-                springs.append(((left, right), link.values))
-        except InputError as error:
-            raise InputError(f"{link.line}: {error}") from None
+        with errors.noted():
+            left, right = (_place(link, name, numbers) for name in (link.left, link.right))
+            try:
+                if "gear" in link.values:
+                    gears.append(Gear(left, right, link.values["gear"]))
+                elif "dashpot" in link.values:
+                    dashpots.append(Dashpot(left, right, link.values["dashpot"]))
+                else:
+                    springs.append(((left, right), link.values))
+            except InputError as error:
+                raise InputError(f"{link.line}: {error}") from None
+    errors.tell()
     return Chain(
         [values["inertia"] for values in nodes.values()],
         [values["stiffness"] for _, values in springs],

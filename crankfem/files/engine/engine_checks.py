@@ -104,10 +104,11 @@ def check_sources(vibration: VibrationSettings, study: StudyPlan | None) -> None
         ("axial", vibration.axial_source, AXIAL_FORMULA_NAMES),
         ("torsional", vibration.torsional_source, TORSIONAL_FORMULA_NAMES),
     ):
-        allowed = ["fe", "fe pinned", *(["regression"] if study is not None else []), *formulas]
+        fitted = study is not None or vibration.model is not None
+        allowed = ["fe", "fe pinned", *(["regression"] if fitted else []), *formulas]
         if given.casefold() not in [name.casefold() for name in allowed]:
             reason = (
-                ", because the file has no section [study] to fit"
+                ", because the file has neither a section [study] to fit nor a vibration.model"
                 if given.casefold() == "regression"
                 else ""
             )
@@ -138,9 +139,8 @@ def check_thrust_bearing(thrust: ThrustBearing, throws: int) -> None:
     ------
     InputError
     """
-    if thrust.bearing > throws:
+    if thrust.main_bearing > throws + 1:
         raise InputError(
-            f"thrust_bearing.bearing: given {thrust.bearing}, main bearing {thrust.bearing + 1} counted from "
-            f"1; allowed is 0 (main bearing 1, at the free end) to {throws} (main bearing {throws + 1}, at "
-            "the flywheel), because this field counts from 0."
+            f"thrust_bearing.main_bearing: given {thrust.main_bearing}; allowed is 1 (at the free end) to "
+            f"{throws + 1} (at the flywheel), because {throws} throws have {throws + 1} main bearings."
         )

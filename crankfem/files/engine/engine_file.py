@@ -1,5 +1,6 @@
 """Read engine files, and check what their sections say of each other."""
 
+import math
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass, field, fields, replace
 from pathlib import Path
@@ -188,13 +189,13 @@ load, gas_map, misfire, propeller_forces, limits, ranges, torque_table, two_mass
         for name, throw in self.named_throws.items():
             section = name if name == PLAIN else f"throws.{name}"
             check_sizes(self.engine, throw, self.rod, self.piston, section)
-        along = throws_along_shaft(self.named_throws, self.throw_names, self.throw_angles)
+        along = throws_along_shaft(self.named_throws, self.throw_names, self.throw_angles_deg)
         if self.throw != along[0]:
             raise InputError(
                 "throw: given for an engine with throws by name; allowed is throws={NAME: ...}, because "
                 "each name stands for a throw of its own."
             )
-        check_thrust_bearing(self.thrust_bearing, len(self.throw_angles))
+        check_thrust_bearing(self.thrust_bearing, len(self.throw_angles_deg))
         _ = self.pins  # refuses hinged rods of cylinders that are not there
         check_misfire(self.misfire, self.gas, self.engine)
         check_gas_map(self.gas_map, self.engine)
@@ -208,9 +209,10 @@ load, gas_map, misfire, propeller_forces, limits, ranges, torque_table, two_mass
         return throws_of(self.engine)
 
     @property
-    def throw_angles(self) -> tuple[float, ...]:
-        """Angle of each throw's first pin, throw by throw, as the file counts angles [rad]."""
-        return angles_of_throws(self.shaft, self.engine, self.throws)
+    def throw_angles_deg(self) -> tuple[float, ...]:
+        """Angle of each throw's first pin, throw by throw, as the file counts angles [deg]."""
+        angles = angles_of_throws(self.shaft, self.engine, self.throws)
+        return tuple(math.degrees(angle) for angle in angles)
 
     @property
     def named_throws(self) -> dict[str, CrankThrow]:
@@ -220,13 +222,19 @@ load, gas_map, misfire, propeller_forces, limits, ranges, torque_table, two_mass
     @property
     def throw_names(self) -> tuple[str, ...]:
         """Name of each crank's throw, from the free end."""
-        return throw_names(self.named_throws, self.shaft, len(self.throw_angles))
+        return throw_names(self.named_throws, self.shaft, len(self.throw_angles_deg))
 
     @property
     def crank_throws(self) -> tuple[CrankThrow, ...]:
         """Throw of each crank, from the free end."""
         throws = self.named_throws
         return tuple(throws[name] for name in self.throw_names)
+
+    @property
+    def model_path(self) -> Path | None:
+        """The saved compliance model that the file names, if any."""
+        name = self.vibration.model
+        return None if name is None else self.path.parent / name
 
     @property
     def pins(self) -> tuple[int, ...]:
@@ -355,7 +363,8 @@ def load_engine(path: str | Path | TomlFile) -> EngineFile:
             "[flywheel] and [thrust_bearing], or use it with mechanism, harmonics, throw and draw."
         )
     with content.all_errors(
-        {name: one.model for name, one in SECTIONS.items() if name != "throws"}
+        {name: one.model for name, one in SECTIONS.items() if name != "throws"},
+        {"throws": read_throws},
     ):
         return _read_engine(content)
 
@@ -369,7 +378,7 @@ def _read_engine(content: TomlFile) -> EngineFile:
         if own.name == "throw":
             throws = read_throws(content)
         elif own.name == "torque_table":
-            sections[own.name] = _torque_table(content)
+            sections[own.name] = torque_table_path(content)
         elif own.name == "shaft_lines":
             sections[own.name] = read_shaft_lines(content)
         elif own.name in kinds:
@@ -388,6 +397,7 @@ def _read_engine(content: TomlFile) -> EngineFile:
     )
 
 
-def _torque_table(content: TomlFile) -> Path | None:
+def torque_table_path(content: TomlFile) -> Path | None:
+    """Return the torque table that a file names, if it names one."""
     given = content.model("torque", TorqueTable)
     return None if given is None else find_table("torque.table", content.path, given.table)

@@ -68,7 +68,7 @@ def engine_template(file: str = "mine.toml", cylinders: int = 6, strokes: int = 
         name=f"Example, {cylinders} {counted}",
         cylinders=cylinders,
         strokes=strokes,
-        thrust=cylinders,
+        thrust=cylinders + 1,
         crank_angles=", ".join(f'"{angle:.10g} deg"' for angle in angles),
         firing_order=", ".join(map(str, order)),
     )

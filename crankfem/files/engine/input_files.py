@@ -17,11 +17,12 @@ def mechanism_inputs(mechanism: MechanismFile) -> tuple[Path, ...]:
 
 
 def engine_tables(engine_file: EngineFile, mechanism: MechanismFile) -> tuple[Path, ...]:
-    """Return the tables that an engine file names: of pressures, at points of a map, of torque."""
+    """Return the files that an engine file names: of pressures, at points of a map, of torque, its model."""
     points = () if engine_file.gas_map is None else engine_file.gas_map.points
     on_map = [
         find_table("gas_map.points.pressure_table", engine_file.path, point.pressure_table)
         for point in points
     ]
     torque = () if engine_file.torque_table is None else (engine_file.torque_table,)
-    return (*mechanism_inputs(mechanism)[1:], *on_map, *torque)
+    model = () if engine_file.model_path is None else (engine_file.model_path,)
+    return (*mechanism_inputs(mechanism)[1:], *on_map, *torque, *model)

@@ -50,7 +50,7 @@ READ = (
 
 
 @summarized(
-    "name", "path", "rated_speed [rad/s]", "layout.cylinders", "throw_angles [rad]", "remarks"
+    "name", "path", "rated_speed [rad/s]", "layout.cylinders", "throw_angles_deg [deg]", "remarks"
 )
 @dataclass(frozen=True)
 class MechanismFile:
@@ -74,8 +74,8 @@ class MechanismFile:
         Sections of the file; of several throws the one at the free end.
     crank_throws : tuple of CrankThrow
         Throw of each crank, from the free end.
-    throw_angles : tuple of float
-        Angle of each throw from the first, in the sense of rotation [rad].
+    throw_angles_deg : tuple of float
+        Angle of each throw from the first, in the sense of rotation [deg].
     throws : tuple of int
         Throw that each cylinder works on, from 0.
     turning_sense : int
@@ -104,7 +104,7 @@ class MechanismFile:
     throw: CrankThrow
     crank_throws: tuple[CrankThrow, ...]
     material: Material
-    throw_angles: tuple[float, ...]
+    throw_angles_deg: tuple[float, ...]
     throws: tuple[int, ...]
     turning_sense: int
     gas: Gas | None
@@ -136,7 +136,7 @@ def load_mechanism(path: str | Path | TomlFile) -> MechanismFile:
         With a sentence for each wrong field, which names it, what was given and what is allowed.
     """
     content = engine_sections(path)
-    with content.all_errors({name: SECTIONS[name].model for name in READ}):
+    with content.all_errors({name: SECTIONS[name].model for name in READ}, {"throws": read_throws}):
         return _read_mechanism(content)
 
 
@@ -151,7 +151,7 @@ def _read_mechanism(content: TomlFile) -> MechanismFile:
     gas, load = content.model("gas", Gas), content.model("load", LoadSection)
     check_load(load, gas, None, engine)
     angles = angles_of_throws(shaft, engine, throws_of(engine))
-    along = throws_along_shaft(throws, throw_names(throws, shaft, len(angles)), angles)
+    along = throws_along_shaft(throws, throw_names(throws, shaft, len(angles)), np.degrees(angles))
     return mechanism_of(
         MechanismSections(
             path=content.path,
@@ -197,9 +197,10 @@ class MechanismSections:
         return throws_of(self.engine)
 
     @property
-    def throw_angles(self) -> tuple[float, ...]:
-        """Angle of each throw's first pin, as the file counts angles [rad]."""
-        return angles_of_throws(self.shaft, self.engine, self.throws)
+    def throw_angles_deg(self) -> tuple[float, ...]:
+        """Angle of each throw's first pin, as the file counts angles [deg]."""
+        angles = angles_of_throws(self.shaft, self.engine, self.throws)
+        return tuple(math.degrees(angle) for angle in angles)
 
 
 def mechanism_of(file: EngineFile | MechanismSections) -> MechanismFile:
@@ -225,7 +226,7 @@ def mechanism_of(file: EngineFile | MechanismSections) -> MechanismFile:
         throw=file.crank_throws[0],
         crank_throws=file.crank_throws,
         material=file.material,
-        throw_angles=tuple(sense * angle for angle in file.throw_angles),
+        throw_angles_deg=tuple(sense * angle for angle in file.throw_angles_deg),
         throws=file.throws,
         turning_sense=sense,
         gas=gas,
@@ -253,7 +254,7 @@ def layout_of(file: EngineFile | MechanismSections) -> EngineLayout:
         file.piston,
         file.hinged_rods,
         file.throws,
-        file.throw_angles,
+        [math.radians(angle) for angle in file.throw_angles_deg],
     )
     return EngineLayout(0.5 * engine.stroke, cylinders, engine.firing_order, engine.strokes)
 
@@ -311,7 +312,7 @@ def with_throws(
     each, starts = _masses_along(mechanism, masses), mechanism.bearing_positions
     sense, rotating = mechanism.turning_sense, []
     for number, (own, throw) in enumerate(zip(each, mechanism.crank_throws, strict=True)):
-        found, angle = unbalance(own, 0.0), mechanism.throw_angles[number]
+        found, angle = unbalance(own, 0.0), math.radians(mechanism.throw_angles_deg[number])
         # Real and imaginary part lie along +y and against +x, as in the layout's frame.
         static = complex(found.static[1], -sense * found.static[0])
         far = complex(found.dynamic[1], -sense * found.dynamic[0]) / throw.length

@@ -4,9 +4,12 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+import numpy as np
+
 from crankbase.summaries import summarized
 from crankbase.units.quantity import format_quantity
 from crankfem.files.sections.engine_sections import Engine
+from dynamics.cycle import cycle_radians
 from dynamics.engine.gas_forces import piston_position
 from dynamics.engine.layout import EngineLayout
 from dynamics.engine.motions import piston_ends
@@ -129,7 +132,10 @@ def indicated_power(
     ):
         low, high = piston_ends(layout, number)
         swept += cylinder.area * (high - low)
-        slope = periodic_slope(piston_position(layout, number)(pressure.angles), pressure.cycle)
+        slope = periodic_slope(
+            piston_position(layout, number)(np.radians(pressure.angles_deg)),
+            cycle_radians(pressure.strokes),
+        )
         work += indicated_work(pressure.pressure, -cylinder.area * slope, layout.strokes)
     cycles = speed / (math.pi * layout.strokes)
     return work * cycles, work / swept

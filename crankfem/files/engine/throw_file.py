@@ -89,7 +89,7 @@ def load_throw_file(path: str | Path | TomlFile) -> ThrowFile:
     InputError
     """
     read = engine_sections(path)
-    with read.all_errors({"throw": CrankThrow, "material": Material, "engine": Engine}):
+    with read.all_errors({"engine": Engine}):
         return _read_throw_file(read)
 
 
@@ -134,7 +134,7 @@ def load_crankshaft(path: str | Path | TomlFile) -> Crankshaft:
     ends = content.model("shaft_ends", ShaftEnds) or ShaftEnds()
     names = throw_names(throws, layout, len(angles))
     return Crankshaft(
-        throws_along_shaft(throws, names, angles),
+        throws_along_shaft(throws, names, np.degrees(angles)),
         crank_angles_deg=np.degrees(angles).tolist(),
         ends=ends,
     )
@@ -157,8 +157,9 @@ def load_study(path: str | Path | TomlFile) -> StudyPlan:
 def _throws(path: str | Path | TomlFile, *needed: str) -> tuple[TomlFile, dict[str, CrankThrow]]:
     """Sections of a file that has a throw and other sections that are needed, and its throws by name."""
     content = engine_sections(path)
-    check_sections(content, ["throw", *needed])
-    return content, read_throws(content)
+    with content.all_errors({"throw": CrankThrow, "material": Material}, {"throws": read_throws}):
+        check_sections(content, ["throw", *needed])
+        return content, read_throws(content)
 
 
 def _first(content: TomlFile, throws: Throws) -> str:

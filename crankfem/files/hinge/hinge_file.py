@@ -17,9 +17,10 @@ from crankfem.files.hinge.hinge_sections import (
     RunningPoint,
     Sliding,
 )
-from crankfem.files.reading.data_files import input_path
+from crankfem.files.reading.data_files import find_table, input_path
 from crankfem.files.reading.toml_file import InputRecord, TomlFile, read_toml
-from dynamics.hinge.crosshead import CrossheadEngine, piston_gas_force, two_stroke_cycle
+from dynamics.hinge.crosshead import CrossheadEngine, GasForce, piston_gas_force, two_stroke_cycle
+from dynamics.hinge.force_table import read_gas_force
 from dynamics.hinge.moment import HingeMoment, hinge_moment
 from dynamics.hinge.profile import HingeProfile, hinge_profile
 from dynamics.hinge.reduced_crank import Kinematics
@@ -42,7 +43,8 @@ class HingeFile:
     engine : CrossheadEngine
     spring : GasSpring
     start_radius, roller_radius, design_speed : float
-    cycle : Cycle
+    cycle : Cycle or None
+        None where tables give the gas force of all running points.
     operation : Operation
     comparison : Comparison or None
     records : tuple of InputRecord
@@ -58,7 +60,7 @@ class HingeFile:
     start_radius: float
     roller_radius: float
     design_speed: float
-    cycle: Cycle
+    cycle: Cycle | None
     operation: Operation
     comparison: Comparison | None
     records: tuple[InputRecord, ...]
@@ -78,16 +80,32 @@ class HingeFile:
             If there is no running point of that speed, or its cycle cannot be.
         """
         point = self.point_at("speed", self.design_speed if speed is None else speed)
+        return hinge_moment(self.engine, self._gas_force(point), point.speed, kinematics=kinematics)
+
+    @property
+    def tables(self) -> tuple[Path, ...]:
+        """Tables of gas forces that the file names."""
+        return tuple(
+            find_table("operation.points.gas_force_table", self.path, point.gas_force_table)
+            for point in self.operation.points
+            if point.gas_force_table is not None
+        )
+
+    def _gas_force(self, point: RunningPoint) -> GasForce:
+        """Gas force of a running point, by its table or by the cycle model."""
+        if point.pressures is None or self.cycle is None:
+            name = point.gas_force_table or ""
+            return read_gas_force(find_table("operation.points.gas_force_table", self.path, name))
+        mean, peak, charge = point.pressures
         cycle = two_stroke_cycle(
             self.engine,
             self.cycle.compression_ratio,
-            peak_pressure=point.peak_pressure,
-            mean_effective_pressure=point.mean_pressure,
-            intake_pressure=point.charge_pressure,
+            peak_pressure=peak,
+            mean_effective_pressure=mean,
+            intake_pressure=charge,
             **self.cycle.given,
         )
-        force = piston_gas_force(self.engine, cycle.pressure, point.charge_pressure)
-        return hinge_moment(self.engine, force, point.speed, kinematics=kinematics)
+        return piston_gas_force(self.engine, cycle.pressure, charge)
 
     def profile(self, moment: HingeMoment) -> HingeProfile:
         """Return the guides for a moment.
@@ -137,11 +155,11 @@ class HingeFile:
         )
 
 
-NEEDED = ("engine", "rod", "sliding", "hinge", "cycle", "operation")
+NEEDED = ("engine", "rod", "sliding", "hinge", "operation")
 KINDS = {
     kind.section: kind for kind in (Crank, HingeRod, Sliding, Hinge, Cycle, Operation, Comparison)
 }
-SECTIONS = {**dict.fromkeys(NEEDED, True), "comparison": False}
+SECTIONS = {**dict.fromkeys(NEEDED, True), "cycle": False, "comparison": False}
 
 
 def load_hinge(path: str | Path | TomlFile = "crosshead-30-100") -> HingeFile:
@@ -178,6 +196,8 @@ def _read_hinge(content: TomlFile) -> HingeFile:
         exponent=hinge.exponent,
         ambient=hinge.ambient_pressure,
     )
+    operation = content.required("operation", Operation)
+    calculated = any(point.pressures is not None for point in operation.points)
     found = HingeFile(
         path=content.path,
         name=crank.name,
@@ -186,11 +206,13 @@ def _read_hinge(content: TomlFile) -> HingeFile:
         start_radius=hinge.start_radius,
         roller_radius=hinge.roller_radius,
         design_speed=hinge.design_speed,
-        cycle=content.required("cycle", Cycle),
-        operation=content.required("operation", Operation),
+        cycle=content.required("cycle", Cycle) if calculated else content.model("cycle", Cycle),
+        operation=operation,
         comparison=content.model("comparison", Comparison),
         records=tuple(content.records),
         sources=content.sources,
     )
     found.point_at("hinge.design_speed", hinge.design_speed)
+    for table in found.tables:  # refuses what cannot be read
+        read_gas_force(table)
     return found

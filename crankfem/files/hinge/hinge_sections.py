@@ -134,13 +134,43 @@ class RunningPoint(InputModel):
     section: ClassVar[str] = "points"
 
     speed: float = quantity_field("crank speed", "rad/s", 1.0 * PER_MINUTE, 30_000.0 * PER_MINUTE)
-    mean_pressure: float = quantity_field("indicated mean effective pressure", "Pa", 1e3, 1e7)
-    peak_pressure: float = quantity_field(
-        "highest pressure in the cylinder, absolute", "Pa", 1e5, 5e7
+    mean_pressure: float | None = quantity_field(
+        "indicated mean effective pressure", "Pa", 1e3, 1e7, default=None
     )
-    charge_pressure: float = quantity_field(
-        "pressure of the charge and below the piston, absolute", "Pa", 1e4, 5e6
+    peak_pressure: float | None = quantity_field(
+        "highest pressure in the cylinder, absolute", "Pa", 1e5, 5e7, default=None
     )
+    charge_pressure: float | None = quantity_field(
+        "pressure of the charge and below the piston, absolute", "Pa", 1e4, 5e6, default=None
+    )
+    gas_force_table: str | None = Field(
+        None,
+        description="gas force on the piston over the crank angle, in place of the three pressures: CSV file "
+        "beside the hinge file",
+    )
+
+    @property
+    def pressures(self) -> tuple[float, float, float] | None:
+        """Mean, peak and charge pressure [Pa]; None where a table gives the gas force."""
+        mean, peak, charge = self.mean_pressure, self.peak_pressure, self.charge_pressure
+        return None if mean is None or peak is None or charge is None else (mean, peak, charge)
+
+    @model_validator(mode="after")
+    def _gas_is_given_once(self) -> Self:
+        names = ("mean_pressure", "peak_pressure", "charge_pressure")
+        given = [name for name in names if getattr(self, name) is not None]
+        if self.gas_force_table is not None and given:
+            raise InputError(
+                f"{given[0]}: given beside gas_force_table; allowed is one of the two, "
+                "because either tells the gas force."
+            )
+        missing = [name for name in names if name not in given]
+        if self.gas_force_table is None and missing:
+            raise InputError(
+                f"{missing[0]}: missing; allowed are {', '.join(names)}, or "
+                "gas_force_table in their place, because they tell the gas force."
+            )
+        return self
 
 
 class Operation(InputModel):

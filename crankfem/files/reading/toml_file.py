@@ -2,14 +2,14 @@
 
 import re
 import tomllib
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, TypeVar
 
 from crankbase.checks.choices import did_you_mean
-from crankbase.errors import InputError
+from crankbase.errors import InputError, InputErrors
 from crankbase.model import InputModel, field_extra, part_kind
 from crankbase.text_limits import LARGEST_TEXT_FILE, check_file_size
 from crankbase.units.quantity import format_quantity
@@ -77,20 +77,25 @@ class TomlFile:
         Raises
         ------
         InputError
+            With a sentence for each unknown one, else one for those missing: an unknown one may be a
+            missing one with another name.
         """
-        for name in self.sections:
-            if name not in allowed:
-                hint = did_you_mean(name, allowed, cutoff=0.7, form="[{}]")
-                raise InputError(
-                    f"{self.path.name}: [{name}] is an unknown section; {hint}allowed are "
-                    f"{', '.join(allowed)}."
-                )
-        for name, required in allowed.items():
-            if required and name not in self.sections:
-                raise InputError(
-                    f"{self.path.name}: the section [{name}] is missing; required are "
-                    f"{', '.join(key for key, needed in allowed.items() if needed)}."
-                )
+        unknown = [
+            f"{self.path.name}: [{name}] is an unknown section; "
+            f"{did_you_mean(name, allowed, cutoff=0.7, form='[{}]')}allowed are {', '.join(allowed)}."
+            for name in self.sections
+            if name not in allowed
+        ]
+        required = [name for name, needed in allowed.items() if needed]
+        missing = [f"[{name}]" for name in required if name not in self.sections]
+        if unknown:
+            raise InputError("\n".join(unknown))
+        if missing:
+            gone = "sections {} are" if len(missing) > 1 else "section {} is"
+            raise InputError(
+                f"{self.path.name}: the {gone.format(', '.join(missing))} missing; required are "
+                f"{', '.join(required)}."
+            )
 
     def model(self, section: str, kind: type[Model]) -> Model | None:
         """Validate one section; None if the file lacks it.
@@ -115,13 +120,19 @@ class TomlFile:
         return made
 
     @contextmanager
-    def all_errors(self, kinds: Mapping[str, type[InputModel]]) -> Iterator[None]:
+    def all_errors(
+        self,
+        kinds: Mapping[str, type[InputModel]],
+        others: Mapping[str, Callable[["TomlFile"], object]] | None = None,
+    ) -> Iterator[None]:
         """Tell, with the first error that ends a reading, those of all sections.
 
         Parameters
         ----------
         kinds : mapping
             Section to its model.
+        others : mapping, optional
+            Section that is no model to what reads it.
 
         Raises
         ------
@@ -130,16 +141,16 @@ class TomlFile:
         try:
             yield
         except InputError as first:
-            errors = []
+            errors = InputErrors()
             for name, values in self.sections.items():
-                if name in kinds:
-                    try:
+                with errors.noted():
+                    if name in kinds:
                         kinds[name].from_text(values, name)
-                    except InputError as error:
-                        errors.append(error)
-            told = {line for error in errors for line in error.sentences}
-            others = [] if told.issuperset(first.sentences) else [first]
-            raise InputError.of_all([*others, *errors]) from None
+                    elif others and name in others:
+                        others[name](self)
+            told = {line for error in errors.found for line in error.sentences}
+            alone = [] if told.issuperset(first.sentences) else [first]
+            raise InputError.of_all([*alone, *errors.found]) from None
 
     def required(self, section: str, kind: type[Model]) -> Model:
         """Validate one section that must be there.

@@ -6,8 +6,9 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
-from crankbase.errors import InputError
+from crankbase.errors import InputError, InputErrors
 from crankbase.units.quantity import format_quantity
 from crankfem.files.reading.toml_file import TomlFile
 from crankfem.files.sections.engine_sections import NamedThrow, ShaftLayout
@@ -28,13 +29,19 @@ def read_throws(content: TomlFile) -> dict[str, CrankThrow]:
     Raises
     ------
     InputError
+        With a sentence for each wrong field of each throw; of one like another, for its own fields.
     """
     given = content.sections.get("throws")
     if given is None:
         return {PLAIN: content.required("throw", CrankThrow)}
     if not given:
         raise InputError("throws: given no throw; allowed are sections like [throws.a].")
-    return {name: _named(content, name, given) for name in given}
+    made, errors = {}, InputErrors()
+    for name in given:
+        with errors.noted():
+            made[name] = _named(content, name, given)
+    errors.tell()
+    return made
 
 
 def throw_names(throws: Throws, layout: ShaftLayout | None, count: int) -> tuple[str, ...]:
@@ -141,7 +148,7 @@ def check_compatible_throws(throws: Throws) -> None:
 
 
 def throws_along_shaft(
-    throws: Throws, names: Sequence[str], angles: Sequence[float]
+    throws: Throws, names: Sequence[str], angles_deg: ArrayLike
 ) -> tuple[CrankThrow, ...]:
     """Return the throw of each crank, those by name checked to make a shaft.
 
@@ -150,8 +157,8 @@ def throws_along_shaft(
     throws : mapping
     names : sequence of n str
         From `throw_names`.
-    angles : sequence of n float
-        Of the throws [rad].
+    angles_deg : array_like of shape (n,)
+        Of the throws [deg].
 
     Raises
     ------
@@ -162,7 +169,7 @@ def throws_along_shaft(
     if PLAIN not in throws:
         check_compatible_throws(throws)
         _ = Crankshaft(
-            along, crank_angles_deg=np.degrees(angles).tolist()
+            along, crank_angles_deg=np.asarray(angles_deg).tolist()
         )  # refuses main journals that neighbors cannot share
     return along
 
@@ -183,7 +190,11 @@ def _named(content: TomlFile, name: str, given: Mapping[str, Any]) -> CrankThrow
     beside = {key: value for key, value in values.items() if key not in own}
     if not beside:
         return content.made(section, CrankThrow, own)
-    also = content.made(section, NamedThrow, beside)
+    try:
+        also = content.made(section, NamedThrow, beside)
+    except InputError as error:
+        lines = [] if "like" in beside else _sentences(own, section)
+        raise InputError("\n".join([*error.sentences, *lines])) from None
     if also.like is None:
         return content.made(section, CrankThrow, own)
     full = [
@@ -197,8 +208,29 @@ def _named(content: TomlFile, name: str, given: Mapping[str, Any]) -> CrankThrow
             f"{': ' if full else ', but there is none'}{', '.join(full)}."
         )
     merged = _with_missing_fields(content, section, own, f"throws.{also.like}", given[also.like])
-    throw = content.made(section, CrankThrow, merged)
+    try:
+        throw = content.made(section, CrankThrow, merged)
+    except InputError as error:
+        # What is wrong in the other throw is told of that one.
+        other = given[also.like]
+        there = zip(
+            _sentences(other, section), _sentences(other, f"throws.{also.like}"), strict=True
+        )
+        told = dict(there)
+        raise InputError("\n".join(told.get(line, line) for line in error.sentences)) from None
     return throw.reversed() if also.reversed else throw
+
+
+def _sentences(values: Mapping[str, Any], section: str) -> list[str]:
+    """What is wrong with the fields of a throw."""
+    try:
+        CrankThrow.from_text(
+            {name: own for name, own in values.items() if name not in NamedThrow.model_fields},
+            section,
+        )
+    except InputError as error:
+        return error.sentences
+    return []
 
 
 def _with_missing_fields(

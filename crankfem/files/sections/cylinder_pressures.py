@@ -1,5 +1,6 @@
 """The pressure in each cylinder of an engine file: from its table, or from the cycle model."""
 
+import math
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
@@ -101,7 +102,7 @@ def for_each_cylinder(
     results = []
     for number, cylinder in enumerate(layout.cylinders, start=1):
         main = layout.cylinders[layout.main_of(number) - 1]
-        turned = round(cylinder.bank_angle - main.bank_angle, 12)
+        turned = round(math.radians(cylinder.bank_angle_deg - main.bank_angle_deg), 12)
         pin = None if cylinder.slave_pin is None else cylinder.slave_pin.place
         alike = (cylinder.bore, cylinder.rod, cylinder.pin_offset, main.rod, turned, pin)
         if alike not in found:

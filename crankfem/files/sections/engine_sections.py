@@ -1,12 +1,13 @@
 """The sections of engine files: every field with its unit, range and meaning, declared once."""
 
 import math
+from collections.abc import Mapping
 from typing import ClassVar, Literal, Self
 
 from pydantic import Field, field_validator, model_validator
 
 from crankbase.checks.choices import check_choice
-from crankbase.errors import InputError
+from crankbase.errors import InputError, quoted
 from crankbase.model import InputModel, quantity_field
 from crankbase.units.quantity import format_quantity
 from crankbase.units.units import PER_MINUTE
@@ -301,26 +302,59 @@ class ThrustBearing(InputModel):
     section: ClassVar[str] = "thrust_bearing"
 
     stiffness: float = quantity_field("axial stiffness", "N/m", 1e4, 1e13)
-    bearing: int = quantity_field(
-        "main bearing it sits at, counted from 0 at the free end: with n throws n is the last one, which "
-        "tables and messages call main bearing n + 1",
+    main_bearing: int = quantity_field(
+        "main bearing it sits at, counted from 1 at the free end like cylinders: n throws have n + 1",
         "",
-        minimum=0,
-        maximum=24,
+        minimum=1,
+        maximum=25,
     )
+
+    @property
+    def section_index(self) -> int:
+        """Where it is in arrays of the shaft's sections, from 0 at the free end."""
+        return self.main_bearing - 1
+
+    @classmethod
+    def from_text(cls, values: Mapping[str, object], section: str | None = None) -> Self:
+        """Build it from text with units; see `InputModel.from_text`."""
+        _refuse_bearing_from_zero(values)
+        return super().from_text(values, section)
+
+    @model_validator(mode="before")
+    @classmethod
+    def _check_counting(cls, values: Mapping[str, object]) -> Mapping[str, object]:
+        _refuse_bearing_from_zero(values)
+        return values
+
+
+def _refuse_bearing_from_zero(values: Mapping[str, object]) -> None:
+    """Refuse the field that counted from 0: read as main_bearing it would be the bearing before."""
+    if "bearing" in values:
+        given = values["bearing"]
+        now = int(str(given)) + 1 if str(given).isdecimal() else "its number"
+        raise InputError(
+            f"thrust_bearing.bearing: given {quoted(given)}; this field counted from 0 at the free end, main "
+            f"bearings count from 1 like cylinders: write main_bearing = {now} in its place."
+        )
 
 
 class VibrationSettings(InputModel):
     """Choices for the vibration calculation."""
 
     section: ClassVar[str] = "vibration"
-    choices = frozenset({"axial_source", "torsional_source", "reciprocating", "highest_order"})
+    choices = frozenset(
+        {"axial_source", "torsional_source", "model", "reciprocating", "highest_order"}
+    )
 
     axial_source: str = Field(
         "fe", description="source of axial compliances: fe, regression or a formula"
     )
     torsional_source: str = Field(
         "fe", description="source of torsional compliances: fe, regression or a formula"
+    )
+    model: str | None = Field(
+        None,
+        description="saved compliance model, a file beside the engine file, as the source regression",
     )
     reciprocating: Literal["half", "mean"] = Field(
         "half",

@@ -79,7 +79,7 @@ def campbell(
         own = [one for one in found if one.kind == name]
         if own:
             traces.append(_dots(kind, f"{name} order", own, color))
-    notes = [_order_label(order, frame) for order in orders.tolist() if frame.has_label(order)]
+    notes = [_order_label(order, frame) for order in frame.labeled(orders.tolist())]
     notes += [
         note(
             mode_text(place, frequency),
@@ -88,6 +88,8 @@ def campbell(
             y=frequency,
             xanchor="left",
             yanchor="bottom",
+            # Above the dots of weak resonances on the line.
+            yshift=5,
             # Orders do not run through it.
             bgcolor="rgba(255, 255, 255, 0.85)",
         )

@@ -25,7 +25,7 @@ WIDER = 1.2
 def figure_of(curves: Curves, title: str) -> Figure:
     """Return the traces and the layout of described curves.
 
-    Orders come last in the legend, where those that are no main ones wait to be asked for.
+    Orders come last in the legend, and behind them what is no main curve and waits to be asked for.
     """
     along, (x_unit, y_unit) = curves.x, curves.units
     top = curves.top
@@ -33,7 +33,7 @@ def figure_of(curves: Curves, title: str) -> Figure:
         top = max(float(np.nanmax(np.abs(own.values), initial=0.0)) for own in curves.series)
     traces: list[Part] = []
     told = f"<br>%{{x:.5g}} {x_unit}<br>%{{y:.4g}} {y_unit}"
-    for own in sorted(curves.series, key=lambda one: one.role == "order"):
+    for own in sorted(curves.series, key=lambda one: (not one.main, one.role == "order")):
         kept = visible_points(along, own.values, UNSEEN * top, HOVER_STEP * float(np.ptp(along)))
         color, dash, width = own.line_style
         traces.append(

@@ -16,10 +16,12 @@ from crankfem.report.interactive.style import (
     layout,
     level,
     line,
+    note,
     number,
 )
+from dynamics.cycle import cycle_radians
 from dynamics.engine.loads import LoadDiagram
-from dynamics.plots.load_diagrams import OUTLINE, Frame, on_paper, square_round
+from dynamics.plots.load_diagrams import OUTLINE, Frame, label_spots, on_paper, square_round
 from dynamics.plots.quantities import KILO
 
 Array = NDArray[np.float64]
@@ -56,7 +58,7 @@ def polar_load(load: LoadDiagram, frame: Frame, title: str) -> Figure:
     layout : dict
     """
     force = on_paper(load, frame)
-    degrees = degrees_of(load.angles)
+    degrees = load.angles_deg
     step = degrees[1] - degrees[0]
     kept = np.arange(0, len(degrees), max(1, round(POINT_STEP / step)))
     closed = np.append(kept, 0)
@@ -87,13 +89,15 @@ def polar_load(load: LoadDiagram, frame: Frame, title: str) -> Figure:
             hover,
             size=6,
             customdata=_hover_values(degrees, force, marks),
-            mode="markers+text",
-            text=_spaced_labels(degrees[marks], force[marks], 0.16 * half),
-            textposition=[
-                _side(complex(one), complex(force.mean())) for one in force[marks].tolist()
-            ],
-            textfont={"size": 11, "color": QUIET_COLOR},
         ),
+    ]
+    notes = [
+        # Adding zero turns -0 into 0.
+        note(f"{round(angle) + 0:g}°", size=11, color=QUIET_COLOR, x=spot.real, y=spot.imag)
+        for angle, spot in zip(
+            degrees[marks].tolist(), label_spots(force, force[marks], 2.0 * half), strict=True
+        )
+        if spot is not None
     ]
     return traces, layout(
         axis(right_title, range=[low[0], high[0]], constrain="domain"),
@@ -101,6 +105,7 @@ def polar_load(load: LoadDiagram, frame: Frame, title: str) -> Figure:
         title=title,
         height=SQUARE,
         showlegend=False,
+        annotations=notes,
         shapes=[
             level(0.0),
             level(0.0) | {"xref": "x", "yref": "y domain", "x0": 0, "x1": 0, "y0": 0, "y1": 1},
@@ -111,7 +116,7 @@ def polar_load(load: LoadDiagram, frame: Frame, title: str) -> Figure:
 
 def developed_load(load: LoadDiagram) -> Curves:
     """Describe the size of a bearing's force over the shaft angle, with its mean and maximum."""
-    degrees, size = degrees_of(load.angles), KILO * load.magnitude
+    degrees, size = load.angles_deg, KILO * load.magnitude
     mean, most = KILO * load.mean, KILO * load.maximum
     x = np.append(degrees, 2.0 * degrees[-1] - degrees[-2])
     level = np.full(len(x), mean)
@@ -119,16 +124,16 @@ def developed_load(load: LoadDiagram) -> Curves:
         x,
         (
             Series("force", np.append(size, size[0]), color=BLUE),
-            Series(f"mean {number(mean)} kN", level, color=BLUE, dash="dash"),
+            Series(f"mean {number(mean, 3)} kN", level, color=BLUE, dash="dash"),
         ),
         "shaft angle [deg]",
         "force [kN]",
         x_step=90.0,
         dots=(
             Dots(
-                degrees_of([load.maximum_angle]),
+                np.array([load.maximum_angle_deg]),
                 np.array([most]),
-                f"maximum {number(most)} kN",
+                f"maximum {number(most, 3)} kN",
                 ORANGE,
             ),
         ),
@@ -137,8 +142,10 @@ def developed_load(load: LoadDiagram) -> Curves:
 
 def piston_forces(run: MechanismRun, cylinder: int) -> Curves:
     """Describe gas force, side force and tangential force of a cylinder over the cycle."""
-    forces, firing = run.forces, run.layout.firing[cylinder - 1]
-    degrees = degrees_of((forces.shaft_angles - firing) % run.layout.cycle)
+    forces, firing = run.forces, np.radians(run.layout.firing_deg[cylinder - 1])
+    degrees = degrees_of(
+        (np.radians(forces.shaft_angles_deg) - firing) % cycle_radians(run.layout.strokes)
+    )
     order = np.argsort(degrees)
     looks: tuple[tuple[Array, str, Dash, str], ...] = (
         (forces.gas, BLUE, "solid", "gas, towards the shaft"),
@@ -166,27 +173,6 @@ def _hover_values(
         [round(angle, 2), float(f"{size:.5g}")]
         for angle, size in zip(degrees[those].tolist(), np.abs(force[those]).tolist(), strict=True)
     ]
-
-
-def _spaced_labels(degrees: Array, force: NDArray[np.complex128], room: float) -> list[str]:
-    """Return labels of angles where there is room for them."""
-    labeled: list[complex] = []
-    texts = []
-    for angle, point in zip(degrees.tolist(), force.tolist(), strict=True):
-        free = all(abs(point - other) > room for other in labeled)
-        if free:
-            labeled.append(point)
-        # Adding zero turns -0 into 0.
-        texts.append(f"{round(angle) + 0:g}°" if free else "")
-    return texts
-
-
-def _side(point: complex, middle: complex) -> str:
-    """Say on which side of a point its label stands: away from the middle."""
-    away = point - middle
-    if abs(away.real) > abs(away.imag):
-        return "middle right" if away.real > 0.0 else "middle left"
-    return "top center" if away.imag > 0.0 else "bottom center"
 
 
 def _journal(frame: str, radius: float) -> list[Part]:

@@ -1,13 +1,23 @@
 """The plots of a crank mechanism: loads of its bearings, forces of its pistons, balance."""
 
+from pathlib import Path
+
+from crankfem.analyses.mechanism.acceleration_records import piston_names
 from crankfem.analyses.mechanism.mechanism_run import MechanismRun, hinged_group
-from crankfem.analyses.mechanism.plots.balance_plots import plot_balance, plot_hinged_rods
+from crankfem.analyses.mechanism.plots.balance_plots import (
+    plot_accelerations,
+    plot_balance,
+    plot_hinged_rods,
+)
 from crankfem.analyses.mechanism.plots.load_plots import plot_polar_loads
 from crankfem.analyses.titles import at_speed
 from crankfem.report.interactive.mechanism import developed_load, piston_forces, polar_load
 from crankfem.report.interactive.plot import Plot, Plots, plot_of_curves
 from dynamics.engine.loads import LoadDiagram
 from dynamics.plots.load_diagrams import Frame
+
+# Loads that differ by a smaller share are alike.
+ALIKE = 1e-6
 
 
 def _engine(run: MechanismRun) -> str:
@@ -22,7 +32,9 @@ def _of_bearing(
     def load(run: MechanismRun) -> LoadDiagram:
         if name == "crankpin":
             return run.crankpins[0]
-        return max(run.bearings, key=lambda one: one.maximum)
+        most = max(one.maximum for one in run.bearings)
+        # The first of those that are alike but for round-off.
+        return next(one for one in run.bearings if one.maximum > (1.0 - ALIKE) * most)
 
     def title(run: MechanismRun, between: str = ", ") -> str:
         return f"{load(run).name}{between}{_engine(run)}"
@@ -45,6 +57,11 @@ def _of_bearing(
 def _has(run: MechanismRun) -> list[str]:
     balanced = all(row.force_balanced and row.moment_balanced for row in run.balance.rows)
     return [*([] if balanced else ["unbalanced"]), *(["hinged rods"] if run.hinged_rods else [])]
+
+
+def _draw_accelerations(path: Path, run: MechanismRun) -> None:
+    names = piston_names(run.layout, hinged_group(run.layout))
+    plot_accelerations(path, run.layout, run.speed, names, title=_engine(run))
 
 
 MECHANISM: Plots[MechanismRun] = Plots(
@@ -97,6 +114,13 @@ MECHANISM: Plots[MechanismRun] = Plots(
             lambda path, run: plot_hinged_rods(
                 path, run.layout, run.speed, cylinders=hinged_group(run.layout), title=_engine(run)
             ),
+            needs="hinged rods",
+        ),
+        Plot(
+            "accelerations",
+            "Accelerations of the pistons of main and hinged rods, by order",
+            "Pistons on the first crankpin with hinged rods, each at the same angle from its own top.",
+            _draw_accelerations,
             needs="hinged rods",
         ),
     ),

@@ -4,7 +4,8 @@ import numpy as np
 
 from crankbase.drawing.diagram_style import GRAY
 from crankfem.analyses.shaft.motion import MOTION
-from crankfem.analyses.vibration.modes import SourceResult, mode_label, short_name
+from crankfem.analyses.titles import short_name
+from crankfem.analyses.vibration.modes import SourceResult, mode_label
 from crankfem.report.interactive.style import (
     Figure,
     Part,
@@ -78,7 +79,10 @@ def mode_shapes(result: SourceResult, title: str) -> Figure:
         axis(
             "",
             tickvals=places.tolist(),
-            ticktext=[short_name(name).replace("\n", "<br>") for name in names],
+            ticktext=[
+                "<br>".join(literal(part) for part in short_name(name).split("\n"))
+                for name in result.chain.nodes
+            ],
             range=[float(places.min()) - 0.4, float(places.max()) + 0.4],
         ),
         axis(f"relative {moved} [1]", range=[-1.1, 1.1]),

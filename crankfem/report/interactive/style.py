@@ -23,6 +23,7 @@ FONT = "system-ui, -apple-system, 'Segoe UI', Roboto, 'Helvetica Neue', Arial, s
 TEXT_COLOR, QUIET_COLOR = "#1d2733", "#5b6875"
 GRID_COLOR = STYLE["grid.color"]
 HEIGHT = 430  # pixels
+LONG_TITLE = 60  # letters
 
 
 def axis(title: str, **more: Any) -> Part:
@@ -51,7 +52,7 @@ def plain_layout(title: str, height: int = HEIGHT) -> Part:
     """Return what the layouts of all figures share; the title is shown as it is."""
     return {
         "title": {
-            "text": literal(title),
+            "text": "<br>".join(literal(part) for part in title_lines(title)),
             "font": {"size": 15},
             "x": 0.0,
             "xanchor": "left",
@@ -79,6 +80,20 @@ def plain_layout(title: str, height: int = HEIGHT) -> Part:
             "traceorder": "normal",
         },
     }
+
+
+def title_lines(title: str) -> list[str]:
+    """Break a title that is too long for half a page behind a comma, where it has one.
+
+    Examples
+    --------
+    >>> title_lines("8L 32/42 generating set, nominal torsional stress, cylinder 7 - cylinder 8")
+    ['8L 32/42 generating set, nominal torsional stress,', 'cylinder 7 - cylinder 8']
+    """
+    if len(title) <= LONG_TITLE or ", " not in title[:LONG_TITLE]:
+        return [title]
+    place = title.rindex(", ", 0, LONG_TITLE)
+    return [title[: place + 1], title[place + 2 :]]
 
 
 def line(

@@ -11,7 +11,8 @@ from numpy.typing import NDArray
 
 from crankbase.units.units import UNITS
 from crankfem.analyses.throw.pictures.scene import eye_at
-from crankfem.analyses.throw.pictures.stress_picture import COLORS, STRESS_SHOWN, load_title
+from crankfem.analyses.throw.pictures.stress_picture import STRESS_SHOWN, load_title
+from crankfem.analyses.throw.pictures.stress_rendering import COLORS
 from crankfem.analyses.throw.pictures.surface import stressed_surface, stretched_surface
 from crankfem.report.interactive.mesh_decimation import decimate_triangles
 from crankfem.report.interactive.rounding import rounded, shortest

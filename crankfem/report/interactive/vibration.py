@@ -4,9 +4,13 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 
-from crankbase.drawing.curves import Curves
+from crankbase.drawing.curves import Curves, Series
+from crankbase.drawing.diagram_style import BLUE, ORANGE, with_gaps
+from crankbase.units.units import RPM
 from crankfem.analyses.shaft.motion import MOTION
 from crankfem.analyses.shaft.plots.shaft_mode_plots import plot_shaft_modes
+from crankfem.analyses.titles import at_speed
+from crankfem.analyses.vibration.firing_check import FiringCheck, named
 from crankfem.analyses.vibration.modes import Vibration
 from crankfem.analyses.vibration.run import EngineVibration, Kind
 from crankfem.report.interactive.campbell import campbell
@@ -18,7 +22,7 @@ from dynamics.assessment.limits import VibrationLimit
 from dynamics.crankshaft.coupled_response import CoupledResponse, split_curves
 from dynamics.crankshaft.shaft_modes import ShaftModes
 from dynamics.critical import engine_orders
-from dynamics.plots.quantities import Quantity, in_unit, quantity_display
+from dynamics.plots.quantities import SPEED_LABEL, Quantity, in_unit, quantity_display
 from dynamics.response.series import OrderSeries
 
 AXIAL = MOTION["axial"]
@@ -44,8 +48,9 @@ def _of_kind(kind: Kind) -> tuple[Plot[EngineVibration], ...]:
         Plot(
             f"{kind}_campbell",
             f"Campbell diagram, {kind}",
-            f"{kind.capitalize()}: running range shaded; dots mark resonances and, where gas pressure is "
-            "known, grow with their amplitude.",
+            f"{kind.capitalize()}: running range shaded; dots mark resonances. Where gas pressure is known "
+            "they grow with their amplitude, and frequencies are those with damping; a mode so damped that "
+            "it does not vibrate stands where it would be without.",
             picture(lambda axes, run: run.plot(axes, kind=kind), itself, height=4.8),
             lambda run: _campbell(run, own(run), itself(run)),
         ),
@@ -123,6 +128,42 @@ def _stress_title(run: EngineVibration) -> str:
     return _title(f"nominal torsional stress, {stress.names[_judged_element(run)]}")(run)
 
 
+def _misfiring_stress(run: EngineVibration) -> Curves:
+    """Describe the crankshaft's stress over the running speeds, all cylinders firing and one misfiring."""
+    check = _stress_check(run)
+    assert check.over_speed is not None
+    assert check.limit is not None
+    speeds, normal, failing = check.over_speed
+    shown = quantity_display("stress", "SI")
+    limits = {
+        "limit": check.limit.continuous.at(speeds),
+        "limit while misfiring": check.limit.misfiring.at(speeds),
+    }
+    return Curves(
+        x=speeds * RPM,
+        series=(
+            Series("all cylinders firing", with_gaps(shown.factor * normal), color=BLUE),
+            Series(
+                f"{named(check.cylinders)} not firing",
+                with_gaps(shown.factor * failing),
+                color=ORANGE,
+            ),
+            *(
+                Series(name, with_gaps(shown.factor * values), "limit", number)
+                for number, (name, values) in enumerate(limits.items())
+            ),
+        ),
+        x_label=SPEED_LABEL,
+        y_label=shown.label,
+    )
+
+
+def _stress_check(run: EngineVibration) -> FiringCheck:
+    assert run.misfiring is not None
+    assert run.misfiring.of_stress is not None
+    return run.misfiring.of_stress
+
+
 def amplitudes_over_speed(
     series: OrderSeries,
     place: int,
@@ -158,6 +199,11 @@ def amplitudes_over_speed(
     )
 
 
+def _axial_force(run: EngineVibration) -> Curves:
+    assert run.axial_force is not None
+    return run.axial_force.curves()
+
+
 def _axial_split(run: EngineVibration) -> Curves:
     assert run.comparison is not None
     assert run.comparison.coupled is not None
@@ -166,7 +212,7 @@ def _axial_split(run: EngineVibration) -> Curves:
 
 def axial_split(response: CoupledResponse) -> Curves:
     """Describe the axial amplitude of the free end, all orders together, by what excites it."""
-    split = response.split("section 0 uz")
+    split = response.split("main bearing 1 uz")
     return split_curves(
         response.speeds,
         (split.both_sum, split.tangential_sum, split.radial_sum),
@@ -187,6 +233,7 @@ def _has(run: EngineVibration) -> list[str]:
         name
         for name, there in (
             ("forced", run.assessment is not None),
+            ("misfiring", run.misfiring is not None and run.misfiring.of_stress is not None),
             ("whole", run.whole is not None),
             ("coupled", comparison is not None and comparison.coupled is not None),
         )
@@ -199,6 +246,15 @@ VIBRATION: Plots[EngineVibration] = Plots(
         *_of_kind("axial"),
         *_of_kind("torsional"),
         plot_of_curves(
+            "axial_force",
+            "Axial force over the cycle, on the thrust bearing and on held ends",
+            "Axial force at rated speed: on the thrust bearing as the shaft vibrates, and with which the "
+            "shaft would press on its ends, were both held.",
+            _axial_force,
+            lambda run: at_speed(run.engine_file.engine.name, run.engine_file.engine.rated_speed),
+            needs="forced",
+        ),
+        plot_of_curves(
             "torsional_stress",
             "Nominal torsional stress by order over the speed",
             "Nominal torsional stress by order in the element that uses its limit most, with the limit.",
@@ -206,10 +262,19 @@ VIBRATION: Plots[EngineVibration] = Plots(
             _stress_title,
             needs="forced",
         ),
+        plot_of_curves(
+            "misfiring_stress",
+            "Nominal torsional stress over the speed, all cylinders firing and one misfiring",
+            "Nominal torsional stress at running speeds, all orders over the cycle: all cylinders firing and "
+            "the worst case of misfiring, at its worst place.",
+            _misfiring_stress,
+            lambda run: _title(f"misfiring, {_stress_check(run).misfiring.place}")(run),
+            needs="misfiring",
+        ),
         Plot(
             "shaft_modes",
             "Modes of the whole crankshaft along its length",
-            "Axial, torsional and lateral motion along the shaft in the first modes.",
+            "Axial, torsional and lateral motion along the shaft in the first modes; tilting is not drawn.",
             lambda path, run: plot_shaft_modes(path, *_modes(run)),
             lambda run: shaft_modes(*_modes(run), _title("modes of the whole crankshaft")(run)),
             needs="whole",

@@ -50,7 +50,7 @@ def draw_moments(
         if guides is not None:
             moment, pressure = guides
             axes.plot(
-                np.degrees(point.angles),
+                point.angles_deg,
                 moment / 1e3,
                 "--",
                 color=COLORS[place % len(COLORS)],
@@ -69,7 +69,7 @@ def _draw_points(axes: "Axes", curves: Sequence[tuple[HingeMoment, FloatArray]])
     for place, (point, values) in enumerate(curves):
         label = format_quantity(point.speed, "rad/s", 5)
         color = COLORS[place % len(COLORS)]
-        axes.plot(np.degrees(point.angles), values / 1e3, color=color, label=label)
+        axes.plot(point.angles_deg, values / 1e3, color=color, label=label)
 
 
 def draw_guides(
@@ -84,7 +84,7 @@ def draw_guides(
         if isinstance(guides, str):
             axes.plot([], [], dash, color=color, label=f"{label}: cannot be made")
             continue
-        curve = guides.radius * np.exp(1j * guides.angles)
+        curve = guides.radius * np.exp(1j * np.radians(guides.angles_deg))
         closed = np.append(curve, curve[0])
         axes.plot(closed.real, closed.imag, dash, color=color, label=label)
     axes.plot([0.0], [0.0], "+", color=GRAY)
@@ -118,9 +118,15 @@ def draw_speeds(
         At the top dead center [rad/s].
     """
     for angles, speed, color, dash, label in (
-        (without.angle, without.speed, ORANGE, "-", "without hinge and flywheel"),
-        (wheel.angles, wheel.speed, GREEN, "--", f"flywheel of {flywheel:,.0f} kg m$^2$"),
-        (hinge.angle, hinge.speed, BLUE, "-", "hinge"),
+        (np.radians(without.angle_deg), without.speed, ORANGE, "-", "without hinge and flywheel"),
+        (
+            np.radians(wheel.angles_deg),
+            wheel.speed,
+            GREEN,
+            "--",
+            f"flywheel of {flywheel:,.0f} kg m$^2$",
+        ),
+        (np.radians(hinge.angle_deg), hinge.speed, BLUE, "-", "hinge"),
     ):
         axes.plot(np.degrees(angles), speed * RPM, dash, color=color, label=label)
     axes.set_ylim(0.0, 1.3 * float(without.speed.max()) * RPM)

@@ -1,16 +1,25 @@
 """Pictures of balance: hodographs of forces and moments, and the pistons' accelerations by order."""
 
+import math
 from collections.abc import Mapping, Sequence
 from pathlib import Path
+from typing import Literal
 
 import numpy as np
 
+from crankbase.checks.arrays import FloatArray
 from crankbase.drawing.diagram_style import COLORS, figure
+from crankbase.drawing.legends import write_title
 from crankfem.analyses.titles import add_title
 from dynamics.balance.balance import Balance
 from dynamics.balance.hinged_rods import hinged_rod_effects
 from dynamics.engine.layout import EngineLayout
-from dynamics.engine.orders import acceleration_orders, checked_cylinder, piston_acceleration
+from dynamics.engine.orders import (
+    acceleration_orders,
+    checked_cylinder,
+    order_part,
+    piston_acceleration,
+)
 from dynamics.plots.hodographs import (
     DASHES,
     FORCE_LABELS,
@@ -18,9 +27,13 @@ from dynamics.plots.hodographs import (
     draw_hodographs,
 )
 
+MOST_IN_A_ROW = 4
+
 
 def plot_balance(path: Path, found: Balance, *, title: str = "") -> None:
     """Plot the forces and moments that are left over, a curve for each order that is not balanced.
+
+    Where all forces are balanced, or all moments, they have no panel.
 
     Parameters
     ----------
@@ -30,10 +43,15 @@ def plot_balance(path: Path, found: Balance, *, title: str = "") -> None:
     title : str, optional
         Above both panels.
     """
-    with figure(path, 2, width=9.2, height=5.6) as (left, right):
-        found.plot(left, show="force")
-        found.plot(right, show="moment")
-        add_title((left, right), title)
+    shown: list[Literal["force", "moment"]] = []
+    if not all(row.force_balanced for row in found.rows):
+        shown.append("force")
+    if not all(row.moment_balanced for row in found.rows) or not shown:
+        shown.append("moment")
+    with figure(path, len(shown), width=4.6 * len(shown), height=5.6) as panels:
+        for axes, what in zip(np.atleast_1d(panels), shown, strict=True):
+            found.plot(axes, show=what)
+        add_title(panels, title)
 
 
 def plot_hinged_rods(
@@ -62,7 +80,7 @@ def plot_hinged_rods(
         As `hinged_rod_effects`.
     """
     effects = hinged_rod_effects(engine, speed, orders, cylinders)
-    banks = [cylinder.bank_angle for cylinder in engine.cylinders]
+    banks = [math.radians(cylinder.bank_angle_deg) for cylinder in engine.cylinders]
     with figure(path, len(effects), width=4.6 * len(effects), height=5.6) as panels:
         for axes, effect in zip(np.atleast_1d(panels), effects, strict=True):
             draw_hodographs(axes, effect.curves, FORCE_LABELS, banks=banks)
@@ -79,7 +97,7 @@ def plot_accelerations(
     *,
     title: str = "",
 ) -> None:
-    """Plot pistons' accelerations over the crank angle, whole, by order, and what is left.
+    """Plot pistons' accelerations over the crank angle: whole, by order, what is left, what differs.
 
     Parameters
     ----------
@@ -89,7 +107,8 @@ def plot_accelerations(
     speed : float
         Of the shaft [rad/s].
     cylinders : mapping of int to str
-        Numbers of the cylinders, each with a name for the legend.
+        Numbers of the cylinders, each with a name for the legend. The first is the one whose
+        difference from the others is drawn.
     orders : sequence of int, optional
         Orders that get a panel of their own.
     title : str, optional
@@ -101,32 +120,38 @@ def plot_accelerations(
         If there is no such cylinder, or an order is not a whole number of 1 or more.
     """
     angles = np.linspace(0.0, 2.0 * np.pi, POINTS)
-    titles = ["whole", *(f"order {order}" for order in orders), "the other orders"]
-    with figure(path, len(titles), width=3.3 * len(titles), height=3.6) as axes:
-        for number, (cylinder, name) in enumerate(cylinders.items()):
-            checked_cylinder(engine, cylinder)
-            whole = piston_acceleration(engine, cylinder, angles, speed)
-            found = acceleration_orders(engine, cylinder, speed, max(orders))
-            parts = []
-            for order in orders:
-                place = found.index_of(order)
-                parts.append(
-                    found.cosine[place] * np.cos(order * angles)
-                    + found.sine[place] * np.sin(order * angles)
-                )
-            for panel, curve in zip(axes, (whole, *parts, whole - sum(parts)), strict=True):
-                panel.plot(
-                    np.degrees(angles),
-                    curve,
-                    color=COLORS[number % len(COLORS)],
-                    linestyle=DASHES[number % len(DASHES)],
-                    label=name,
-                )
-        for panel, name in zip(axes, titles, strict=True):
-            panel.set_title(name)
-            panel.set_xlim(0.0, 360.0)
-            panel.set_xticks(range(0, 361, 90))
-            panel.set_xlabel("crank angle from own top [deg]")
-        axes[0].set_ylabel("acceleration towards the shaft [m/s$^2$]")
-        axes[0].legend(fontsize=8)
-        add_title(axes, title)
+    panels: dict[str, dict[str, FloatArray]] = {}
+    wholes: list[FloatArray] = []
+    for cylinder, name in cylinders.items():
+        checked_cylinder(engine, cylinder)
+        wholes.append(piston_acceleration(engine, cylinder, speed, angles_deg=np.degrees(angles)))
+        found = acceleration_orders(engine, cylinder, speed, max(orders))
+        parts = {f"order {order}": order_part(found, order, angles) for order in orders}
+        left = wholes[-1] - sum(parts.values())
+        for panel, curve in {"whole": wholes[-1], **parts, "the other orders": left}.items():
+            panels.setdefault(panel, {})[name] = curve
+    first, *others = cylinders.values()
+    if others:
+        panels[f"{first} less {others[0] if len(others) == 1 else 'the others'}"] = {
+            name: wholes[0] - whole for name, whole in zip(others, wholes[1:], strict=True)
+        }
+    looks = {
+        name: {"color": COLORS[number % len(COLORS)], "linestyle": DASHES[number % len(DASHES)]}
+        for number, name in enumerate(cylinders.values())
+    }
+    columns = len(panels) if len(panels) <= MOST_IN_A_ROW else math.ceil(len(panels) / 2)
+    rows = math.ceil(len(panels) / columns)
+    with figure(path, columns, 3.3 * columns, 3.6 * rows, rows=rows) as axes:
+        for cell in axes.flat[len(panels) :]:
+            cell.remove()
+        for cell, (panel, curves) in zip(axes.flat, panels.items(), strict=False):
+            for name, curve in curves.items():
+                cell.plot(np.degrees(angles), curve, label=name, **looks[name])
+            write_title(cell, panel)
+            cell.set_xlim(0.0, 360.0)
+            cell.set_xticks(range(0, 361, 90))
+            cell.set_xlabel("crank angle from own top [deg]")
+        axes.flat[0].legend(fontsize=8)
+        for cell in axes[:, 0]:
+            cell.set_ylabel("acceleration towards the shaft [m/s$^2$]")
+        add_title(axes.flat, title)

@@ -4,16 +4,21 @@ import math
 from collections.abc import Sequence
 from pathlib import Path
 
+import numpy as np
+
 from crankbase.checks.arrays import FloatArray
 from crankbase.drawing.diagram_style import figure
 from crankfem.analyses.titles import add_title
 from dynamics.harmonics import Harmonics
 from dynamics.plots.harmonic_bars import draw_harmonics, draw_samples
+from dynamics.plots.harmonic_curves import draw_one_harmonic, draw_single_harmonics
 from dynamics.plots.stars import KIND_COLORS, STAR_STEP, draw_star, finish_stars
 from dynamics.torque.star import Star, same_stars, star_diagram
 from dynamics.torque.torque import EngineTorque
+from dynamics.torque_table import TorqueTable
 
 STARS_A_ROW = 4
+PANELS_A_ROW, MOST_PANELS = 3, 24
 FILES = ("torque.svg", "harmonics.svg", "stars.svg")
 
 
@@ -69,10 +74,69 @@ def plot_stars(path: Path, stars: Sequence[Star], *, title: str = "") -> None:
         add_title(axes, f"Stars of the orders, all cylinders alike\n{title}".strip())
 
 
+def picture_torque_table(
+    folder: Path, table: TorqueTable, shown: Harmonics, stars: Sequence[Star] = ()
+) -> list[Path]:
+    """Write torque.svg, harmonics.svg, single_harmonics.svg and, with stars, stars.svg into a folder.
+
+    Parameters
+    ----------
+    folder : Path
+    table : TorqueTable
+    shown : Harmonics
+        Those of the table, up to the highest order to be drawn.
+    stars : sequence of Star, optional
+        Of the cylinders that have this torque.
+    """
+    paths = [folder / name for name in table_files(stars)]
+    plot_torque(paths[0], table.torque, shown)
+    with figure(paths[1], width=8.6, height=4.4) as axes:
+        draw_single_harmonics(axes, shown, "N m", table.torque)
+    plot_single_harmonics(paths[2], shown)
+    if stars:
+        plot_stars(paths[3], stars)
+    return paths
+
+
+def table_files(stars: Sequence[Star]) -> list[str]:
+    """Name the files that `picture_torque_table` writes."""
+    return [
+        "torque.svg",
+        "harmonics.svg",
+        "single_harmonics.svg",
+        *(["stars.svg"] if stars else []),
+    ]
+
+
 def plot_torque(path: Path, samples: FloatArray, found: Harmonics) -> None:
-    """Plot torque samples with the sum of all harmonics, and the amplitudes by order."""
+    """Plot torque samples with the sum of the harmonics, and the amplitudes by order."""
+    whole = found.orders.size == found.samples // 2
+    summed = "sum of all harmonics" if whole else f"sum up to order {found.orders[-1]:g}"
     with figure(path, 2, width=8.6, height=3.4) as (left, right):
-        draw_samples(left, samples, found)
+        draw_samples(left, samples, found, summed=summed)
         draw_harmonics(
             right, found.orders, {"amplitude": found.amplitude}, r"amplitude $M_k$ [N m]"
         )
+
+
+def plot_single_harmonics(path: Path, found: Harmonics) -> None:
+    """Plot harmonics of a torque, each in a panel of its own, the lowest where there are too many."""
+    count = min(len(found.orders), MOST_PANELS)
+    columns = min(PANELS_A_ROW, count)
+    rows = math.ceil(count / columns)
+    size = {"width": 2.9 * columns + 0.4, "height": 2.1 * rows + 0.3}
+    with figure(path, columns, **size, rows=rows) as axes:
+        panels = axes.ravel().tolist()
+        top = 1.1 * float(np.max(found.amplitude[:count]))
+        for place, panel in enumerate(panels):
+            if place >= count:
+                panel.set_axis_off()
+                continue
+            draw_one_harmonic(panel, found, place, "N m")
+            panel.set_ylim(-top, top)
+            if place % columns:
+                panel.set_ylabel("")
+                panel.tick_params(labelleft=False)
+            if place + columns < count:
+                panel.set_xlabel("")
+                panel.tick_params(labelbottom=False)

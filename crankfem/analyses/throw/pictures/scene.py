@@ -80,10 +80,17 @@ class Scene:
             self._plotter.add_light(
                 pyvista.Light(position=place, light_type="camera light", intensity=intensity)
             )
+        # Before anything is added: each later move looks for the silhouettes anew.
+        middle = (self._low + 0.5 * self._extent) @ self._eye.plane.T
+        camera = self._plotter.camera = pyvista.Camera()
+        camera.focal_point, camera.up = middle, self._eye.up
+        camera.position = middle + 10.0 * self.longer * self._eye.towards
+        camera.parallel_projection = True
+        camera.parallel_scale = 0.5 * float(self._extent[1])
 
     def add(self, solid: Any, **look: Any) -> None:
         """Add the faces of a surface, its silhouette and its sharp edges."""
-        self._plotter.add_mesh(solid, **SHADING, **look)
+        self._solid = self._plotter.add_mesh(solid, **SHADING, **look)
         style = {"color": LINE_COLOR, "line_width": LINE_WIDTH}
         lines = [self._plotter.add_silhouette(solid, **style)]
         edges = solid.extract_feature_edges(
@@ -103,15 +110,15 @@ class Scene:
         width, height = self._pixels
         return float(across * width), float((1.0 - above) * height)
 
-    def render(self) -> NDArray[np.uint8]:
-        """Return the pixels (height, width, 3), and end."""
-        middle = (self._low + 0.5 * self._extent) @ self._eye.plane.T
-        camera = self._plotter.camera
-        camera.focal_point, camera.up = middle, self._eye.up
-        camera.position = middle + 10.0 * self.longer * self._eye.towards
-        camera.parallel_projection = True
-        camera.parallel_scale = 0.5 * float(self._extent[1])
+    def render(self, field: str | None = None) -> NDArray[np.uint8]:
+        """Return the pixels (height, width, 3); with a field, of that of the solid's values."""
+        if field is not None:
+            self._solid.mapper.scalar_map_mode = "point_field"
+            self._solid.mapper.array_name = field
         self._plotter.renderer.reset_camera_clipping_range()
-        pixels = np.array(self._plotter.screenshot(return_img=True)[:, :, :3])
+        self._plotter.render()
+        return np.array(self._plotter.screenshot(return_img=True)[:, :, :3])
+
+    def close(self) -> None:
+        """End it."""
         self._plotter.close()
-        return pixels

@@ -143,3 +143,4 @@ def render(surface: SolidSurface, view: Array, pixels: int, folder: Path) -> Non
     solid = solid.clean(tolerance=1e-6 * scene.longer, absolute=True)
     scene.add(solid, scalars="color", rgb=True, **SHADING)
     imsave(folder / PICTURE, scene.render())
+    scene.close()

@@ -117,7 +117,7 @@ def shaft_surface(shaft: Crankshaft, fineness: int) -> SolidSurface:
     row = [
         made[throw].moved(angle, float(start))
         for throw, angle, start in zip(
-            shaft.throws, shaft.crank_angles, shaft.starts[:-1], strict=True
+            shaft.throws, np.radians(shaft.crank_angles_deg), shaft.starts[:-1], strict=True
         )
     ]
     throws = _joined(row).without_ends(shaft.starts[1:-1].tolist())

@@ -1,46 +1,27 @@
 """Pictures of the stress all over a throw under each unit load, the largest one at a fillet marked."""
 
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from crankbase.drawing.diagram_style import STYLE
 from crankbase.errors import InputError
 from crankbase.outputs import check_output, copy_file
 from crankbase.processes import scratch_folder
 from crankbase.units.units import UNITS
 from crankfem.analyses.throw.pictures.offscreen import OffscreenProcess
-from crankfem.analyses.throw.pictures.scene import Scene, eye_at
 from crankfem.analyses.throw.pictures.surface import outside_facets, stressed_surface
 from fem.fillet_peaks import FilletPeak, FilletStresses
 from fem.unit_loads import UnitLoad, whole_facets, whole_nodes
 from geometry.facets import six_node_triangles
 from geometry.solid import CRANK_PLANE
 
-Array = NDArray[np.float64]
-Integers = NDArray[np.int64]
-
+# What draws them, in a process that needs no finite elements.
+RENDER = "crankfem.analyses.throw.pictures.stress_rendering:render"
 # Stresses are shown for loads of 1 kN and 1 kN m, in MPa.
 STRESS_SHOWN = UNITS["kN"][1] / UNITS["MPa"][1]
-# Nearly white where there is no stress, dark red at the fillets' largest.
-COLORS = ("#eef1f4", "#d3dde6", "#f6e3ae", "#f4b266", "#e26a3c", "#b01f2e", "#560a1f")
-TEXT_COLOR, QUIET = "#1d2733", "#5b6875"
-SHADING = {"ambient": 0.55, "diffuse": 0.55, "specular": 0.08}
-# From the picture's middle to the eye, of the whole throw and of its half x >= 0 seen on the cut; the
-# first from which the mark can be seen is taken. The free end is to the left, seen from the other side
-# to the right.
-OUTSIDE = ((-1.0, 0.45, -0.6), (-1.0, 0.45, 0.6), (-1.0, -0.5, -0.6), (-1.0, -0.5, 0.6))
-CUT = ((-1.0, 0.22, -0.36), (-1.0, 0.22, 0.36), (-1.0, -0.3, -0.36), (-1.0, -0.3, 0.36))
-OTHER_SIDE = ((1.0, 0.45, 0.6), (1.0, -0.5, 0.6), (1.0, -0.5, -0.6))
-PIXELS = 900  # along the longer side of each view
-VIEWS_HEIGHT, DOTS = 6.0, 110  # of the sheet [inch, 1/inch]
-# A curved facet is drawn as four to this power flat ones; where there are many, the smaller number does.
-SUBDIVISIONS, MANY = (2, 1), 20_000
-HIDDEN_BY = 0.01  # what covers a mark is nearer to the eye by this share of the throw's size
 
 
 def picture_stresses(stresses: FilletStresses, folder: str | Path) -> tuple[Path, ...]:
@@ -69,7 +50,7 @@ def picture_stresses(stresses: FilletStresses, folder: str | Path) -> tuple[Path
     for name in names:
         check_output(folder / name, "picture")
     with scratch_folder() as scratch:
-        OffscreenProcess(f"{__name__}:render", scratch, picture_arrays(stresses)).wait()
+        OffscreenProcess(RENDER, scratch, picture_arrays(stresses)).wait()
         try:
             folder.mkdir(parents=True, exist_ok=True)
             for name in names:
@@ -138,163 +119,3 @@ def _remark(peak: FilletPeak) -> str:
         f"largest at a fillet: {size:.3g} MPa ({peak.fillet.name}; {place}); "
         f"divided by the nominal stress {peak.von_mises_factor:.2f}"
     )
-
-
-@dataclass(frozen=True)
-class _Solid:
-    """What one of the views shows: a surface with the stresses under all loads."""
-
-    name: str
-    eyes: tuple[tuple[float, float, float], ...]
-    surface: Any
-
-    @classmethod
-    def of(
-        cls,
-        name: str,
-        eyes: tuple[tuple[float, float, float], ...],
-        arrays: Mapping[str, NDArray[Any]],
-        facets: Integers,
-    ) -> "_Solid":
-        """Subdivide curved facets into flat triangles close together."""
-        import pyvista
-
-        cells = np.insert(facets, 0, 6, axis=1).ravel()
-        kinds = np.full(len(facets), pyvista.CellType.QUADRATIC_TRIANGLE)
-        grid = pyvista.UnstructuredGrid(cells, kinds, arrays["points"])
-        for number, stress in enumerate(arrays["stress"]):
-            grid.point_data[_field(number)] = stress
-        surface = grid.extract_surface(
-            nonlinear_subdivision=SUBDIVISIONS[len(facets) > MANY], algorithm="dataset_surface"
-        )
-        return cls(name, eyes, surface.triangulate().clean())
-
-    def best_eye(self, places: Array) -> tuple[Array, Array | None]:
-        """Direction to the eye, and the first of some places that is seen from there, if any."""
-        for eye in self.eyes:
-            for place in places:
-                if not self._hidden(place, eye_at(np.array(eye)).towards):
-                    return np.array(eye), place
-        return np.array(self.eyes[0]), None
-
-    def _hidden(self, place: Array, towards: Array) -> bool:
-        """Whether the surface does not reach a place, or lies between it and the eye."""
-        points = np.asarray(self.surface.points)
-        size = float(np.ptp(points, axis=0).max())
-        if np.linalg.norm(points - place, axis=1).min() > HIDDEN_BY * size:
-            return True
-        start = place + HIDDEN_BY * size * towards
-        covering, _ = self.surface.ray_trace(start, start + 2.0 * size * towards)
-        return len(covering) > 0
-
-
-@dataclass(frozen=True)
-class _View:
-    """Pixels of a view, its name, and where on it the mark is, if it is seen."""
-
-    pixels: NDArray[np.uint8]
-    name: str
-    mark: tuple[float, float] | None
-
-
-def _field(number: int) -> str:
-    return f"stress {number}"
-
-
-def render(arrays: Mapping[str, NDArray[Any]], folder: Path) -> None:
-    """Draw all pictures in this process."""
-    solids = [_Solid.of("whole throw", OUTSIDE, arrays, arrays["facets"])]
-    if len(arrays["half"]) > 0:
-        solids.append(_Solid.of("cut at the crank plane", CUT, arrays, arrays["half"]))
-    else:
-        solids.append(replace(solids[0], name="from the other side", eyes=OTHER_SIDE))
-    seen = np.unique(arrays["facets"])
-    for number, file in enumerate(arrays["files"]):
-        limit = float(arrays["largest"][number])
-        views = [_render_view(solid, number, limit, arrays["places"][number]) for solid in solids]
-        beyond = bool(arrays["stress"][number][seen].max() > 1.005 * limit)
-        texts = (str(arrays["titles"][number]), str(arrays["remarks"][number]))
-        _compose(views, limit, beyond, texts, folder / str(file))
-
-
-def _render_view(solid: _Solid, number: int, limit: float, places: Array) -> _View:
-    """Render a view of the stress under one load; mark one of the places."""
-    eye, place = solid.best_eye(places)
-    scene = Scene(np.asarray(solid.surface.points), eye, PIXELS)
-    scene.add(
-        solid.surface.copy(),
-        scalars=_field(number),
-        cmap=_colormap(),
-        clim=(0.0, limit),
-        n_colors=256,
-        show_scalar_bar=False,
-        **SHADING,
-    )
-    return _View(scene.render(), solid.name, None if place is None else scene.place_of(place))
-
-
-def _colormap() -> Any:
-    from matplotlib.colors import LinearSegmentedColormap
-
-    return LinearSegmentedColormap.from_list("stress", COLORS)
-
-
-def _compose(
-    views: Sequence[_View], limit: float, beyond: bool, texts: tuple[str, str], path: Path
-) -> None:
-    """Put the views, a color bar and the texts on one sheet; sizes in inches."""
-    import matplotlib as mpl
-    from matplotlib.backends.backend_agg import FigureCanvasAgg
-    from matplotlib.cm import ScalarMappable
-    from matplotlib.colors import Normalize
-    from matplotlib.figure import Figure
-
-    tallest = max(view.pixels.shape[0] for view in views)
-    scale = VIEWS_HEIGHT / tallest
-    spans = [(scale * view.pixels.shape[1], scale * view.pixels.shape[0]) for view in views]
-    gap, side, top, bottom, bar = 0.35, 0.3, 0.95, 0.5, 1.25
-    width = 2.0 * side + sum(span[0] + gap for span in spans) + bar
-    height = VIEWS_HEIGHT + top + bottom
-    with mpl.rc_context(STYLE):
-        figure = Figure(figsize=(width, height), dpi=DOTS)
-        FigureCanvasAgg(figure)
-
-        def axes_at(left: float, low: float, across: float, high: float) -> Any:
-            return figure.add_axes((left / width, low / height, across / width, high / height))
-
-        def write(text: str, left: float, low: float, **style: Any) -> None:
-            figure.text(left / width, low / height, text, va="center", **style)
-
-        left = side
-        for view, (across, high) in zip(views, spans, strict=True):
-            axes = axes_at(left, bottom + 0.5 * (VIEWS_HEIGHT - high), across, high)
-            axes.imshow(view.pixels, interpolation="lanczos", aspect="auto")
-            axes.set_axis_off()
-            write(view.name, left + 0.5 * across, 0.28, ha="center", color=QUIET)
-            if view.mark is not None:
-                _mark(axes, view.mark)
-            left += across + gap
-        axes = axes_at(left, bottom + 0.12 * VIEWS_HEIGHT, 0.22, 0.72 * VIEWS_HEIGHT)
-        colors = ScalarMappable(Normalize(0.0, limit), _colormap())
-        drawn = figure.colorbar(colors, cax=axes, extend="max" if beyond else "neither")
-        drawn.outline.set_linewidth(0.6)
-        drawn.set_label("equivalent stress (von Mises), MPa", color=TEXT_COLOR)
-        axes.tick_params(width=0.6)
-        title, remark = texts
-        write(title, side, height - 0.36, fontsize=14, fontweight="bold", color=TEXT_COLOR)
-        write(remark, side, height - 0.70, color=TEXT_COLOR)
-        figure.savefig(path)
-
-
-def _mark(axes: Any, place: tuple[float, float]) -> None:
-    """Mark a place with a ring that hides nothing."""
-    for color, width in (("white", 4.0), ("#0b57d0", 1.8)):
-        axes.plot(
-            *place,
-            "o",
-            markersize=15,
-            markerfacecolor="none",
-            markeredgecolor=color,
-            markeredgewidth=width,
-            clip_on=False,
-        )

@@ -17,7 +17,8 @@ def block_texts(throw: CrankThrow, title: str, scale: float) -> tuple[str, str, 
     """Texts of the title block: what it is, how it is drawn, what follows from the dimensions."""
     ratio = f"1 : {scale:g}" if scale >= 1.0 else f"{1.0 / scale:g} : 1"
     drawn = f"lengths in mm\nscale {ratio}"
-    derived = f"overlap {millimeters(throw.overlap)} mm\nvolume {1e3 * throw.volume:.4g} dm³"
+    overlap = f"overlap {millimeters(throw.overlap)} mm" if throw.overlap > 0.0 else "no overlap"
+    derived = f"{overlap}\nvolume {1e3 * throw.volume:.4g} dm³"
     plain = plain_text(" ".join(title.split()))  # one line
     return (plain or "Crank throw", drawn, derived)
 

@@ -1,0 +1,174 @@
+"""How far the compliances of each source may be off: factors between which the true ones lie.
+
+Finite elements are too stiff by about their estimate. A regression has the band of its model. A formula is
+held against finite elements for the throws of all shipped engines (those of one pin where the engine's are
+so), each put at the cranks of the engine in question, and for the engine's own: with r the sum of the
+formula's compliances along the shaft beside that of finite elements, and f the estimated error of these,
+the true sum is 1/r to (1 + 2 f)/r times the formula's. The least and the greatest of these are the range;
+the value itself counts as possible.
+"""
+
+import csv
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from functools import cache
+
+import numpy as np
+
+from crankfem.analyses.shaft.regression_source import REGRESSION, RESPONSES, throw_lookups
+from crankfem.analyses.shaft.sources import (
+    FE,
+    FE_PINNED,
+    axial_by_formulas,
+    neighbor_angles,
+    torsional_by_formulas,
+)
+from crankfem.analyses.shaft.throw_analyses import Analyses, analyses_by_name
+from crankfem.files.engine.engine_file import EngineFile
+from crankfem.files.engine.throw_file import load_throw
+from crankfem.files.reading.data_files import data_folder
+from dynamics.assessment.spreads import Spread
+from fem.material import Material
+from fem.shaft import ShaftCompliances
+from geometry.throw import CrankThrow
+from regression.models.angle import between_values
+from regression.models.compliance_model import ComplianceModel
+
+# The estimate of the discretization error may be off by this factor.
+ERROR_FACTOR = 2.0
+TABLE = "throw_compliances.csv"
+
+
+@dataclass(frozen=True)
+class AnalyzedThrow:
+    """Compliances of a shipped engine's throw by finite elements.
+
+    Attributes
+    ----------
+    throw : CrankThrow
+    material : Material
+    axial : tuple of three float
+        e_0 and e_180 [m/N] and rho of its angle law.
+    torsional : float
+        Ends pinned [rad/(N m)].
+    error_estimate : float
+        Relative, of the axial compliance.
+    """
+
+    throw: CrankThrow
+    material: Material
+    axial: tuple[float, float, float]
+    torsional: float
+    error_estimate: float
+
+
+def source_spread(
+    engine_file: EngineFile,
+    kind: str,
+    source: str,
+    analysis: Analyses,
+    shaft: ShaftCompliances,
+    model: ComplianceModel | None,
+) -> Spread:
+    """Return the range of factors on the compliances of a source in which the true ones lie.
+
+    Parameters
+    ----------
+    engine_file : EngineFile
+    kind : {"axial", "torsional"}
+    source : str
+        As `axial_sources` and `torsional_sources` name it; usable for this engine.
+    analysis : ThrowAnalysis or mapping
+        Of the engine's throw, or of each throw by its name.
+    shaft : ShaftCompliances
+        Of the throws at their places.
+    model : ComplianceModel or None
+        Where the source is a regression.
+
+    Returns
+    -------
+    Spread
+        Of all throws together, with what it comes from.
+    """
+    estimates = (own.error_estimate for own in analyses_by_name(engine_file, analysis).values())
+    softer = 1.0 + ERROR_FACTOR * max(estimates)
+    if source in (FE, FE_PINNED):
+        of = " (that of the axial compliance)" if kind == "torsional" else ""
+        return Spread("compliance", 1.0, softer, name=f"error of the finite elements{of}")
+    if source == REGRESSION:
+        assert model is not None
+        found = throw_lookups(engine_file, model, RESPONSES[kind]).values()
+        return Spread(
+            "compliance",
+            min(own.lower / own.value for own in found if own.lower is not None),
+            max(own.upper / own.value for own in found if own.upper is not None),
+            name=f"error of the regression ({'; '.join(dict.fromkeys(own.band for own in found))})",
+        )
+    return _formula_spread(engine_file, kind, source, getattr(shaft, kind), softer)
+
+
+def _formula_spread(
+    engine_file: EngineFile, kind: str, source: str, by_elements: Iterable[float], softer: float
+) -> Spread:
+    """Range of a formula: what it is beside finite elements for shipped throws, and for the engine's own."""
+    throws = engine_file.crank_throws
+    here = sum(_row(engine_file, kind, source, throws, engine_file.material)) / sum(by_elements)
+    found = [(here, softer)]
+    single = all(_pins(throw) == 1 for throw in throws)
+    for one in analyzed_throws():
+        if single and _pins(one.throw) > 1:
+            continue
+        row = _row(engine_file, kind, source, [one.throw] * len(throws), one.material)
+        beside = sum(row) / sum(_elements(engine_file, kind, one))
+        if beside > 0.0:
+            found.append((beside, 1.0 + ERROR_FACTOR * one.error_estimate))
+    others = [beside for beside, _ in found[1:]]
+    return Spread(
+        "compliance",
+        min(1.0, *(1.0 / beside for beside, _ in found)),
+        max(1.0, *(soft / beside for beside, soft in found)),
+        name=f"error of the formula {source} ({min(others):.2f} to {max(others):.2f} times finite elements "
+        f"for the throws of {len(others)} shipped engines at the angles of these cranks, {here:.2f} times "
+        "for the engine's own)",
+    )
+
+
+def _pins(throw: CrankThrow) -> int:
+    return len(throw.parts.pins)
+
+
+def _row(
+    engine_file: EngineFile,
+    kind: str,
+    source: str,
+    throws: Sequence[CrankThrow],
+    material: Material,
+) -> list[float]:
+    """Compliances by a formula along the shaft, of these throws at the engine's cranks."""
+    sources = (
+        axial_by_formulas(throws, engine_file.throw_angles_deg, material)
+        if kind == "axial"
+        else torsional_by_formulas(throws, material)
+    )
+    compliances: list[float] = sources[source][0].tolist()
+    return compliances
+
+
+def _elements(engine_file: EngineFile, kind: str, one: AnalyzedThrow) -> list[float]:
+    """Compliances by finite elements of one throw at all cranks of an engine."""
+    sides = neighbor_angles(engine_file.throw_angles_deg)
+    if kind == "torsional":
+        return [one.torsional] * len(sides)
+    return [float(np.mean(between_values(np.array(beside), one.axial))) for beside in sides]
+
+
+@cache
+def analyzed_throws() -> tuple[AnalyzedThrow, ...]:
+    """Return the throws of the shipped engines with what finite elements gave for them."""
+    text = (data_folder() / "tables" / TABLE).read_text(encoding="utf-8")
+    found = []
+    for row in csv.DictReader(line for line in text.splitlines() if not line.startswith("#")):
+        name, *numbers = row.values()
+        in_line, opposite, ratio, torsional, error = map(float, numbers)
+        found.append(AnalyzedThrow(*load_throw(name), (in_line, opposite, ratio), torsional, error))
+    return tuple(found)

@@ -1,0 +1,178 @@
+"""Units in JSON: every number of every command has one, the one in which tables print it."""
+
+import json
+import shlex
+from pathlib import Path
+
+import pytest
+import typer
+
+from crankbase.tables.output_units import SI, OutputUnit, OutputUnits
+from crankbase.units.units import POWER_OF_TEN, UNITS
+from crankfem.analyses.record_units import units_of, with_units
+from crankfem.analyses.vibration.records import run_record
+from crankfem.cli.app import app
+from crankfem.cli.tables.chain_tables import chain_record
+from crankfem.cli.tables.vibration_tables import print_run
+from crankfem.files.chain.chain_file import load_chain
+from fem.responses import RESPONSES
+from json_units import numbers_with_units
+
+STORED = Path(__file__).with_name("report_results.json")
+# Lines whose JSON is looked at, with how many numbers of it are known to be printed with a unit.
+QUICK = {
+    "check 6chn25-34": 0,
+    "mechanism 8chn26-26 --model rigid --model two-mass": 60,
+    "harmonics 8chn26-26 --cylinder 1": 250,
+    "harmonics yamz5340_torque_one_throw.csv": 40,
+    "harmonics yamz5340_torque_one_throw.csv --firing-order 1-3-4-2": 40,
+    "two-mass yamz-5340": 1,
+    "hinge": 25,
+    "formulas 6chn25-34 --no-fe --constant k_n=0.4": 0,
+    "formulas --published": 0,
+    "doe 6chn25-34 --plan": 6,
+    "vibration mwm-six": 6,
+    "new --list": 0,
+    "fields throw": 0,
+}
+MODEL = {
+    "compare model.json model.json": 0,
+    "fit runs.sqlite --model other.json": 0,
+    "lookup model.json web_width=301mm web_thickness=68.3mm": 5,
+    "optimum model.json --minimize axial_compliance --limit 'web_width <= 0.301 m'": 1,
+}
+SLOW = {
+    "throw 6chn25-34 --accuracy 0.1 --modes 2": 15,
+    "stress 6chn25-34 --accuracy 0.2": 0,
+    "draw 6chn25-34": 0,
+    "export 6chn25-34 throw.vtu --size 3 --part quarter": 0,
+}
+# Whose JSON other tests make, which look at its units too, or holds no numbers.
+ELSEWHERE = {"run", "report"}
+
+
+@pytest.fixture
+def printed(monkeypatch):
+    """List (number, unit of SI) of what is printed with a unit of tables."""
+    found = []
+
+    def recorded(method):
+        def write(self, value, *digits):
+            found.append((value, _unit_of_si(self)))
+            return method(self, value, *digits)
+
+        return write
+
+    def quantity(self, value, unit, digits=6):
+        found.append((value, unit))
+        return whole(self, value, unit, digits)
+
+    whole = OutputUnits.quantity
+    monkeypatch.setattr(OutputUnits, "quantity", quantity)
+    for name in ("number", "fixed"):
+        monkeypatch.setattr(OutputUnit, name, recorded(getattr(OutputUnit, name)))
+    return found
+
+
+def _unit_of_si(unit):
+    name = unit.name.removeprefix(POWER_OF_TEN)
+    scale = 1.0 if name == unit.name else 1e-9
+    si, size = UNITS.get(name, ("", 0.0))
+    return "1" if unit.name == "%" else si if size * scale == unit.size else ""
+
+
+def compared(content, printed):
+    """Count the numbers of a document that were printed, all with the units that it tells."""
+    told = {}
+    for path, value, unit in numbers_with_units(content):
+        told.setdefault(value, {})[unit] = ".".join(path)
+    # A number of many digits is that of the document, not another of the same size.
+    found = [
+        (value, si) for value, si in printed if si and value in told and len(f"{value!r}") > 10
+    ]
+    for value, si in found:
+        assert si in told[value], f"{value} is printed in {si}, but {told[value]}"
+    return len(set(found))
+
+
+def check_line(line, call, printed):
+    arguments = shlex.split(line)
+    answer = call(*arguments, "--json")
+    assert answer.code == 0, answer.err
+    printed.clear()
+    assert call(*arguments).code == 0
+    return compared(answer.json(), printed)
+
+
+@pytest.mark.parametrize("line", QUICK)
+def test_every_number_has_the_unit_in_which_it_is_printed(line, call, printed):
+    assert check_line(line, call, printed) >= QUICK[line]
+
+
+@pytest.mark.parametrize("line", MODEL)
+def test_so_have_those_of_a_study_and_a_model(line, store, model_file, call, printed):
+    assert {store.name, model_file.name} == {"runs.sqlite", "model.json"}
+    assert check_line(line, call, printed) >= MODEL[line]
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("line", SLOW)
+def test_so_have_numbers_of_finite_elements(line, lightly, call, printed):
+    assert check_line(line, call, printed) >= SLOW[line]
+
+
+@pytest.mark.slow
+def test_so_have_those_of_vibration(coupled_vibration, printed):
+    record = run_record(coupled_vibration("6chn25-34"))
+    content = json.loads(json.dumps(with_units(record)))
+    printed.clear()
+    print_run(record, SI)
+    assert compared(content, printed) > 150
+
+
+@pytest.mark.slow
+def test_units_take_little_of_a_results_file(finished_run):
+    results = finished_run.results
+    numbers = numbers_with_units(results)
+    assert len(numbers) > 10000
+    assert len(json.dumps(results["units"], indent=1)) < 0.03 * len(json.dumps(results, indent=1))
+
+
+def test_every_command_is_looked_at():
+    group = typer.main.get_command(app)
+    commands = {
+        name
+        for name, command in group.commands.items()
+        if any(option.name == "json" for option in command.params)
+    }
+    lines = [*QUICK, *MODEL, *SLOW]
+    assert commands == {line.partition(" ")[0] for line in lines} | ELSEWHERE
+
+
+def test_all_numbers_of_stored_results_have_units():
+    stored = json.loads(STORED.read_text(encoding="utf-8"))
+    assert len(numbers_with_units(with_units(stored))) > 1000
+
+
+@pytest.mark.parametrize("content", [{"feathers": 1.0}, {"side_force": 1.0, "parts": [{"a": 2}]}])
+def test_a_number_of_which_nothing_is_declared_is_told(content):
+    with pytest.raises(AssertionError, match=r"(feathers|parts\.a): a number without a unit"):
+        numbers_with_units(with_units(content))
+
+
+def test_documents_without_numbers_have_no_units():
+    assert with_units({"file": "a", "ready": True}) == {"file": "a", "ready": True}
+    assert with_units({"mass": 1.0}) == {"mass": 1.0, "units": {"mass": "kg"}}
+
+
+def test_responses_have_their_own_units():
+    told = units_of(dict.fromkeys(RESPONSES, 1.0))
+    assert told == {name: kind.unit or "1" for name, kind in RESPONSES.items()}
+
+
+@pytest.mark.parametrize(("kind", "inertia"), [("axial", "kg"), ("torsional", "kg m^2")])
+def test_a_chain_has_the_units_of_its_kind(kind, inertia):
+    record = chain_record(load_chain("mwm-six")) | {"kind": kind}
+    told = units_of(record, within=kind)
+    assert told["inertia"] == told["modes.modal_inertia"] == inertia
+    assert told["stiffness"] == told["ground"] == {"axial": "N/m", "torsional": "N m/rad"}[kind]
