@@ -34,7 +34,7 @@ EFFECTIVITY = 1.25
 # What is left of an answer's error after correction is within this share of its correction, this share of
 # that of the axial compliance (a small correction may be the difference of larger ones), and what answers
 # of two meshes of like size differ by in any case, together: in 95 of 100 answers of random throws.
-UNCERTAINTY, MESH_UNCERTAINTY, MESH_NOISE = 0.2, 0.05, 2e-4
+UNCERTAINTY, MESH_UNCERTAINTY, MESH_NOISE = 0.25, 0.05, 2e-4
 # A correction of so much of any motion's energy is none: the mesh tells nothing.
 LARGEST_SHARE = 0.5
 
