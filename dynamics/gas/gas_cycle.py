@@ -16,7 +16,7 @@ from crankbase.library_types import Axes, DataFrame
 from crankbase.summaries import summarized
 from crankbase.tables.frames import table
 from dynamics.cycle import even_angles
-from dynamics.gas.cycle_values import DEGREE, GasCycle, assumption_remarks
+from dynamics.gas.cycle_values import GasCycle, assumption_remarks, name_of_field
 from dynamics.gas.cylinder_volume import CylinderVolume, Position, cylinder_volume
 from dynamics.gas.pressure import GasPressure, gas_pressure
 from dynamics.gas.sampled_cycle import (
@@ -37,12 +37,12 @@ SAMPLES_PER_TURN = 1440
 FEWEST_PER_TURN = 360
 # Steps that the combustion must take at least: a shorter one is a jump between samples.
 LEAST_STEPS = 8
-# [rad] Where a start or a duration of combustion is looked for when it is solved.
-EARLIEST_START, LATEST_START = -60.0 * DEGREE, 45.0 * DEGREE
-LONGEST_DURATION = 150.0 * DEGREE
+# [deg] Where a start or a duration of combustion is looked for when it is solved.
+EARLIEST_START, LATEST_START = -60.0, 45.0
+LONGEST_DURATION = 150.0
 SEARCH_PLACES = 43
 
-Solved = Literal["combustion_start", "combustion_duration"]
+Solved = Literal["combustion_start_deg", "combustion_duration_deg"]
 
 
 @summarized(
@@ -157,7 +157,7 @@ def gas_cycle(
     heat: float | None = None,
     peak_pressure: float | None = None,
     mean_effective_pressure: float | None = None,
-    solve_for: Solved = "combustion_start",
+    solve_for: Solved = "combustion_start_deg",
     samples: int | None = None,
 ) -> GasCycleResult:
     """Calculate the pressure over a cycle.
@@ -180,7 +180,7 @@ def gas_cycle(
         Indicated mean effective pressure, gas exchange included [Pa]. With `peak_pressure` the
         parameter named in `solve_for` is found too.
     solve_for : str, optional
-        "combustion_start" or "combustion_duration", when both pressures are given.
+        "combustion_start_deg" or "combustion_duration_deg", when both pressures are given.
     samples : int, optional
         Even samples over the cycle, 360 a turn or more; 1440 a turn unless given.
 
@@ -219,7 +219,7 @@ def gas_cycle(
     if samples is not None:
         why = "steps above 1 deg miss the peak"
         count = whole_number("samples", samples, FEWEST_PER_TURN * turns, why)
-    angles = even_angles(cycle.cycle, count)
+    angles = even_angles(math.radians(cycle.cycle_deg), count)
     if heat is not None and not (peak_pressure is None and mean_effective_pressure is None):
         raise InputError(
             "heat: given together with peak_pressure or mean_effective_pressure; allowed is one of "
@@ -232,10 +232,10 @@ def gas_cycle(
             cycle, volume, angles, peak_pressure, mean_effective_pressure, solve_for
         )
         remarks.append(
-            f"Solved: {solve_for} {getattr(cycle, solve_for) / DEGREE:.4g} deg in place of "
-            f"{getattr(given, solve_for) / DEGREE:.4g} deg."
+            f"Solved: {name_of_field(solve_for)} {getattr(cycle, solve_for):.4g} deg in place of "
+            f"{getattr(given, solve_for):.4g} deg."
         )
-    _check_resolved(cycle, angles)
+    _check_resolved(cycle, count)
     state = cycle_samples(cycle, volume, angles)
     if heat is not None:
         released = allowed_heat(state, heat)
@@ -268,12 +268,17 @@ def gas_cycle(
     )
 
 
-def _check_resolved(cycle: GasCycle, angles: FloatArray) -> None:
-    shortest = LEAST_STEPS * float(angles[1])
-    if cycle.combustion_duration < shortest * (1.0 - 1e-9):
+def _shortest_duration(cycle: GasCycle, samples: int) -> float:
+    """Return the shortest combustion that samples resolve [deg]."""
+    return LEAST_STEPS * cycle.cycle_deg / samples
+
+
+def _check_resolved(cycle: GasCycle, samples: int) -> None:
+    shortest = _shortest_duration(cycle, samples)
+    if cycle.combustion_duration_deg < shortest * (1.0 - 1e-9):
         raise InputError(
-            f"combustion_duration: given {cycle.combustion_duration / DEGREE:.4g} deg; allowed is "
-            f"{shortest / DEGREE:.4g} deg or more with {angles.size} samples, because a shorter one "
+            f"combustion_duration_deg: given {cycle.combustion_duration_deg:.4g} deg; allowed is "
+            f"{shortest:.4g} deg or more with {samples} samples, because a shorter one "
             "falls between them."
         )
 
@@ -309,7 +314,7 @@ def _solved_combustion(
             return math.inf
         return state.peak(state.heat_for_mean_pressure(mean_pressure))
 
-    places = _search_angles(cycle, angles, name)
+    places = _search_angles(cycle, angles.size, name)
     peaks = np.array([peak_at(value) for value in places])
     # Later or slower combustion lowers the peak, down to that of compression or of a second hump
     # that a very late one makes; what comes after the lowest is left aside.
@@ -322,8 +327,8 @@ def _solved_combustion(
         raise InputError(
             f"peak_pressure: given {format_mpa(peak)}; allowed are {mpa_rounded_up(np.min(reached))} to "
             f"{mpa_rounded_down(np.max(reached))}, because with a mean effective pressure of "
-            f"{format_mpa(mean_pressure)} a {name} from {places[0] / DEGREE:.4g} to "
-            f"{places[-1] / DEGREE:.4g} deg gives no others."
+            f"{format_mpa(mean_pressure)} a {name} from {places[0]:.4g} to "
+            f"{places[-1]:.4g} deg gives no others."
         )
     from scipy.optimize import brentq  # here: loading it takes a quarter second
 
@@ -334,12 +339,12 @@ def _solved_combustion(
     return changed(float(found))
 
 
-def _search_angles(cycle: GasCycle, angles: FloatArray, name: Solved) -> FloatArray:
-    """Return the angles at which to search for the start or the duration of the combustion [rad]."""
-    if name == "combustion_start":
-        given = cycle.combustion_start
-        low = max(EARLIEST_START, cycle.intake_closes)
-        high = min(LATEST_START, cycle.exhaust_opens - cycle.combustion_duration)
+def _search_angles(cycle: GasCycle, samples: int, name: Solved) -> FloatArray:
+    """Return the angles at which to search for the start or the duration of the combustion [deg]."""
+    if name == "combustion_start_deg":
+        given = cycle.combustion_start_deg
+        low = max(EARLIEST_START, cycle.intake_closes_deg)
+        high = min(LATEST_START, cycle.exhaust_opens_deg - cycle.combustion_duration_deg)
         return np.linspace(min(low, given), max(high, given), SEARCH_PLACES, dtype=np.float64)
-    high = min(LONGEST_DURATION, cycle.exhaust_opens - cycle.combustion_start)
-    return np.linspace(LEAST_STEPS * float(angles[1]), high, SEARCH_PLACES, dtype=np.float64)
+    high = min(LONGEST_DURATION, cycle.exhaust_opens_deg - cycle.combustion_start_deg)
+    return np.linspace(_shortest_duration(cycle, samples), high, SEARCH_PLACES, dtype=np.float64)

@@ -97,12 +97,15 @@ def cycle_samples(cycle: GasCycle, volume: CylinderVolume, angles: FloatArray) -
         Pressure and volume slope there.
     """
     # 1 where the cylinder is closed, 0 where it is open, between in the blow-down.
-    share = 1.0 - _smooth_step(angles, cycle.exhaust_opens, BOTTOM)
-    share[angles >= cycle.intake_closes + cycle.cycle] = 1.0
+    bottom, length = math.radians(BOTTOM), math.radians(cycle.cycle_deg)
+    share = 1.0 - _smooth_step(angles, math.radians(cycle.exhaust_opens_deg), bottom)
+    share[angles >= math.radians(cycle.intake_closes_deg) + length] = 1.0
     closed = share > 0.0
-    within = np.where(angles > BOTTOM, angles - cycle.cycle, angles)[closed]
+    within = np.where(angles > bottom, angles - length, angles)[closed]
     # The pressure of the exhaust, then of the intake, passing over in the overlap.
-    passed = _smooth_step(angles, cycle.overlap_begins, cycle.overlap_ends)
+    passed = _smooth_step(
+        angles, math.radians(cycle.overlap_begins_deg), math.radians(cycle.overlap_ends_deg)
+    )
     open_pressure = cycle.exhaust_pressure + passed * (
         cycle.intake_pressure - cycle.exhaust_pressure
     )
@@ -115,7 +118,7 @@ def cycle_samples(cycle: GasCycle, volume: CylinderVolume, angles: FloatArray) -
     return CycleSamples(
         motored=motored,
         rise=rise,
-        volume_slope=periodic_slope(volume.at(angles), cycle.cycle),
+        volume_slope=periodic_slope(volume.at(angles), length),
         swept=volume.swept,
         strokes=cycle.strokes,
     )
@@ -144,7 +147,7 @@ def motored_pressure(cycle: GasCycle, volume: CylinderVolume, angle: ArrayLike) 
     ndarray of the same shape
         p_closing (V_closing / V)^g [Pa].
     """
-    ratio = volume.at(cycle.intake_closes) / volume.at(angle)
+    ratio = volume.at(math.radians(cycle.intake_closes_deg)) / volume.at(angle)
     return np.asarray(cycle.intake_pressure * ratio**cycle.heat_capacity_ratio, dtype=np.float64)
 
 
@@ -182,14 +185,15 @@ def pressure_rise_per_heat(cycle: GasCycle, volume: CylinderVolume, angle: Array
     times this rise. The integral is taken by Gauss's rule in parts.
     """
     angles = finite_vector("angle", angle)
-    share = (angles - cycle.combustion_start) / cycle.combustion_duration
+    start, duration = np.radians([cycle.combustion_start_deg, cycle.combustion_duration_deg])
+    share = (angles - start) / duration
     root = np.clip(share, 0.0, 1.0) ** (1.0 / ROOT_POWER)
     ends, place = np.unique(
         np.concatenate([root, np.linspace(0.0, 1.0, PARTS + 1)]), return_inverse=True
     )
     integrals = np.concatenate([[0.0], np.cumsum(_part_integrals(cycle, volume, ends))])
     exponent = cycle.heat_capacity_ratio
-    closing = float(volume.at(cycle.intake_closes))
+    closing = float(volume.at(math.radians(cycle.intake_closes_deg)))
     relative = volume.at(angles) / closing
     rise = (exponent - 1.0) / closing * integrals[place[: angles.size]] / relative**exponent
     return np.asarray(rise, dtype=np.float64)
@@ -213,8 +217,9 @@ def _part_integrals(cycle: GasCycle, volume: CylinderVolume, ends: FloatArray) -
         * root ** (power - 1.0)
         * np.exp(-factor * root**power)
     )
-    angle = cycle.combustion_start + cycle.combustion_duration * root**ROOT_POWER
-    relative = volume.at(angle) / float(volume.at(cycle.intake_closes))
+    start, duration = np.radians([cycle.combustion_start_deg, cycle.combustion_duration_deg])
+    angle = start + duration * root**ROOT_POWER
+    relative = volume.at(angle) / float(volume.at(math.radians(cycle.intake_closes_deg)))
     integrand = burnt_by_root * relative ** (cycle.heat_capacity_ratio - 1.0)
     return np.asarray((half * integrand) @ weights, dtype=np.float64)
 
