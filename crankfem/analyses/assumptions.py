@@ -23,9 +23,7 @@ from fem.material import STEEL
 
 # What the cycle model needs beside the fields of [gas].
 FIXED_IN_CYCLE = tuple(
-    name
-    for name in USUAL_VALUES
-    if name_of_field(name) not in SECTIONS["gas"].model.model_fields
+    name for name in USUAL_VALUES if name_of_field(name) not in SECTIONS["gas"].model.model_fields
 )
 
 AT_RESONANCE = "amplitudes at resonance rise with it, in proportion where nothing else damps"

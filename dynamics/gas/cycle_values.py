@@ -221,9 +221,7 @@ USUAL_VALUES: dict[str, UsualValue] = {
         "engine the fresh charge takes over after the bottom",
     ),
     "overlap_ends_deg": UsualValue(
-        lambda strokes, known: (
-            400.0 if strokes == 4 else known["intake_closes_deg"] + 2.0 * BOTTOM
-        ),
+        lambda strokes, known: 400.0 if strokes == 4 else known["intake_closes_deg"] + 2.0 * BOTTOM,
         "in a four-stroke engine the valves overlap by some 80 deg about the top, and a two-stroke "
         "cylinder is at intake pressure when it closes",
     ),
