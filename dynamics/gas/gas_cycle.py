@@ -115,11 +115,11 @@ class GasCycleResult:
         if show == "pressure":
             return self.pressure.plot(axes)
         axes = new_axes(axes)
-        angles = np.append(
-            np.radians(self.pressure.angles_deg), np.radians(self.pressure.angles_deg[0])
-        )
+        angles_deg = np.append(self.pressure.angles_deg, self.pressure.angles_deg[0])
         pressure = np.append(self.pressure.pressure, self.pressure.pressure[0])
-        axes.plot(1e3 * self.volume.at(angles), MEGA * pressure, color=BLUE, linewidth=1.4)
+        axes.plot(
+            1e3 * self.volume.at(angle_deg=angles_deg), MEGA * pressure, color=BLUE, linewidth=1.4
+        )
         axes.set_xlim(left=0.0)
         axes.set_ylim(bottom=0.0)
         axes.set_xlabel("volume [dm$^3$]")
@@ -143,7 +143,7 @@ class GasCycleResult:
         return table(
             {
                 "crank_angle": (self.pressure.angles_deg, "deg"),
-                "volume": (self.volume.at(np.radians(self.pressure.angles_deg)), "m^3"),
+                "volume": (self.volume.at(angle_deg=self.pressure.angles_deg), "m^3"),
                 "pressure": (self.pressure.pressure, "Pa"),
             }
         )
@@ -219,7 +219,7 @@ def gas_cycle(
     if samples is not None:
         why = "steps above 1 deg miss the peak"
         count = whole_number("samples", samples, FEWEST_PER_TURN * turns, why)
-    angles = even_angles(math.radians(cycle.cycle_deg), count)
+    angles_deg = even_angles(cycle.cycle_deg, count)
     if heat is not None and not (peak_pressure is None and mean_effective_pressure is None):
         raise InputError(
             "heat: given together with peak_pressure or mean_effective_pressure; allowed is one of "
@@ -229,14 +229,14 @@ def gas_cycle(
     if peak_pressure is not None and mean_effective_pressure is not None:
         given = cycle
         cycle = _solved_combustion(
-            cycle, volume, angles, peak_pressure, mean_effective_pressure, solve_for
+            cycle, volume, angles_deg, peak_pressure, mean_effective_pressure, solve_for
         )
         remarks.append(
             f"Solved: {name_of_field(solve_for)} {getattr(cycle, solve_for):.4g} deg in place of "
             f"{getattr(given, solve_for):.4g} deg."
         )
     _check_resolved(cycle, count)
-    state = cycle_samples(cycle, volume, angles)
+    state = cycle_samples(cycle, volume, angles_deg)
     if heat is not None:
         released = allowed_heat(state, heat)
     elif mean_effective_pressure is not None:
@@ -257,14 +257,14 @@ def gas_cycle(
             cycle.strokes,
             source="cycle model",
             remarks=(*remarks, *assumption_remarks(cycle)),
-            angles_deg=np.degrees(angles),
+            angles_deg=angles_deg,
         ),
         cycle=cycle,
         volume=volume,
         heat=released,
         work=work,
         mean_effective_pressure=work / volume.swept,
-        compression_pressure=float(motored_pressure(cycle, volume, volume.top_angle)),
+        compression_pressure=float(motored_pressure(cycle, volume, volume.top_angle_deg)),
     )
 
 
@@ -286,14 +286,14 @@ def _check_resolved(cycle: GasCycle, samples: int) -> None:
 def _solved_combustion(
     cycle: GasCycle,
     volume: CylinderVolume,
-    angles: FloatArray,
+    angles_deg: FloatArray,
     peak: float,
     mean_pressure: float,
     name: Solved,
 ) -> GasCycle:
     """Return the cycle whose start or duration of combustion gives both pressures."""
     check_choice("solve_for", name, get_args(Solved), "these move the peak at a given work")
-    motored = cycle_samples(cycle, volume, angles)
+    motored = cycle_samples(cycle, volume, angles_deg)
     peak = checked_peak(peak, motored.peak(0.0))
     lowest = motored.mean_pressure(0.0)
     if not is_number(mean_pressure) or mean_pressure <= lowest:
@@ -309,12 +309,12 @@ def _solved_combustion(
         return replace(cycle, assumed=assumed, **changes)
 
     def peak_at(value: float) -> float:
-        state = cycle_samples(changed(value), volume, angles)
+        state = cycle_samples(changed(value), volume, angles_deg)
         if state.work_per_heat <= 0.0:
             return math.inf
         return state.peak(state.heat_for_mean_pressure(mean_pressure))
 
-    places = _search_angles(cycle, angles.size, name)
+    places = _search_angles(cycle, angles_deg.size, name)
     peaks = np.array([peak_at(value) for value in places])
     # Later or slower combustion lowers the peak, down to that of compression or of a second hump
     # that a very late one makes; what comes after the lowest is left aside.

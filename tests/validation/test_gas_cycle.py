@@ -39,8 +39,8 @@ def volume_law(angle, ratio):
 
 def closed_work(cycle, law, heat):
     """Work of the closed part by its balance: heat less the rise of the internal energy."""
-    ends = np.radians([cycle.intake_closes_deg, cycle.exhaust_opens_deg])
-    products = closed_pressure(cycle, law, heat, ends) * law.at(ends)
+    ends = [cycle.intake_closes_deg, cycle.exhaust_opens_deg]
+    products = closed_pressure(cycle, law, heat, ends) * law.at(angle_deg=ends)
     return heat - float(products[1] - products[0]) / (cycle.heat_capacity_ratio - 1.0)
 
 
@@ -80,7 +80,7 @@ def test_instant_combustion_at_the_top_is_the_constant_volume_cycle(ratio, gamma
     )
     rise = (gamma - 1.0) * heat / float(volume_law(0.0, ratio))
     before = 2.5e5 * effective**gamma
-    after = closed_pressure(instant, law, heat, [2e-6])[0]
+    after = closed_pressure(instant, law, heat, np.degrees([2e-6]))[0]
     figure("constant-volume rise of pressure", after - before, rise, 1e-9, "Pa")
 
 
@@ -116,9 +116,9 @@ def test_wiebe_law_with_the_customary_factor(figure):
     cycle = usual_gas_cycle(14.0, heat_capacity_ratio=1.0 + 2.0**-36)
     law = cylinder_volume(position, AREA, 14.0)
     share = np.array([0.1, 0.25, 0.5, 0.8])
-    angles = np.radians(cycle.combustion_start_deg + share * cycle.combustion_duration_deg)
+    angles = cycle.combustion_start_deg + share * cycle.combustion_duration_deg
     expected = 1.0 - np.exp(-6.907755278982137 * share**2)
-    burnt = pressure_rise_per_heat(cycle, law, angles) * law.at(angles) * 2.0**36
+    burnt = pressure_rise_per_heat(cycle, law, angles) * law.at(angle_deg=angles) * 2.0**36
     figure("burnt share by Wiebe's law", 0.999 * burnt, expected, 1e-9)
 
 
