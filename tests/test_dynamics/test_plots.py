@@ -312,7 +312,7 @@ def effects():
 
 @cache
 def cycle():
-    volume = SimpleNamespace(at=lambda angles: 1e-3 * (2.0 - np.cos(angles)))
+    volume = SimpleNamespace(at=lambda *, angle_deg: 1e-3 * (2.0 - np.cos(np.radians(angle_deg))))
     return GasCycleResult(gas(), None, volume, 1e3, 4e2, 8e5, 1e5)
 
 
