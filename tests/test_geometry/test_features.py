@@ -169,6 +169,7 @@ def test_a_slope_takes_off_a_wedge(build, drop):
     assert plain.volume - thin.volume == close(2.0 * wedge, rel=1e-9)
 
 
+@pytest.mark.slow
 def test_units_make_no_difference():
     """254 mm, 0.254 m and 10 in are one throw, to round-off in its volume and mesh."""
     texts = {
