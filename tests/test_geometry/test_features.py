@@ -80,6 +80,7 @@ PARTS = {"quarter": 4.0, "half": 2.0, "full": 1.0}
 meshed = cache(mesh_throw)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("feature", FEATURES)
 def test_the_solid_and_the_mesh_are_what_is_described(build, feature):
     throw = build(**FEATURES[feature])
