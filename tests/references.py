@@ -32,7 +32,7 @@ def even_firing_angles(firing_order, strokes=4):
     )
 
 
-def closed_pressure(cycle, volume, heat, angle):
+def closed_pressure(cycle, volume, heat, angle_deg):
     """Return the pressure of the closed part of a cycle for a heat released [Pa]."""
-    rise = pressure_rise_per_heat(cycle, volume, angle)
-    return motored_pressure(cycle, volume, angle) + heat * rise
+    rise = pressure_rise_per_heat(cycle, volume, angle_deg)
+    return motored_pressure(cycle, volume, angle_deg) + heat * rise

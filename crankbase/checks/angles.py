@@ -66,6 +66,23 @@ def refuse_crank_radians(field: str, angles_deg: ArrayLike) -> None:
         raise _radians_error(field, given)
 
 
+def refuse_radians_between(field: str, angle_deg: float, low_deg: float, high_deg: float) -> None:
+    """Refuse one angle that lies between two in degrees if it is taken for radians.
+
+    For angles that are more than a few degrees whatever they are.
+
+    Raises
+    ------
+    InputError
+    """
+    taken = float(np.degrees(angle_deg))
+    if low_deg < taken < high_deg:
+        raise InputError(
+            f"{field}: given {angle_deg:.6g} deg, which would be {taken:.4g} deg if it were radians; allowed "
+            "are degrees: write numpy.degrees(...) around it."
+        )
+
+
 def _radians_error(field: str, given: FloatArray) -> InputError:
     return InputError(
         f"{field}: given {given.size} angles from {np.min(given):.4g} to {np.max(given):.4g}, those of "

@@ -1,6 +1,5 @@
 """What a calculation takes beside the values of an engine file: the one list of all that is assumed."""
 
-import math
 from collections.abc import Iterable
 
 from crankbase.model import InputModel, field_extra
@@ -18,13 +17,13 @@ from dynamics.assessment.limit_rules import (
     RULE_OF_DRIVEN,
     crankshaft_material_factors,
 )
-from dynamics.gas.cycle_values import USUAL_VALUES
+from dynamics.gas.cycle_values import USUAL_VALUES, name_of_field
 from dynamics.response.linear_system import DEFAULT_MAGNIFIER, MAGNIFIER_SOURCE
 from fem.material import STEEL
 
 # What the cycle model needs beside the fields of [gas].
 FIXED_IN_CYCLE = tuple(
-    name for name in USUAL_VALUES if name not in SECTIONS["gas"].model.model_fields
+    name for name in USUAL_VALUES if name_of_field(name) not in SECTIONS["gas"].model.model_fields
 )
 
 AT_RESONANCE = "amplitudes at resonance rise with it, in proportion where nothing else damps"
@@ -164,9 +163,10 @@ def _of_mechanism(file: MechanismFile, given: set[str]) -> Iterable[InputRecord]
     cycle = assumed_cycle(gas, layout)
     found = {*FIXED_IN_CYCLE}
     if gas.peak_pressure is not None and gas.mean_effective_pressure is not None:
-        found.add("combustion_start")  # it is solved for
+        found.add("combustion_start_deg")  # it is solved for
     for name in USUAL_VALUES:
-        if name in found or f"gas.{name}" in given:
+        field = f"gas.{name_of_field(name)}"
+        if name in found or field in given:
             continue
         reason = USUAL_VALUES[name].reason
         if name == "intake_pressure" and gas.peak_pressure is not None:
@@ -174,9 +174,9 @@ def _of_mechanism(file: MechanismFile, given: set[str]) -> Iterable[InputRecord]
                 f"combustion then raises the pressure {USUAL_PRESSURE_RISE:g} times, as is usual for "
                 "diesel engines at rated load"
             )
-        yield _assumed(f"gas.{name}", _shown_of_cycle(name, getattr(cycle, name)), reason)
+        yield _assumed(field, _shown_of_cycle(name, getattr(cycle, name)), reason)
     shape = ", ".join(
-        f"{name.replace('_', ' ')} {_shown_of_cycle(name, getattr(cycle, name))}"
+        f"{name_of_field(name).replace('_', ' ')} {_shown_of_cycle(name, getattr(cycle, name))}"
         for name in FIXED_IN_CYCLE
     )
     yield _assumed(
@@ -191,7 +191,7 @@ def _shown_of_cycle(name: str, value: float) -> str:
         return format_quantity(value, "Pa", 4)
     if name.startswith(("heat_", "wiebe_")):
         return f"{value:g}"
-    return f"{math.degrees(value):.6g} deg"
+    return f"{value:.6g} deg"
 
 
 def _of_shaft(engine: EngineFile, given: set[str]) -> Iterable[InputRecord]:

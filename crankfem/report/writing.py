@@ -21,6 +21,7 @@ from crankfem.analyses.mechanism.load_tables import bearing_table
 from crankfem.analyses.throw.compliances import compliance_tables, further_compliances
 from crankfem.analyses.throw.stress import mirrored, stress_tables
 from crankfem.analyses.throw.throw_tables import reaction_table, support_table
+from crankfem.analyses.vibration.mode_table import mode_table
 from crankfem.analyses.vibration.speed_table import speed_table
 from crankfem.analyses.vibration.tables import (
     barred_within_error,
@@ -28,7 +29,6 @@ from crankfem.analyses.vibration.tables import (
     limit_table,
     load_table,
     misfiring_table,
-    mode_table,
     source_table,
     whole_table,
 )

@@ -31,7 +31,7 @@ def pressure_map_from_cycles(
     mean_effective_pressure: ArrayLike | None = None,
     intake_pressure: ArrayLike | None = None,
     exhaust_pressure: ArrayLike | None = None,
-    solve_for: Solved = "combustion_start",
+    solve_for: Solved = "combustion_start_deg",
     samples: int | None = None,
     method: Method = "cubic",
 ) -> PressureMap:

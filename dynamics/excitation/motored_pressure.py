@@ -66,7 +66,7 @@ def motored_from_compression(
             f"fit_from_deg: given a range with {np.count_nonzero(within)} samples; allowed are "
             f"{FEWEST_SAMPLES} or more, because the exponent is fitted to them."
         )
-    size = np.log(volume.at(np.radians(angles)))
+    size = np.log(volume.at(angle_deg=angles))
     slope, level = np.polyfit(size[within], np.log(pressure.pressure[within]), 1)
     if not -2.0 < slope < -1.0:
         raise InputError(

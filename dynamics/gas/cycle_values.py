@@ -1,23 +1,23 @@
 """The parameters of the cycle model, with usual values for those that are not given."""
 
-import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, fields
 from itertools import pairwise
 
 import numpy as np
 
+from crankbase.checks.angles import refuse_radians_between
 from crankbase.checks.arrays import nonnegative_number, positive_number
 from crankbase.errors import InputError
 from crankbase.summaries import summarized
-from dynamics.cycle import checked_strokes
+from dynamics.cycle import checked_strokes, cycle_degrees
 
-DEGREE = math.pi / 180.0
 # [Pa] What an exhaust into the open has at least: the atmosphere and some flow resistance.
 LEAST_EXHAUST = 1.05e5
 # [deg] Below these the blow-down or the combustion would be a jump.
 SHORTEST_BLOW_DOWN = 5.0
-BOTTOM = math.pi
+# [deg] Bottom dead center after the firing top.
+BOTTOM = 180.0
 
 
 @summarized(
@@ -26,16 +26,16 @@ BOTTOM = math.pi
     "intake_pressure [Pa]",
     "exhaust_pressure [Pa]",
     "heat_capacity_ratio",
-    "combustion_start [rad]",
-    "combustion_duration [rad]",
+    "combustion_start_deg [deg]",
+    "combustion_duration_deg [deg]",
     "assumed",
 )
 @dataclass(frozen=True)
 class GasCycle:
     """Parameters of the cycle model: compression, Wiebe heat release, expansion, gas exchange.
 
-    All angles are crank angles [rad] from the firing top dead center. `usual_gas_cycle` fills in
-    what is not known.
+    All angles are crank angles in degrees from the firing top dead center. `usual_gas_cycle` fills
+    in what is not known.
 
     Parameters
     ----------
@@ -49,28 +49,29 @@ class GasCycle:
         Absolute pressure in the cylinder while it empties [Pa].
     heat_capacity_ratio : float
         Ratio of the heat capacities of the gas at constant pressure and volume, one for the cycle.
-    combustion_start : float
-        Where heat release begins [rad], negative before the top.
-    combustion_duration : float
-        Crank angle over which it lasts [rad].
+    combustion_start_deg : float
+        Where heat release begins [deg], negative before the top.
+    combustion_duration_deg : float
+        Crank angle over which it lasts [deg].
     wiebe_shape : float
         Exponent m of the Wiebe law, 0 or more: the rate begins as the m-th power of the angle.
     wiebe_completeness : float
         Share of the heat that the untruncated Wiebe law releases within the duration; the law is
         scaled so that all of the heat is released.
-    intake_closes : float
-        Where the last valve or port closes and compression begins [rad], negative.
-    exhaust_opens : float
-        Where the first valve or port opens and expansion ends [rad].
-    overlap_begins, overlap_ends : float
-        Between these the pressure passes from that of the exhaust to that of the intake [rad].
+    intake_closes_deg : float
+        Where the last valve or port closes and compression begins [deg], negative.
+    exhaust_opens_deg : float
+        Where the first valve or port opens and expansion ends [deg].
+    overlap_begins_deg, overlap_ends_deg : float
+        Between these the pressure passes from that of the exhaust to that of the intake [deg].
     assumed : tuple of str
         Names of the parameters above that were assumed, not given.
 
     Raises
     ------
     InputError
-        If a value is out of its range, or the events are out of their order.
+        If a value is out of its range, the events are out of their order, or one is in radians, where
+        that can be told.
     """
 
     strokes: int
@@ -78,20 +79,19 @@ class GasCycle:
     intake_pressure: float
     exhaust_pressure: float
     heat_capacity_ratio: float
-    combustion_start: float
-    combustion_duration: float
+    combustion_start_deg: float
+    combustion_duration_deg: float
     wiebe_shape: float
     wiebe_completeness: float
-    intake_closes: float
-    exhaust_opens: float
-    overlap_begins: float
-    overlap_ends: float
+    intake_closes_deg: float
+    exhaust_opens_deg: float
+    overlap_begins_deg: float
+    overlap_ends_deg: float
     assumed: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
         checked_strokes(self.strokes)
-        for name in ("combustion_start", "overlap_begins", "overlap_ends"):
-            _check_finite(name, getattr(self, name))
+        _check_finite("combustion_start_deg", self.combustion_start_deg)
         _check_range("compression_ratio", self.compression_ratio, 1.0, 100.0, "it compresses")
         positive_number("intake_pressure", self.intake_pressure, "Pa", "it is absolute pressure")
         positive_number("exhaust_pressure", self.exhaust_pressure, "Pa", "it is absolute pressure")
@@ -102,47 +102,55 @@ class GasCycle:
         )
         reason = "it is the share of heat released by the end"
         _check_range("wiebe_completeness", self.wiebe_completeness, 0.5, 1.0, reason)
-        positive_number("combustion_duration", self.combustion_duration, "rad", "it lasts")
+        positive_number("combustion_duration_deg", self.combustion_duration_deg, "deg", "it lasts")
         self._check_order()
 
     @property
-    def cycle(self) -> float:
-        """Length of the cycle in crank angle [rad]."""
-        return math.pi * self.strokes
+    def cycle_deg(self) -> float:
+        """Length of the cycle in crank angle."""
+        return cycle_degrees(self.strokes)
 
     def _check_order(self) -> None:
-        """Refuse events that do not follow each other over the cycle."""
-        opening = BOTTOM - SHORTEST_BLOW_DOWN * DEGREE * (1.0 - 1e-9)
-        reason = "the blow-down ends at the bottom dead center and takes its time"
-        _check_range("exhaust_opens", self.exhaust_opens, 0.0, opening, reason)
+        """Refuse events in radians, and such as do not follow each other over the cycle."""
+        opening = BOTTOM - SHORTEST_BLOW_DOWN * (1.0 - 1e-9)
         earliest = -1.5 * BOTTOM if self.strokes == 4 else -BOTTOM
+        for name, low, high in (
+            ("exhaust_opens_deg", 0.0, BOTTOM),
+            ("intake_closes_deg", earliest, 0.0),
+            ("overlap_begins_deg", 0.0, self.cycle_deg),
+            ("overlap_ends_deg", 0.0, self.cycle_deg),
+        ):
+            _check_finite(name, getattr(self, name))
+            refuse_radians_between(name, getattr(self, name), low, high)
+        reason = "the blow-down ends at the bottom dead center and takes its time"
+        _check_range("exhaust_opens_deg", self.exhaust_opens_deg, 0.0, opening, reason)
         reason = "the charge is compressed before the top and taken in before that"
-        _check_range("intake_closes", self.intake_closes, earliest, 0.0, reason)
+        _check_range("intake_closes_deg", self.intake_closes_deg, earliest, 0.0, reason)
         events = (
-            ("intake_closes", self.intake_closes),
-            ("combustion_start", self.combustion_start),
-            ("end of combustion", self.combustion_start + self.combustion_duration),
-            ("exhaust_opens", self.exhaust_opens),
+            ("intake_closes_deg", self.intake_closes_deg),
+            ("combustion_start_deg", self.combustion_start_deg),
+            ("end of combustion", self.combustion_start_deg + self.combustion_duration_deg),
+            ("exhaust_opens_deg", self.exhaust_opens_deg),
         )
         exchange = (
             ("bottom dead center", BOTTOM),
-            ("overlap_begins", self.overlap_begins),
-            ("overlap_ends", self.overlap_ends),
-            ("intake_closes one cycle later", self.intake_closes + self.cycle),
+            ("overlap_begins_deg", self.overlap_begins_deg),
+            ("overlap_ends_deg", self.overlap_ends_deg),
+            ("intake_closes_deg one cycle later", self.intake_closes_deg + self.cycle_deg),
         )
         for chain in (events, exchange):
             for (before, earlier), (after, later) in pairwise(chain):
-                # Round-off of degrees turned into radians is no disorder.
+                # Round-off of a file's angles, which were radians, is no disorder.
                 if not earlier <= later + 1e-9:
                     raise InputError(
-                        f"{after}: given {later / DEGREE:.6g} deg, with {before} at "
-                        f"{earlier / DEGREE:.6g} deg; allowed is a later angle, because closing, "
+                        f"{after}: given {later:.6g} deg, with {before} at "
+                        f"{earlier:.6g} deg; allowed is a later angle, because closing, "
                         "combustion, opening, overlap and closing follow in this order."
                     )
-        if self.overlap_ends - self.overlap_begins < SHORTEST_BLOW_DOWN * DEGREE * (1.0 - 1e-9):
+        if self.overlap_ends_deg - self.overlap_begins_deg < SHORTEST_BLOW_DOWN * (1.0 - 1e-9):
             raise InputError(
-                f"overlap_ends: given {self.overlap_ends / DEGREE:.6g} deg after overlap_begins at "
-                f"{self.overlap_begins / DEGREE:.6g} deg; allowed is {SHORTEST_BLOW_DOWN:g} deg or "
+                f"overlap_ends_deg: given {self.overlap_ends_deg:.6g} deg after overlap_begins_deg at "
+                f"{self.overlap_begins_deg:.6g} deg; allowed is {SHORTEST_BLOW_DOWN:g} deg or "
                 "more between them, because the pressure passes over and does not jump."
             )
 
@@ -182,13 +190,13 @@ USUAL_VALUES: dict[str, UsualValue] = {
         "air has 1.40 cold and 1.34 at 1000 K, lean burnt gas at 2000 K about 1.28; measured "
         "compressions follow 1.33 to 1.37",
     ),
-    "combustion_start": UsualValue(
-        _value_by_strokes(-6.0 * DEGREE, -2.0 * DEGREE),
+    "combustion_start_deg": UsualValue(
+        _value_by_strokes(-6.0, -2.0),
         "diesel fuel injected 10 to 15 deg before the top burns some degrees later, in slow "
         "two-stroke engines about the top",
     ),
-    "combustion_duration": UsualValue(
-        _value_by_strokes(60.0 * DEGREE, 60.0 * DEGREE),
+    "combustion_duration_deg": UsualValue(
+        _value_by_strokes(60.0, 60.0),
         "with the shape 1 this releases half of the heat within 19 deg, as diesel engines do",
     ),
     "wiebe_shape": UsualValue(
@@ -198,24 +206,22 @@ USUAL_VALUES: dict[str, UsualValue] = {
     "wiebe_completeness": UsualValue(
         _value_by_strokes(0.999, 0.999), "the customary end of the law, whose factor then is 6.908"
     ),
-    "intake_closes": UsualValue(
-        _value_by_strokes(-145.0 * DEGREE, -115.0 * DEGREE),
+    "intake_closes_deg": UsualValue(
+        _value_by_strokes(-145.0, -115.0),
         "inlet valves close about 35 deg after the bottom; ports are symmetric about it",
     ),
-    "exhaust_opens": UsualValue(
-        _value_by_strokes(130.0 * DEGREE, 115.0 * DEGREE),
+    "exhaust_opens_deg": UsualValue(
+        _value_by_strokes(130.0, 115.0),
         "exhaust valves of four-stroke engines open about 50 deg before the bottom, exhaust ports "
         "and valves of two-stroke engines 60 to 70 deg before it",
     ),
-    "overlap_begins": UsualValue(
-        _value_by_strokes(320.0 * DEGREE, 180.0 * DEGREE),
+    "overlap_begins_deg": UsualValue(
+        _value_by_strokes(320.0, 180.0),
         "in a four-stroke engine the valves overlap by some 80 deg about the top, in a two-stroke "
         "engine the fresh charge takes over after the bottom",
     ),
-    "overlap_ends": UsualValue(
-        lambda strokes, known: (
-            400.0 * DEGREE if strokes == 4 else known["intake_closes"] + 2.0 * BOTTOM
-        ),
+    "overlap_ends_deg": UsualValue(
+        lambda strokes, known: 400.0 if strokes == 4 else known["intake_closes_deg"] + 2.0 * BOTTOM,
         "in a four-stroke engine the valves overlap by some 80 deg about the top, and a two-stroke "
         "cylinder is at intake pressure when it closes",
     ),
@@ -232,7 +238,7 @@ def usual_gas_cycle(compression_ratio: float, strokes: int = 4, **given: float) 
     strokes : int, optional
         Strokes per cycle, 2 or 4.
     **given : float
-        Any other parameters of `GasCycle`, in SI units.
+        Any other parameters of `GasCycle`: angles in degrees, all else in SI units.
 
     Returns
     -------
@@ -242,7 +248,8 @@ def usual_gas_cycle(compression_ratio: float, strokes: int = 4, **given: float) 
     Raises
     ------
     InputError
-        If a parameter is unknown, out of its range, or the events are out of their order.
+        If a parameter is unknown, out of its range, or the events are out of their order, or in
+        radians.
 
     Notes
     -----
@@ -279,11 +286,16 @@ def usual_gas_cycle(compression_ratio: float, strokes: int = 4, **given: float) 
     )
 
 
+def name_of_field(name: str) -> str:
+    """Return what files and remarks call a parameter: its unit stands there beside the number."""
+    return name.removesuffix("_deg")
+
+
 def assumption_remarks(cycle: GasCycle) -> tuple[str, ...]:
     """Return one sentence for each assumed parameter: its value and why."""
     names = [field.name for field in fields(cycle) if field.name in cycle.assumed]
     return tuple(
-        f"Assumed: {name} {_format_parameter(name, getattr(cycle, name))}, because "
+        f"Assumed: {name_of_field(name)} {_format_parameter(name, getattr(cycle, name))}, because "
         f"{USUAL_VALUES[name].reason}."
         for name in names
     )
@@ -294,14 +306,15 @@ def _format_parameter(name: str, value: float) -> str:
         return f"{value / 1e6:.4g} MPa"
     if name.startswith(("heat_", "wiebe_", "compression_")):
         return f"{value:g}"
-    return f"{value / DEGREE:.6g} deg"
+    return f"{value:.6g} deg"
 
 
 def _check_finite(name: str, value: object) -> None:
     raw = np.asarray(value)
     if raw.ndim != 0 or raw.dtype.kind not in "iuf" or not np.isfinite(raw):
         raise InputError(
-            f"{name}: given {value!r}; allowed are finite numbers in SI units, because the cycle is "
+            f"{name}: given {value!r}; allowed are finite numbers "
+            f"{'of degrees' if name.endswith('_deg') else 'in SI units'}, because the cycle is "
             "calculated from it."
         )
 

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
+from crankbase.checks.angles import radians_of
 from crankbase.checks.arrays import FloatArray, finite_array, positive_number
 from crankbase.errors import InputError
 
@@ -37,9 +38,9 @@ class CylinderVolume:
         Largest over smallest volume.
     highest, lowest : float
         Highest and lowest position [m].
-    top_angle, bottom_angle : float
-        Crank angles of these [rad], from -pi to pi and from 0 to 2 pi: 0 and pi for a plain
-        slider-crank, near them for an offset pin or an articulated rod.
+    top_angle_deg, bottom_angle_deg : float
+        Crank angles of these, from -180 to 180 and from 0 to 360: 0 and 180 for a plain slider-crank,
+        near them for an offset pin or an articulated rod.
     """
 
     position: Position
@@ -47,8 +48,8 @@ class CylinderVolume:
     compression_ratio: float
     highest: float
     lowest: float
-    top_angle: float
-    bottom_angle: float
+    top_angle_deg: float
+    bottom_angle_deg: float
 
     @property
     def stroke(self) -> float:
@@ -65,9 +66,9 @@ class CylinderVolume:
         """Smallest volume [m^3]: swept volume over compression ratio less one."""
         return self.swept / (self.compression_ratio - 1.0)
 
-    def at(self, angle: ArrayLike) -> FloatArray:
-        """Return the volume [m^3] at crank angles [rad] of any shape."""
-        angles = finite_array("angle", angle)
+    def at(self, *, angle_deg: ArrayLike) -> FloatArray:
+        """Return the volume [m^3] at crank angles of any shape."""
+        angles = radians_of("angle_deg", angle_deg)
         position = np.asarray(self.position(angles.ravel()), dtype=np.float64)
         return (self.clearance + self.area * (self.highest - position)).reshape(angles.shape)
 
@@ -125,10 +126,10 @@ def cylinder_volume(position: Position, area: float, compression_ratio: float) -
         )
     top_angle, highest = _extreme(position, places[int(np.argmax(found[:-1]))], step, 1.0)
     bottom_angle, lowest = _extreme(position, places[int(np.argmin(found[:-1]))], step, -1.0)
-    top_angle = math.remainder(top_angle, 2.0 * math.pi)
-    if abs(math.degrees(top_angle)) > FARTHEST_TOP:
+    top_angle_deg = math.remainder(math.degrees(top_angle), 360.0)
+    if abs(top_angle_deg) > FARTHEST_TOP:
         raise InputError(
-            f"position: given one that is highest at {math.degrees(top_angle):.4g} deg; allowed "
+            f"position: given one that is highest at {top_angle_deg:.4g} deg; allowed "
             f"are {-FARTHEST_TOP:g} to {FARTHEST_TOP:g} deg, because angles count from the nominal "
             "top dead center and the position away from the shaft."
         )
@@ -138,8 +139,8 @@ def cylinder_volume(position: Position, area: float, compression_ratio: float) -
         compression_ratio=float(compression_ratio),
         highest=highest,
         lowest=lowest,
-        top_angle=top_angle,
-        bottom_angle=bottom_angle % (2.0 * math.pi),
+        top_angle_deg=top_angle_deg,
+        bottom_angle_deg=math.degrees(bottom_angle) % 360.0,
     )
 
 

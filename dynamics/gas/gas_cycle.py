@@ -16,7 +16,7 @@ from crankbase.library_types import Axes, DataFrame
 from crankbase.summaries import summarized
 from crankbase.tables.frames import table
 from dynamics.cycle import even_angles
-from dynamics.gas.cycle_values import DEGREE, GasCycle, assumption_remarks
+from dynamics.gas.cycle_values import GasCycle, assumption_remarks, name_of_field
 from dynamics.gas.cylinder_volume import CylinderVolume, Position, cylinder_volume
 from dynamics.gas.pressure import GasPressure, gas_pressure
 from dynamics.gas.sampled_cycle import (
@@ -37,12 +37,12 @@ SAMPLES_PER_TURN = 1440
 FEWEST_PER_TURN = 360
 # Steps that the combustion must take at least: a shorter one is a jump between samples.
 LEAST_STEPS = 8
-# [rad] Where a start or a duration of combustion is looked for when it is solved.
-EARLIEST_START, LATEST_START = -60.0 * DEGREE, 45.0 * DEGREE
-LONGEST_DURATION = 150.0 * DEGREE
+# [deg] Where a start or a duration of combustion is looked for when it is solved.
+EARLIEST_START, LATEST_START = -60.0, 45.0
+LONGEST_DURATION = 150.0
 SEARCH_PLACES = 43
 
-Solved = Literal["combustion_start", "combustion_duration"]
+Solved = Literal["combustion_start_deg", "combustion_duration_deg"]
 
 
 @summarized(
@@ -115,11 +115,11 @@ class GasCycleResult:
         if show == "pressure":
             return self.pressure.plot(axes)
         axes = new_axes(axes)
-        angles = np.append(
-            np.radians(self.pressure.angles_deg), np.radians(self.pressure.angles_deg[0])
-        )
+        angles_deg = np.append(self.pressure.angles_deg, self.pressure.angles_deg[0])
         pressure = np.append(self.pressure.pressure, self.pressure.pressure[0])
-        axes.plot(1e3 * self.volume.at(angles), MEGA * pressure, color=BLUE, linewidth=1.4)
+        axes.plot(
+            1e3 * self.volume.at(angle_deg=angles_deg), MEGA * pressure, color=BLUE, linewidth=1.4
+        )
         axes.set_xlim(left=0.0)
         axes.set_ylim(bottom=0.0)
         axes.set_xlabel("volume [dm$^3$]")
@@ -143,7 +143,7 @@ class GasCycleResult:
         return table(
             {
                 "crank_angle": (self.pressure.angles_deg, "deg"),
-                "volume": (self.volume.at(np.radians(self.pressure.angles_deg)), "m^3"),
+                "volume": (self.volume.at(angle_deg=self.pressure.angles_deg), "m^3"),
                 "pressure": (self.pressure.pressure, "Pa"),
             }
         )
@@ -157,7 +157,7 @@ def gas_cycle(
     heat: float | None = None,
     peak_pressure: float | None = None,
     mean_effective_pressure: float | None = None,
-    solve_for: Solved = "combustion_start",
+    solve_for: Solved = "combustion_start_deg",
     samples: int | None = None,
 ) -> GasCycleResult:
     """Calculate the pressure over a cycle.
@@ -180,7 +180,7 @@ def gas_cycle(
         Indicated mean effective pressure, gas exchange included [Pa]. With `peak_pressure` the
         parameter named in `solve_for` is found too.
     solve_for : str, optional
-        "combustion_start" or "combustion_duration", when both pressures are given.
+        "combustion_start_deg" or "combustion_duration_deg", when both pressures are given.
     samples : int, optional
         Even samples over the cycle, 360 a turn or more; 1440 a turn unless given.
 
@@ -219,7 +219,7 @@ def gas_cycle(
     if samples is not None:
         why = "steps above 1 deg miss the peak"
         count = whole_number("samples", samples, FEWEST_PER_TURN * turns, why)
-    angles = even_angles(cycle.cycle, count)
+    angles_deg = even_angles(cycle.cycle_deg, count)
     if heat is not None and not (peak_pressure is None and mean_effective_pressure is None):
         raise InputError(
             "heat: given together with peak_pressure or mean_effective_pressure; allowed is one of "
@@ -229,14 +229,14 @@ def gas_cycle(
     if peak_pressure is not None and mean_effective_pressure is not None:
         given = cycle
         cycle = _solved_combustion(
-            cycle, volume, angles, peak_pressure, mean_effective_pressure, solve_for
+            cycle, volume, angles_deg, peak_pressure, mean_effective_pressure, solve_for
         )
         remarks.append(
-            f"Solved: {solve_for} {getattr(cycle, solve_for) / DEGREE:.4g} deg in place of "
-            f"{getattr(given, solve_for) / DEGREE:.4g} deg."
+            f"Solved: {name_of_field(solve_for)} {getattr(cycle, solve_for):.4g} deg in place of "
+            f"{getattr(given, solve_for):.4g} deg."
         )
-    _check_resolved(cycle, angles)
-    state = cycle_samples(cycle, volume, angles)
+    _check_resolved(cycle, count)
+    state = cycle_samples(cycle, volume, angles_deg)
     if heat is not None:
         released = allowed_heat(state, heat)
     elif mean_effective_pressure is not None:
@@ -257,23 +257,28 @@ def gas_cycle(
             cycle.strokes,
             source="cycle model",
             remarks=(*remarks, *assumption_remarks(cycle)),
-            angles_deg=np.degrees(angles),
+            angles_deg=angles_deg,
         ),
         cycle=cycle,
         volume=volume,
         heat=released,
         work=work,
         mean_effective_pressure=work / volume.swept,
-        compression_pressure=float(motored_pressure(cycle, volume, volume.top_angle)),
+        compression_pressure=float(motored_pressure(cycle, volume, volume.top_angle_deg)),
     )
 
 
-def _check_resolved(cycle: GasCycle, angles: FloatArray) -> None:
-    shortest = LEAST_STEPS * float(angles[1])
-    if cycle.combustion_duration < shortest * (1.0 - 1e-9):
+def _shortest_duration(cycle: GasCycle, samples: int) -> float:
+    """Return the shortest combustion that samples resolve [deg]."""
+    return LEAST_STEPS * cycle.cycle_deg / samples
+
+
+def _check_resolved(cycle: GasCycle, samples: int) -> None:
+    shortest = _shortest_duration(cycle, samples)
+    if cycle.combustion_duration_deg < shortest * (1.0 - 1e-9):
         raise InputError(
-            f"combustion_duration: given {cycle.combustion_duration / DEGREE:.4g} deg; allowed is "
-            f"{shortest / DEGREE:.4g} deg or more with {angles.size} samples, because a shorter one "
+            f"combustion_duration_deg: given {cycle.combustion_duration_deg:.4g} deg; allowed is "
+            f"{shortest:.4g} deg or more with {samples} samples, because a shorter one "
             "falls between them."
         )
 
@@ -281,14 +286,14 @@ def _check_resolved(cycle: GasCycle, angles: FloatArray) -> None:
 def _solved_combustion(
     cycle: GasCycle,
     volume: CylinderVolume,
-    angles: FloatArray,
+    angles_deg: FloatArray,
     peak: float,
     mean_pressure: float,
     name: Solved,
 ) -> GasCycle:
     """Return the cycle whose start or duration of combustion gives both pressures."""
     check_choice("solve_for", name, get_args(Solved), "these move the peak at a given work")
-    motored = cycle_samples(cycle, volume, angles)
+    motored = cycle_samples(cycle, volume, angles_deg)
     peak = checked_peak(peak, motored.peak(0.0))
     lowest = motored.mean_pressure(0.0)
     if not is_number(mean_pressure) or mean_pressure <= lowest:
@@ -304,12 +309,12 @@ def _solved_combustion(
         return replace(cycle, assumed=assumed, **changes)
 
     def peak_at(value: float) -> float:
-        state = cycle_samples(changed(value), volume, angles)
+        state = cycle_samples(changed(value), volume, angles_deg)
         if state.work_per_heat <= 0.0:
             return math.inf
         return state.peak(state.heat_for_mean_pressure(mean_pressure))
 
-    places = _search_angles(cycle, angles, name)
+    places = _search_angles(cycle, angles_deg.size, name)
     peaks = np.array([peak_at(value) for value in places])
     # Later or slower combustion lowers the peak, down to that of compression or of a second hump
     # that a very late one makes; what comes after the lowest is left aside.
@@ -322,8 +327,8 @@ def _solved_combustion(
         raise InputError(
             f"peak_pressure: given {format_mpa(peak)}; allowed are {mpa_rounded_up(np.min(reached))} to "
             f"{mpa_rounded_down(np.max(reached))}, because with a mean effective pressure of "
-            f"{format_mpa(mean_pressure)} a {name} from {places[0] / DEGREE:.4g} to "
-            f"{places[-1] / DEGREE:.4g} deg gives no others."
+            f"{format_mpa(mean_pressure)} a {name} from {places[0]:.4g} to "
+            f"{places[-1]:.4g} deg gives no others."
         )
     from scipy.optimize import brentq  # here: loading it takes a quarter second
 
@@ -334,12 +339,12 @@ def _solved_combustion(
     return changed(float(found))
 
 
-def _search_angles(cycle: GasCycle, angles: FloatArray, name: Solved) -> FloatArray:
-    """Return the angles at which to search for the start or the duration of the combustion [rad]."""
-    if name == "combustion_start":
-        given = cycle.combustion_start
-        low = max(EARLIEST_START, cycle.intake_closes)
-        high = min(LATEST_START, cycle.exhaust_opens - cycle.combustion_duration)
+def _search_angles(cycle: GasCycle, samples: int, name: Solved) -> FloatArray:
+    """Return the angles at which to search for the start or the duration of the combustion [deg]."""
+    if name == "combustion_start_deg":
+        given = cycle.combustion_start_deg
+        low = max(EARLIEST_START, cycle.intake_closes_deg)
+        high = min(LATEST_START, cycle.exhaust_opens_deg - cycle.combustion_duration_deg)
         return np.linspace(min(low, given), max(high, given), SEARCH_PLACES, dtype=np.float64)
-    high = min(LONGEST_DURATION, cycle.exhaust_opens - cycle.combustion_start)
-    return np.linspace(LEAST_STEPS * float(angles[1]), high, SEARCH_PLACES, dtype=np.float64)
+    high = min(LONGEST_DURATION, cycle.exhaust_opens_deg - cycle.combustion_start_deg)
+    return np.linspace(_shortest_duration(cycle, samples), high, SEARCH_PLACES, dtype=np.float64)

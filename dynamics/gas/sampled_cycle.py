@@ -79,7 +79,7 @@ class CycleSamples:
         return (mean_pressure * self.swept - self.work(0.0)) / self.work_per_heat
 
 
-def cycle_samples(cycle: GasCycle, volume: CylinderVolume, angles: FloatArray) -> CycleSamples:
+def cycle_samples(cycle: GasCycle, volume: CylinderVolume, angles_deg: FloatArray) -> CycleSamples:
     """Return the cycle at its samples.
 
     Parameters
@@ -88,8 +88,8 @@ def cycle_samples(cycle: GasCycle, volume: CylinderVolume, angles: FloatArray) -
         Its parameters.
     volume : CylinderVolume
         The volume over the piston.
-    angles : ndarray of shape (m,)
-        Even crank angles from zero over the cycle [rad], the closing one left out.
+    angles_deg : ndarray of shape (m,)
+        Even crank angles from zero over the cycle, the closing one left out.
 
     Returns
     -------
@@ -97,12 +97,12 @@ def cycle_samples(cycle: GasCycle, volume: CylinderVolume, angles: FloatArray) -
         Pressure and volume slope there.
     """
     # 1 where the cylinder is closed, 0 where it is open, between in the blow-down.
-    share = 1.0 - _smooth_step(angles, cycle.exhaust_opens, BOTTOM)
-    share[angles >= cycle.intake_closes + cycle.cycle] = 1.0
+    share = 1.0 - _smooth_step(angles_deg, cycle.exhaust_opens_deg, BOTTOM)
+    share[angles_deg >= cycle.intake_closes_deg + cycle.cycle_deg] = 1.0
     closed = share > 0.0
-    within = np.where(angles > BOTTOM, angles - cycle.cycle, angles)[closed]
+    within = np.where(angles_deg > BOTTOM, angles_deg - cycle.cycle_deg, angles_deg)[closed]
     # The pressure of the exhaust, then of the intake, passing over in the overlap.
-    passed = _smooth_step(angles, cycle.overlap_begins, cycle.overlap_ends)
+    passed = _smooth_step(angles_deg, cycle.overlap_begins_deg, cycle.overlap_ends_deg)
     open_pressure = cycle.exhaust_pressure + passed * (
         cycle.intake_pressure - cycle.exhaust_pressure
     )
@@ -110,12 +110,12 @@ def cycle_samples(cycle: GasCycle, volume: CylinderVolume, angles: FloatArray) -
     motored[closed] += share[closed] * (
         motored_pressure(cycle, volume, within) - open_pressure[closed]
     )
-    rise = np.zeros(angles.size)
+    rise = np.zeros(angles_deg.size)
     rise[closed] = share[closed] * pressure_rise_per_heat(cycle, volume, within)
     return CycleSamples(
         motored=motored,
         rise=rise,
-        volume_slope=periodic_slope(volume.at(angles), cycle.cycle),
+        volume_slope=periodic_slope(volume.at(angle_deg=angles_deg), math.radians(cycle.cycle_deg)),
         swept=volume.swept,
         strokes=cycle.strokes,
     )
@@ -127,7 +127,7 @@ def _smooth_step(angles: FloatArray, begin: float, end: float) -> FloatArray:
     return np.asarray(share**2 * (3.0 - 2.0 * share), dtype=np.float64)
 
 
-def motored_pressure(cycle: GasCycle, volume: CylinderVolume, angle: ArrayLike) -> FloatArray:
+def motored_pressure(cycle: GasCycle, volume: CylinderVolume, angle_deg: ArrayLike) -> FloatArray:
     """Return the pressure without combustion, isentropic from the closing of the intake.
 
     Parameters
@@ -136,19 +136,21 @@ def motored_pressure(cycle: GasCycle, volume: CylinderVolume, angle: ArrayLike) 
         Intake pressure, intake closing and ratio of heat capacities g.
     volume : CylinderVolume
         Volume V over the piston.
-    angle : array_like of any shape
-        Crank angles within the closed part [rad].
+    angle_deg : array_like of any shape
+        Crank angles within the closed part.
 
     Returns
     -------
     ndarray of the same shape
         p_closing (V_closing / V)^g [Pa].
     """
-    ratio = volume.at(cycle.intake_closes) / volume.at(angle)
+    ratio = volume.at(angle_deg=cycle.intake_closes_deg) / volume.at(angle_deg=angle_deg)
     return np.asarray(cycle.intake_pressure * ratio**cycle.heat_capacity_ratio, dtype=np.float64)
 
 
-def pressure_rise_per_heat(cycle: GasCycle, volume: CylinderVolume, angle: ArrayLike) -> FloatArray:
+def pressure_rise_per_heat(
+    cycle: GasCycle, volume: CylinderVolume, angle_deg: ArrayLike
+) -> FloatArray:
     """Return by how much one joule of heat raises the pressure.
 
     Parameters
@@ -157,8 +159,8 @@ def pressure_rise_per_heat(cycle: GasCycle, volume: CylinderVolume, angle: Array
         Combustion and ratio of heat capacities g.
     volume : CylinderVolume
         Volume V over the piston.
-    angle : array_like of shape (m,)
-        Crank angles within the closed part [rad], in any order.
+    angle_deg : array_like of shape (m,)
+        Crank angles within the closed part, in any order.
 
     Returns
     -------
@@ -181,17 +183,17 @@ def pressure_rise_per_heat(cycle: GasCycle, volume: CylinderVolume, angle: Array
     d(p V^g) = (g - 1) V^(g - 1) dQ, so that the pressure is that without combustion plus the heat
     times this rise. The integral is taken by Gauss's rule in parts.
     """
-    angles = finite_vector("angle", angle)
-    share = (angles - cycle.combustion_start) / cycle.combustion_duration
+    angles_deg = finite_vector("angle_deg", angle_deg)
+    share = (angles_deg - cycle.combustion_start_deg) / cycle.combustion_duration_deg
     root = np.clip(share, 0.0, 1.0) ** (1.0 / ROOT_POWER)
     ends, place = np.unique(
         np.concatenate([root, np.linspace(0.0, 1.0, PARTS + 1)]), return_inverse=True
     )
     integrals = np.concatenate([[0.0], np.cumsum(_part_integrals(cycle, volume, ends))])
     exponent = cycle.heat_capacity_ratio
-    closing = float(volume.at(cycle.intake_closes))
-    relative = volume.at(angles) / closing
-    rise = (exponent - 1.0) / closing * integrals[place[: angles.size]] / relative**exponent
+    closing = float(volume.at(angle_deg=cycle.intake_closes_deg))
+    relative = volume.at(angle_deg=angles_deg) / closing
+    rise = (exponent - 1.0) / closing * integrals[place[: angles_deg.size]] / relative**exponent
     return np.asarray(rise, dtype=np.float64)
 
 
@@ -213,8 +215,8 @@ def _part_integrals(cycle: GasCycle, volume: CylinderVolume, ends: FloatArray) -
         * root ** (power - 1.0)
         * np.exp(-factor * root**power)
     )
-    angle = cycle.combustion_start + cycle.combustion_duration * root**ROOT_POWER
-    relative = volume.at(angle) / float(volume.at(cycle.intake_closes))
+    angle_deg = cycle.combustion_start_deg + cycle.combustion_duration_deg * root**ROOT_POWER
+    relative = volume.at(angle_deg=angle_deg) / float(volume.at(angle_deg=cycle.intake_closes_deg))
     integrand = burnt_by_root * relative ** (cycle.heat_capacity_ratio - 1.0)
     return np.asarray((half * integrand) @ weights, dtype=np.float64)
 

@@ -177,5 +177,5 @@ def two_stroke_cycle(
         engine.area,
         peak_pressure=peak_pressure,
         mean_effective_pressure=mean_effective_pressure,
-        solve_for="combustion_duration",
+        solve_for="combustion_duration_deg",
     )

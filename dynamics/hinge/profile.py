@@ -137,10 +137,14 @@ class HingeProfile:
         """The radius [m] as a function of the crank angle [rad]; `curve(angle, 1)` is its slope."""
         return periodic_spline(self.radius)
 
+    @property
+    def _angles(self) -> FloatArray:
+        return np.radians(self.angles_deg)
+
     @cached_property
     def slope(self) -> FloatArray:
         """Derivative of the radius by the crank angle [m/rad]."""
-        return read_only(np.asarray(self.curve(np.radians(self.angles_deg), 1)))
+        return read_only(np.asarray(self.curve(self._angles, 1)))
 
     @property
     def compression(self) -> FloatArray:
@@ -170,7 +174,7 @@ class HingeProfile:
     @cached_property
     def curvature(self) -> FloatArray:
         """Of the path of the rollers' centers [1/m], positive where it bends round the axis."""
-        second = np.asarray(self.curve(np.radians(self.angles_deg), 2))
+        second = np.asarray(self.curve(self._angles, 2))
         return read_only(polar_curvature(self.radius, self.slope, second))
 
     @property
@@ -213,9 +217,7 @@ class HingeProfile:
             If the roller is so large that the surface would have a cusp.
         """
         check_roller(self.roller_radius, self.curvature)
-        return outer_parallel(
-            np.radians(self.angles_deg), self.radius, self.slope, self.roller_radius
-        )
+        return outer_parallel(self._angles, self.radius, self.slope, self.roller_radius)
 
     @property
     def checks(self) -> tuple[ProfileCheck, ...]:
@@ -292,15 +294,10 @@ class HingeProfile:
                 else (MILLI * self.radius, "radius [mm]")
             )
             return draw_over_angle(
-                axes,
-                np.radians(self.angles_deg),
-                {show: values},
-                label,
-                title=title,
-                angle_label=FROM_TOP,
+                axes, self._angles, {show: values}, label, title=title, angle_label=FROM_TOP
             )
         axes = new_axes(axes, width=6.0, height=6.0)
-        path = self.radius * np.exp(1j * np.radians(self.angles_deg))
+        path = self.radius * np.exp(1j * self._angles)
         for curve, color, name in (
             (path, BLUE, "path of the rollers"),
             (self.guide(), RED, "guide"),
@@ -308,10 +305,9 @@ class HingeProfile:
             closed = MILLI * np.append(curve, curve[0])
             axes.plot(closed.real, closed.imag, color=color, linewidth=1.4, label=name)
         if self.roller_radius > 0.0:
-            roller = path[0] + self.roller_radius * np.exp(1j * np.linspace(0.0, 2.0 * np.pi, 181))
-            axes.plot(
-                MILLI * roller.real, MILLI * roller.imag, color=GRAY, linewidth=1.0, label="roller"
-            )
+            circle = np.exp(1j * np.linspace(0.0, 2.0 * np.pi, 181))
+            roller = MILLI * (path[0] + self.roller_radius * circle)
+            axes.plot(roller.real, roller.imag, color=GRAY, linewidth=1.0, label="roller")
         axes.plot([0.0], [0.0], "+", color=GRAY)
         axes.set_aspect("equal")
         axes.set_xlabel("$\\rho\\,\\cos\\,\\varphi$ [mm]")

@@ -381,7 +381,7 @@ def test_export_of_solid_mesh_and_shaft(call, tmp_path):
     assert record["surfaces"]["middle plane"] > 0
 
 
-@pytest.mark.slow
+@pytest.mark.further
 def test_a_throw_from_cad_has_the_compliance_of_its_dimensions(call):
     assert call("export", "6chn25-34", "part.step").code == 0
     cad = call("throw", "part.step", "--accuracy", "0.02", "--json")

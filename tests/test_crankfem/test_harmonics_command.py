@@ -100,7 +100,7 @@ def test_tables_and_pictures_are_written(call, tmp_path):
     )
     assert answer.code == 0
     names = {path.name for path in (tmp_path / "plots").glob("[!.]*")}
-    assert names == {"torque.svg", "harmonics.svg", "stars.svg"}
+    assert names == {"torque.svg", "harmonics.svg", "stars.svg", "single_harmonics.svg"}
     for name in names:
         # Text is drawn; what it says stands beside it as a comment.
         assert "6ChN 25/34, 500 1/min" in (tmp_path / "plots" / name).read_text(encoding="utf-8")

@@ -57,6 +57,13 @@ def test_files_refused(changed, changes, match):
         load_hinge(path)
 
 
+def test_angles_of_a_cycle_that_cannot_be(changed):
+    path = changed({"cycle.combustion_start": '"20 deg"', "cycle.exhaust_opens": '"1.1 rad"'})
+    message = r"^exhaust_opens: given 63\.0254 deg, with end of combustion at 80 deg; allowed is"
+    with pytest.raises(InputError, match=message):
+        load_hinge(path).moment()
+
+
 def test_a_file_without_running_points(changed):
     path = changed({"[comparison]": None, "[[comparison.sizes]]": None})
     assert load_hinge(path).comparison is None

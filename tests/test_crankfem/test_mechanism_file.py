@@ -182,6 +182,11 @@ def test_a_pressure_table_beside_the_file(tmp_path):
             {"[gas]\n": '[gas]\nintake_pressure = "5 bar"\n'},
             r"gas\.peak_pressure: given 8\.5 MPa above ambient; allowed in all are 16\.09",
         ),
+        (
+            "6chn25-34",
+            {"[gas]\n": '[gas]\ncombustion_start = "-84 deg"\ncombustion_duration = "1 deg"\n'},
+            r"^gas\.combustion_duration: given 1 deg; allowed is 2 deg or more",
+        ),
     ],
 )  # fmt: skip
 def test_what_cannot_be_is_refused(tmp_path, name, changes, message):

@@ -300,7 +300,7 @@ def alike(one, other):
         assert one == other
 
 
-@pytest.mark.slow
+@pytest.mark.further
 def test_one_throw_by_name_gives_the_vibration_of_a_plain_file(both, lightly):
     from crankfem.analyses.vibration.records import run_record
 
@@ -339,6 +339,7 @@ def test_a_v_engine_with_split_pins_has_throws_by_name_too(tmp_path):
     assert load_crankshaft(path) == load_crankshaft("buick-3800")
 
 
+@pytest.mark.slow
 def test_analyses_are_those_of_the_engines_throws(both):
     plain, named, analysis = both
     with pytest.raises(
@@ -478,7 +479,7 @@ def test_a_report_shows_each_throw(tmp_path):
         assert text not in plain
 
 
-@pytest.mark.slow
+@pytest.mark.further
 def test_an_engine_of_two_throws_runs_to_a_report(coarsely, call, tmp_path):
     answer = call("run", UNEQUAL, "--output", tmp_path / "out", "--json")
     assert answer.code == 0, answer.err

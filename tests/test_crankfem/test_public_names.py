@@ -146,6 +146,8 @@ ANGLES = {
     *("phases", "thrust_phases", "torque_phases", "directions", "direction", "resultant_direction"),
     *("peak_angle", "maximum_angle", "force_angle", "top_angle", "bottom_angle", "largest_at"),
     *("stopped_at", "cycle_angle", "fit_from", "fit_to"),
+    *("combustion_start", "combustion_duration", "intake_closes", "exhaust_opens"),
+    *("overlap_begins", "overlap_ends"),
 }
 # Their files have the same fields, with units; beyond their ranges of radians they refuse.
 OF_FILES = ("Counterweight", "FurtherPin")

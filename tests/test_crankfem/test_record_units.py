@@ -130,7 +130,7 @@ def test_so_have_those_of_vibration(coupled_vibration, printed):
     assert compared(content, printed) > 150
 
 
-@pytest.mark.slow
+@pytest.mark.further
 def test_units_take_little_of_a_results_file(finished_run):
     results = finished_run.results
     numbers = numbers_with_units(results)

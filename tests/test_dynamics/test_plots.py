@@ -312,7 +312,7 @@ def effects():
 
 @cache
 def cycle():
-    volume = SimpleNamespace(at=lambda angles: 1e-3 * (2.0 - np.cos(angles)))
+    volume = SimpleNamespace(at=lambda *, angle_deg: 1e-3 * (2.0 - np.cos(np.radians(angle_deg))))
     return GasCycleResult(gas(), None, volume, 1e3, 4e2, 8e5, 1e5)
 
 
@@ -530,7 +530,7 @@ CASES = {
         0,
         lambda o: {
             None: (
-                closed(1e3 * o.volume.at(np.radians(o.pressure.angles_deg))),
+                closed(1e3 * o.volume.at(angle_deg=o.pressure.angles_deg)),
                 closed(1e-6 * o.pressure.pressure),
             )
         },
@@ -933,7 +933,7 @@ TABLES = {
     "GasPressure": (gas, lambda o: {"pressure": (o.pressure, "Pa")}),
     "GasCycleResult": (
         cycle,
-        lambda o: {"volume": (o.volume.at(np.radians(o.pressure.angles_deg)), "m^3")},
+        lambda o: {"volume": (o.volume.at(angle_deg=o.pressure.angles_deg), "m^3")},
     ),
     "FreeTurning": (free_turning, lambda o: {"load_moment": (o.load.moment, "N m")}),
     "SpeedOverAngle": (turning, lambda o: {"kinetic_energy": (o.energy, "J")}),

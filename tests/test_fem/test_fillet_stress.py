@@ -480,7 +480,7 @@ def test_refuses_fillets_too_small_for_the_budget(monkeypatch, dimensions):
         fillet_stresses(CrankThrow(**dimensions | {"fillet_radius": 0.003}), mesher=mesh_throw)
 
 
-@pytest.mark.slow
+@pytest.mark.further
 def test_estimates_hold_against_a_finer_mesh(dimensions):
     """The finer run's own estimate is added: it is no exact value either.
 

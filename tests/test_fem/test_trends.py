@@ -46,7 +46,7 @@ def throws(draw):
     }
 
 
-@pytest.mark.slow
+@pytest.mark.further
 @settings(
     max_examples=3,
     deadline=None,

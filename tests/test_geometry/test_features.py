@@ -80,6 +80,7 @@ PARTS = {"quarter": 4.0, "half": 2.0, "full": 1.0}
 meshed = cache(mesh_throw)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("feature", FEATURES)
 def test_the_solid_and_the_mesh_are_what_is_described(build, feature):
     throw = build(**FEATURES[feature])
@@ -169,6 +170,7 @@ def test_a_slope_takes_off_a_wedge(build, drop):
     assert plain.volume - thin.volume == close(2.0 * wedge, rel=1e-9)
 
 
+@pytest.mark.slow
 def test_units_make_no_difference():
     """254 mm, 0.254 m and 10 in are one throw, to round-off in its volume and mesh."""
     texts = {

@@ -61,6 +61,7 @@ def test_errors_come_back_as_they_are(dimensions, process):
         process.call("operator:truediv", 1, 0, time_limit=10.0)
 
 
+@pytest.mark.slow
 def test_a_hang_is_ended_and_the_next_call_served(process):
     start = time.monotonic()
     with pytest.raises(ProcessLostError, match="took longer than the limit of 1 s"):
@@ -69,6 +70,7 @@ def test_a_hang_is_ended_and_the_next_call_served(process):
     assert process.call("operator:add", 1, 2, time_limit=10.0) == 3
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("disturbance", [ValueError, KeyboardInterrupt, MemoryError])
 def test_a_disturbed_call_leaves_no_answer_behind(dimensions, process, disturbance):
     """The answer of a call that was given up must not be taken for that of the next one."""

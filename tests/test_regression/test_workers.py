@@ -156,6 +156,7 @@ def test_only_deadly_designs(puppets):
     assert all(outcome.responses is None for outcome in found.values())
 
 
+@pytest.mark.slow
 def test_a_design_that_hangs_is_given_up(puppets):
     began = time.monotonic()
     found = collect(["a", "hang", "b"], seconds=0.7)
@@ -166,6 +167,7 @@ def test_a_design_that_hangs_is_given_up(puppets):
     assert all(process.poll() is not None for process in puppets)
 
 
+@pytest.mark.slow
 def test_a_worker_that_hangs_within_its_answer_is_given_up(puppets):
     found = collect(["a", "stuck"], seconds=0.7)
     assert found["stuck"].reason == "took longer than the limit of 0.7 s"
@@ -225,6 +227,7 @@ def test_a_design_that_takes_too_much_memory_is_given_up(puppets):
     assert all(process.poll() is not None for process in puppets)
 
 
+@pytest.mark.slow
 def test_the_next_design_is_given_before_the_answer_is_stored(puppets):
     began = time.monotonic()
     run_designs([(f"slow {n}", {}) for n in range(4)], lambda _: time.sleep(0.3), 1)

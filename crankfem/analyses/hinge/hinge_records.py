@@ -58,9 +58,7 @@ def profile_record(profile: HingeProfile) -> Record:
         "lowest_pressure": float(profile.pressure.min()),
         "largest_spring_force": float(profile.spring_force.max()),
         "largest_normal_force": float(profile.normal_force.max()),
-        "largest_force_angle_deg": float(
-            np.degrees(np.abs(np.radians(profile.force_angle_deg)).max())
-        ),
+        "largest_force_angle_deg": float(np.abs(profile.force_angle_deg).max()),
         "checks": [
             {**attributes(check, "name", "met", "value", "limit", "unit"), "meaning": check.reason}
             for check in profile.checks

@@ -37,13 +37,11 @@ def acceleration_columns(
     for number in cylinders:
         alpha = shaft_angles - math.radians(layout.cylinders[number - 1].top_shaft_angle_deg)
         found = acceleration_orders(layout, number, speed, max(ORDERS))
-        whole, name = (
-            piston_acceleration(layout, number, speed, angles_deg=np.degrees(alpha)),
-            f"cylinder_{number}_",
+        columns[f"cylinder_{number}_acceleration_m_s2"] = piston_acceleration(
+            layout, number, speed, angles_deg=np.degrees(alpha)
         )
-        columns[f"{name}acceleration_m_s2"] = whole
         for order in ORDERS:
-            columns[f"{name}order_{order}_m_s2"] = order_part(found, order, alpha)
+            columns[f"cylinder_{number}_order_{order}_m_s2"] = order_part(found, order, alpha)
     return columns
 
 

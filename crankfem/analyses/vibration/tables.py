@@ -10,7 +10,6 @@ from crankbase.units.number_formats import UNBOUNDED
 from crankbase.units.units import RPM
 from crankfem.analyses.record import Record
 from crankfem.analyses.shaft.motion import MOTION
-from dynamics.chains.engine_chains import FREE_END
 
 # What a table shows; files hold everything.
 ROWS_SHOWN = 12
@@ -22,48 +21,6 @@ LONE_PLACE = ("free end", "torsional damper", "coupling")
 LOAD = {"torsional": "kN m", "axial": "kN"}
 SPEED = Column("speed", "1/min", decimals=1)
 FREQUENCY = Column("frequency", "Hz", decimals=2)
-
-
-def mode_table(record: Record) -> Table:
-    """Return the natural modes of one kind, from its `vibration_record`."""
-    names = record["nodes"]
-    # Points have the numbers of their names: throws and main bearings count from 1.
-    first = 0 if names[0].startswith(FREE_END) else 1
-    return Table(
-        f"{record['kind'].capitalize()} modes (compliances: {record['source']})",
-        [
-            Column("mode", words=True),
-            FREQUENCY,
-            Column("[1/min]", decimals=0),
-            Column("nodes at", words=True),
-        ],
-        [
-            [
-                "rigid body" if one["rigid"] else f"{one['number']}{_beside_crankshaft(one)}",
-                one["frequency"],
-                60.0 * one["frequency"],
-                "moves as one" if one["rigid"] else _still_at(one["node_positions"], record, first),
-            ]
-            for one in record["modes"]
-        ],
-        note=f"Nodes count the chain's points: {first} is {names[0]}, {first + len(names) - 1} is "
-        f"{names[-1]}.",
-    )
-
-
-def _still_at(positions: list[float], record: Record, first: int) -> str | None:
-    """Say where a mode does not move: by the numbers of the points, or on the branch that it is on."""
-    names = record["nodes"]
-    # Results of older runs say nothing of branches.
-    pairs = record.get("connections") or [(node, node + 1) for node in range(len(names) - 1)]
-    found = []
-    for position in positions:
-        element = min(int(position), len(pairs) - 1)
-        (left, right), share = pairs[element], position - element
-        row = f"{first + left + share:.2f}"
-        branch = f"{share:.2f} of the way from {names[left]} to {names[right]}"
-        found.append(row if right == left + 1 else branch)
-    return ", ".join(found) or None
 
 
 def load_table(record: Record) -> Table:
@@ -91,10 +48,6 @@ def load_table(record: Record) -> Table:
         ],
         note="Peak and intake pressure are absolute.",
     )
-
-
-def _beside_crankshaft(mode: Record) -> str:
-    return "" if mode.get("of_crankshaft", True) else " (coupling, damper or line)"
 
 
 def critical_table(record: Record) -> Table:

@@ -211,8 +211,7 @@ load, gas_map, misfire, propeller_forces, limits, ranges, torque_table, two_mass
     @property
     def throw_angles_deg(self) -> tuple[float, ...]:
         """Angle of each throw's first pin, throw by throw, as the file counts angles [deg]."""
-        angles = angles_of_throws(self.shaft, self.engine, self.throws)
-        return tuple(math.degrees(angle) for angle in angles)
+        return tuple(map(math.degrees, angles_of_throws(self.shaft, self.engine, self.throws)))
 
     @property
     def named_throws(self) -> dict[str, CrankThrow]:
@@ -362,10 +361,8 @@ def load_engine(path: str | Path | TomlFile) -> EngineFile:
             f"{content.path.name}: describes a crank mechanism, not a whole engine; add the sections "
             "[flywheel] and [thrust_bearing], or use it with mechanism, harmonics, throw and draw."
         )
-    with content.all_errors(
-        {name: one.model for name, one in SECTIONS.items() if name != "throws"},
-        {"throws": read_throws},
-    ):
+    models = {name: one.model for name, one in SECTIONS.items() if name != "throws"}
+    with content.all_errors(models, {"throws": read_throws}):
         return _read_engine(content)
 
 

@@ -19,6 +19,7 @@ from crankfem.files.hinge.hinge_sections import (
 )
 from crankfem.files.reading.data_files import find_table, input_path
 from crankfem.files.reading.toml_file import InputRecord, TomlFile, read_toml
+from crankfem.files.sections.cylinder_pressures import given_of_cycle, name_fields
 from dynamics.hinge.crosshead import CrossheadEngine, GasForce, piston_gas_force, two_stroke_cycle
 from dynamics.hinge.force_table import read_gas_force
 from dynamics.hinge.moment import HingeMoment, hinge_moment
@@ -97,14 +98,17 @@ class HingeFile:
             name = point.gas_force_table or ""
             return read_gas_force(find_table("operation.points.gas_force_table", self.path, name))
         mean, peak, charge = point.pressures
-        cycle = two_stroke_cycle(
-            self.engine,
-            self.cycle.compression_ratio,
-            peak_pressure=peak,
-            mean_effective_pressure=mean,
-            intake_pressure=charge,
-            **self.cycle.given,
-        )
+        try:
+            cycle = two_stroke_cycle(
+                self.engine,
+                self.cycle.compression_ratio,
+                peak_pressure=peak,
+                mean_effective_pressure=mean,
+                intake_pressure=charge,
+                **given_of_cycle(self.cycle),
+            )
+        except InputError as error:
+            raise InputError(name_fields(error)) from None
         return piston_gas_force(self.engine, cycle.pressure, charge)
 
     def profile(self, moment: HingeMoment) -> HingeProfile:

@@ -120,13 +120,6 @@ class Cycle(InputModel):
         default=None,
     )
 
-    @property
-    def given(self) -> dict[str, float]:
-        """Those of the optional values that are given."""
-        names = ("combustion_start", "exhaust_opens", "intake_closes")
-        values = {name: getattr(self, name) for name in names}
-        return {name: value for name, value in values.items() if value is not None}
-
 
 class RunningPoint(InputModel):
     """A speed with its pressures."""

@@ -7,12 +7,13 @@ from pathlib import Path
 from typing import TypeVar
 
 from crankbase.errors import InputError
+from crankbase.model import InputModel
 from crankbase.units.quantity import format_quantity
 from crankfem.files.reading.data_files import find_table
 from crankfem.files.sections.mechanism_sections import Gas
 from dynamics.engine.gas_forces import piston_position
 from dynamics.engine.layout import EngineLayout
-from dynamics.gas.cycle_values import USUAL_VALUES, GasCycle, usual_gas_cycle
+from dynamics.gas.cycle_values import USUAL_VALUES, GasCycle, name_of_field, usual_gas_cycle
 from dynamics.gas.cylinder_volume import Position
 from dynamics.gas.gas_cycle import GasCycleResult, gas_cycle
 from dynamics.gas.pressure import ATMOSPHERE, GasPressure
@@ -94,6 +95,21 @@ def assumed_cycle(gas: Gas, layout: EngineLayout) -> GasCycle:
     return _parameters(gas, layout)[0]
 
 
+def given_of_cycle(section: InputModel) -> dict[str, float]:
+    """Return what a section gives of the cycle's parameters, angles in degrees."""
+    fields = {name: getattr(section, name_of_field(name), None) for name in USUAL_VALUES}
+    return {
+        name: math.degrees(value) if name.endswith("_deg") else value
+        for name, value in fields.items()
+        if value is not None
+    }
+
+
+def name_fields(error: InputError) -> str:
+    """Return the text of an error of the cycle model with the names that the fields of files have."""
+    return str(error).replace("_deg", "")
+
+
 def for_each_cylinder(
     layout: EngineLayout, calculate: Callable[[Position, float], Result]
 ) -> tuple[Result, ...]:
@@ -125,7 +141,7 @@ def _cycle_reaching_target(
             mean_effective_pressure=gas.mean_effective_pressure,
         )
     except InputError as error:
-        text = str(error)
+        text = name_fields(error)
         if gas.peak_pressure is not None and peak is not None and text.startswith("peak"):
             above, absolute = (format_quantity(value, "Pa") for value in (gas.peak_pressure, peak))
             text = text.replace(
@@ -139,9 +155,7 @@ def _parameters(gas: Gas, layout: EngineLayout) -> tuple[GasCycle, tuple[str, ..
 
     All cylinders breathe from one receiver: the intake is found for the first main cylinder.
     """
-    given = {
-        name: value for name in USUAL_VALUES if (value := getattr(gas, name, None)) is not None
-    }
+    given = given_of_cycle(gas)
     number = layout.main_of(1)
     area = layout.cylinders[number - 1].area
     try:
@@ -155,7 +169,7 @@ def _parameters(gas: Gas, layout: EngineLayout) -> tuple[GasCycle, tuple[str, ..
             gas.compression_ratio, layout.strokes, **(given | {"intake_pressure": intake})
         )
     except InputError as error:
-        raise InputError(f"gas.{error}") from None
+        raise InputError(f"gas.{name_fields(error)}") from None
     remark = (
         f"Assumed: intake_pressure {format_quantity(intake, 'Pa', 4)}, so that combustion raises the "
         f"pressure {USUAL_PRESSURE_RISE:g} times, as is usual for diesel engines at rated load."

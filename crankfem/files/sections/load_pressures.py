@@ -9,7 +9,7 @@ import numpy as np
 from crankbase.checks.arrays import FloatArray
 from crankbase.errors import InputError
 from crankbase.units.quantity import format_quantity
-from crankfem.files.sections.cylinder_pressures import full_load_cycles
+from crankfem.files.sections.cylinder_pressures import full_load_cycles, name_fields
 from crankfem.files.sections.load_section import LoadSection
 from crankfem.files.sections.mechanism_sections import Gas
 from dynamics.engine.gas_forces import piston_position
@@ -160,7 +160,7 @@ def _map_along(
             method="cubic",
         )
     except InputError as error:
-        raise InputError(f"load: {error}") from None
+        raise InputError(f"load: {name_fields(error)}") from None
 
 
 def _boosted(at_full: float, ambient: float, boost: FloatArray) -> FloatArray:

@@ -19,18 +19,21 @@ from dynamics.torque_table import TorqueTable
 
 STARS_A_ROW = 4
 PANELS_A_ROW, MOST_PANELS = 3, 24
-FILES = ("torque.svg", "harmonics.svg", "stars.svg")
+# Smaller amplitudes, as shares of the largest, are round-off of a sum that is zero.
+CANCELLED = 1e-9
+FILES = ("torque.svg", "harmonics.svg", "stars.svg", "single_harmonics.svg")
 
 
 def picture_torque(
     folder: Path, torque: EngineTorque, highest_order: float, *, title: str = ""
 ) -> list[Path]:
-    """Write torque.svg, harmonics.svg and stars.svg into a folder and return their paths."""
+    """Write the pictures `FILES` into a folder, up to a highest order, and return their paths."""
     stars = star_diagram(torque.engine, highest_order)
     paths = [folder / name for name in FILES]
     plot_engine_torque(paths[0], torque, title=title)
     plot_amplitudes(paths[1], torque.harmonics(), stars, title=title)
     plot_stars(paths[2], stars, title=title)
+    plot_single_harmonics(paths[3], torque.harmonics().up_to(highest_order), title=title)
     return paths
 
 
@@ -119,20 +122,24 @@ def plot_torque(path: Path, samples: FloatArray, found: Harmonics) -> None:
         )
 
 
-def plot_single_harmonics(path: Path, found: Harmonics) -> None:
-    """Plot harmonics of a torque, each in a panel of its own, the lowest where there are too many."""
-    count = min(len(found.orders), MOST_PANELS)
+def plot_single_harmonics(path: Path, found: Harmonics, *, title: str = "") -> None:
+    """Plot harmonics of a torque, each in a panel of its own, the lowest where there are too many.
+
+    Orders that cancel in the sum of several cylinders are left out.
+    """
+    left = np.flatnonzero(found.amplitude >= CANCELLED * np.max(found.amplitude))[:MOST_PANELS]
+    count = len(left)
     columns = min(PANELS_A_ROW, count)
     rows = math.ceil(count / columns)
     size = {"width": 2.9 * columns + 0.4, "height": 2.1 * rows + 0.3}
     with figure(path, columns, **size, rows=rows) as axes:
         panels = axes.ravel().tolist()
-        top = 1.1 * float(np.max(found.amplitude[:count]))
+        top = 1.1 * float(np.max(found.amplitude[left]))
         for place, panel in enumerate(panels):
             if place >= count:
                 panel.set_axis_off()
                 continue
-            draw_one_harmonic(panel, found, place, "N m")
+            draw_one_harmonic(panel, found, int(left[place]), "N m")
             panel.set_ylim(-top, top)
             if place % columns:
                 panel.set_ylabel("")
@@ -140,3 +147,4 @@ def plot_single_harmonics(path: Path, found: Harmonics) -> None:
             if place + columns < count:
                 panel.set_xlabel("")
                 panel.tick_params(labelbottom=False)
+        add_title(panels, title)
