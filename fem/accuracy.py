@@ -16,12 +16,7 @@ from crankbase.stopwatch import Stopwatch
 from fem.assembly import assemble_stiffness
 from fem.class_compliances import axial_motion, class_axial_compliances
 from fem.condensation import CondensedClass, EndSections, condense
-from fem.correction import (
-    EFFECTIVITY,
-    class_errors,
-    corrected_class,
-    error_bars,
-)
+from fem.correction import class_errors, corrected_class, effectivity, error_bars
 from fem.loads import NodalLoads, unit_pin_loads
 from fem.material import Material
 from fem.recovery import EnergyErrors
@@ -37,7 +32,7 @@ from geometry.sizes import SizeMap
 FIRST_FILLETED = 2.0
 FIRST_SHARP = 2.2
 # Recovered stresses miss some of the error, most beside surfaces; the estimate is theirs times this
-# (tests/campaigns/compliance_errors.py).
+# (tests/campaigns/corrected_answers.py).
 SAFETY = 1.35
 # An answer is corrected by at most so many times the wished accuracy, or the mesh is refined: the less it
 # rests on the estimate of its error, the better it is known.
@@ -88,7 +83,9 @@ class RefinementLevel:
     axial_part : CondensedClass
         The class that an axial force excites.
     errors : EnergyErrors
-        Of the solution under an axial force, ends pinned, without the factor of safety.
+        Of the solution under an axial force, ends pinned, as recovered stresses tell them.
+    effectivity : float
+        True energies of errors divided by these.
     solver : SharedSolver
         Which knows the pattern of the mesh.
     """
@@ -98,6 +95,7 @@ class RefinementLevel:
     pins: tuple[NodalLoads, ...]
     axial_part: CondensedClass
     errors: EnergyErrors
+    effectivity: float
     solver: SharedSolver
 
     @property
@@ -117,7 +115,7 @@ class RefinementLevel:
     def axial_correction(self) -> float:
         """Share of the axial compliance that is correction, or would have to be."""
         if self.axial_part.discrete is None:
-            return EFFECTIVITY * self.errors.relative
+            return self.effectivity * self.errors.relative
         return 1.0 - class_axial_compliances(self.axial_part.discrete, "pinned")[0] / self.axial
 
     def meets(self, accuracy: float) -> bool:
@@ -140,7 +138,8 @@ class RefinementLevel:
             problem.watch,
         )
         with problem.watch.lap("error estimate"):
-            return corrected_class(part, class_errors(part, self.mesh, problem.material))
+            errors = class_errors(part, self.mesh, problem.material)
+            return corrected_class(part, errors, self.effectivity)
 
 
 def solve_level(mesh: ThrowMesh, problem: Problem) -> RefinementLevel:
@@ -168,8 +167,9 @@ def solve_level(mesh: ThrowMesh, problem: Problem) -> RefinementLevel:
         stresses = class_errors(part, mesh, problem.material)
         axial = np.append(axial_motion(part, "pinned"), np.zeros(len(part.pin_components)))
         errors = stresses.energy_errors(axial)
-        part = corrected_class(part, stresses)
-    return RefinementLevel(mesh, stiffness, pins, part, errors, solver)
+        factor = effectivity(mesh, errors.relative)
+        part = corrected_class(part, stresses, factor)
+    return RefinementLevel(mesh, stiffness, pins, part, errors, factor, solver)
 
 
 def solve_to_accuracy(
@@ -205,7 +205,7 @@ def solve_to_accuracy(
         factor *= 1.2
     level = solve_level(_mesh(throw, factor, None, problem, mesher), problem)
     aim = AIM_FILLETED if throw.filleted else AIM_SHARP
-    target = aim * MOST_CORRECTED * accuracy / EFFECTIVITY
+    target = aim * MOST_CORRECTED * accuracy / level.effectivity
     for _ in range(MOST_REFINEMENTS):
         if level.meets(accuracy):
             break
