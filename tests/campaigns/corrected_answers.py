@@ -180,7 +180,9 @@ def judged(throws):
     for found in throws:
         numbers = EFFECTIVITY[found["filleted"]]
         reference = found["levels"][-1]
-        truth, true_stiffness = answers(found, reference, effectivity_of(numbers, reference["share"]))
+        truth, true_stiffness = answers(
+            found, reference, effectivity_of(numbers, reference["share"])
+        )
         for place, level in enumerate(found["levels"][:-1]):
             plain, plain_stiffness = answers(found, level, 0.0)
             values, stiffness = answers(found, level, effectivity_of(numbers, level["share"]))
