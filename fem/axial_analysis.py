@@ -1,7 +1,7 @@
 """A throw's axial compliance alone, from the one symmetry class that an axial force excites."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 from crankbase.errors import InputError
@@ -78,6 +78,11 @@ class AxialAnalysis(SolvedThrow):
     def influence_coefficient(self, support: str = "pinned") -> float:
         """Influence coefficient c of the first pin [m/N]; support and errors as for e_n."""
         return class_axial_compliances(self.part, _class_support(support))[1]
+
+    @property
+    def discrete(self) -> "AxialAnalysis":
+        """The same as the mesh gives it, not corrected: for comparisons on one mesh."""
+        return replace(self, part=self.part.discrete or self.part)
 
     def to_pandas(self) -> Any:
         """Return a table of compliance and influence coefficient by support.

@@ -228,3 +228,21 @@ def end_load(
     return np.asarray(
         uniform + equivalent_load(classes, unevenness(mesh, pin, *given, distribution))
     )
+
+
+def pin_motion(
+    superelement: Superelement,
+    classes: Sequence[CondensedClass],
+    mesh: ThrowMesh,
+    pin: int,
+    force: Array,
+    moment: Array,
+    distribution: Distribution,
+) -> Array:
+    """Mean motion (6,) of a pin under a force and a moment (3,) on it, the end sections held."""
+    place = slice(6 * pin, 6 * pin + 6)
+    even = superelement.pin_flexibility[place, place] @ np.concatenate([force, moment])
+    if distribution == "uniform":
+        return np.asarray(even)
+    uneven = unevenness(mesh, pin, force, moment, distribution)
+    return np.asarray(even + local_motion(classes, uneven, len(mesh.pins))[place])

@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from crankbase.tables.frames import grid, table
+from fem.supports import SupportedThrow
 
 Array = NDArray[np.float64]
 
@@ -36,6 +37,16 @@ def compliance_table(supports: Iterable[str], **compliances: Callable[[str], flo
             for one, found in compliances.items()
         }
     ).set_index("support")
+
+
+def supported_table(answers: Mapping[str, SupportedThrow]) -> Any:
+    """Return a pandas table of compliances by the name of a support."""
+    return compliance_table(
+        answers,
+        axial_compliance=lambda name: answers[name].axial,
+        torsional_compliance=lambda name: answers[name].torsional,
+        influence_coefficient=lambda name: answers[name].influence,
+    )
 
 
 def stiffness_table(stiffness: Array) -> Any:

@@ -21,8 +21,15 @@ from scipy.optimize import least_squares
 import crankfem as cf
 from crankbase.errors import InputError, MeshError
 from crankbase.stopwatch import Stopwatch
-from fem.accuracy import AIM_FILLETED, AIM_SHARP, FIRST_FILLETED, FIRST_SHARP, MOST_CORRECTED
-from fem.accuracy import Problem, solve_level
+from fem.accuracy import (
+    AIM_FILLETED,
+    AIM_SHARP,
+    FIRST_FILLETED,
+    FIRST_SHARP,
+    MOST_CORRECTED,
+    Problem,
+    solve_level,
+)
 from fem.correction import EFFECTIVITY, error_bars
 from fem.loads import radial_directions
 from fem.refinement import refined_sizes
