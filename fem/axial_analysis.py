@@ -82,7 +82,9 @@ class AxialAnalysis(SolvedThrow):
     @property
     def discrete(self) -> "AxialAnalysis":
         """The same as the mesh gives it, not corrected: for comparisons on one mesh."""
-        return replace(self, part=self.part.discrete or self.part)
+        plain = replace(self, part=self.part.discrete or self.part)
+        taken = 1.0 - plain.axial_compliance() / self.axial_compliance()
+        return replace(plain, error_estimate=taken)
 
     def to_pandas(self) -> Any:
         """Return a table of compliance and influence coefficient by support.

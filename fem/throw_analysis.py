@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike, NDArray
 from crankbase.checks.choices import check_choice
 from crankbase.summaries import summarized
 from fem.angle_law import AngleLaw, angle_law, compliance, compliance_over_angle
-from fem.answer_errors import stiffness_errors, supported_errors
+from fem.answer_errors import axial_correction, stiffness_errors, supported_errors
 from fem.axial_analysis import SolvedThrow
 from fem.condensation import CondensedClass
 from fem.craig_bampton import DynamicSuperelement, dynamic_superelement
@@ -82,7 +82,8 @@ class ThrowAnalysis(SolvedThrow):
         """The same throw as its mesh gives it, not corrected: for comparisons on one mesh."""
         classes = tuple(one.discrete or one for one in self.classes)
         plain = combine_classes(classes, self.superelement.radials)
-        return replace(self, classes=classes, superelement=plain)
+        taken = axial_correction(self.superelement, plain)
+        return replace(self, classes=classes, superelement=plain, error_estimate=taken)
 
     @property
     def corrected(self) -> bool:
@@ -95,10 +96,7 @@ class ThrowAnalysis(SolvedThrow):
         return stiffness_errors(self.superelement, self.discrete.superelement)
 
     def error_bars(self, support: Support = "pinned") -> SupportedThrow:
-        """Estimated errors of the compliances under a support, in their units; errors as for them.
-
-        What is left after correction: the true error is smaller in 95 of 100 answers (docs/accuracy.md).
-        """
+        """Estimated errors left in compliances under a support, in their units (docs/accuracy.md)."""
         return supported_errors(self.superelement, self.discrete.superelement, support)
 
     @property
@@ -262,9 +260,8 @@ class ThrowAnalysis(SolvedThrow):
     def pin_compliance(self, support: Support = "pinned", pin: int = 0) -> NDArray[np.float64]:
         """Mean motions (6, 6) of a pin per unit load on it, the throw axially free.
 
-        Translations along x, y, z [m] and rotations about them [rad] under unit forces [N] and moments
-        about the pin's center [N m], uniformly spread. Errors as for `axial_compliance`, also if there
-        is no such pin.
+        Translations along x, y, z [m] and rotations [rad] under unit forces [N] and moments about the
+        pin's center [N m], uniformly spread. Errors as for `reactions`.
         """
         return pin_compliance(self.superelement, support, checked_pin(pin, len(self.mesh.pins)))
 
@@ -396,7 +393,6 @@ class ThrowAnalysis(SolvedThrow):
         Raises
         ------
         MissingLibraryError
-            If xarray is not installed.
         """
         return throw_grid(
             self.stiffness, ANGLES_DEG, {name: self.over_angle(name) for name in LABELS}

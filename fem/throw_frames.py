@@ -7,7 +7,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from crankbase.tables.frames import grid, table
-from fem.supports import SupportedThrow
 
 Array = NDArray[np.float64]
 
@@ -39,8 +38,8 @@ def compliance_table(supports: Iterable[str], **compliances: Callable[[str], flo
     ).set_index("support")
 
 
-def supported_table(answers: Mapping[str, SupportedThrow]) -> Any:
-    """Return a pandas table of compliances by the name of a support."""
+def supported_table(answers: Mapping[str, Any]) -> Any:
+    """Return a pandas table of a `SupportedThrow` each by the name of its support."""
     return compliance_table(
         answers,
         axial_compliance=lambda name: answers[name].axial,
