@@ -57,7 +57,7 @@ _NAMES = {
     ".unit": "bound contribution highest levels limit lower lowest peak permitted plain_sum plain_sum_peak "
     "printed repaired synthesis upper value worst",
     ".stress_unit": "principal principals von_mises",
-    ".stiffness_units": "stiffness",
+    ".stiffness_units": "stiffness stiffness_error",
 }
 # Of ends of paths, "*" being any name.
 _PLACES = {

@@ -190,7 +190,7 @@ class CompiledModel:
             **{one.name: getattr(model, one.name) for one in fields(Family)}
             | {"ranges": model.ranges or _column_ranges(responses)}
         )
-        self.bands = {name: error_band(name, response) for name, response in responses.items()}
+        self.bands = {name: error_band(response) for name, response in responses.items()}
         self._throw = model.throw
         self._unknown = model.constraints is None
         units = self.family.all_units

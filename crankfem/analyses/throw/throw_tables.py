@@ -18,7 +18,7 @@ ANSWERS = (
 def support_table(record: Record) -> Table:
     """Return the compliances of a throw by support of its end sections."""
     return Table(
-        f"Throw by finite elements (error of e_n about {100.0 * record['error_estimate']:.2g} %)",
+        f"Throw by finite elements (e_n within {100.0 * record['error_estimate']:.2g} %)",
         [
             Column("support", words=True),
             Column("e_n", "1e-9 m/N"),
