@@ -207,7 +207,7 @@ def test_volumes_of_straight_tetrahedra():
     assert volumes @ where / 0.5 == close(center, rel=1e-13)
 
 
-def test_mending_straightens_what_curving_turned_inside_out():
+def test_mending_straightens_what_curving_turned_inside_out_no_more_than_needed():
     points, elements = straight_tetrahedra(CORNERS, TWO)
     straight = points.copy()
     shared = elements[0, 5]  # the edge node between corners 1 and 2
@@ -218,8 +218,11 @@ def test_mending_straightens_what_curving_turned_inside_out():
     mended_points, mended = straighten_elements(points, elements)
     assert smallest_jacobians(mended_points, elements).min() > 0.05
     assert mended == np.count_nonzero(smallest_jacobians(points, elements) < 0.05)
-    assert np.array_equal(mended_points[shared], straight[shared])
-    assert not np.array_equal(points, mended_points)
+    gone = np.linalg.norm(mended_points - straight, axis=1)[shared] / (0.45 * np.sqrt(3.0))
+    assert gone == close(0.5 ** round(-np.log2(gone))) and gone < 1.0
+    less = points.copy()  # half a way less is too little
+    less[shared] = straight[shared] + 2.0 * (mended_points[shared] - straight[shared])
+    assert smallest_jacobians(less, elements).min() < 0.05
 
 
 def test_mending_leaves_sound_meshes_alone():
