@@ -173,7 +173,8 @@ def test_error_estimate_covers_the_true_error(dimensions, radius, accuracies, fi
     problem = Problem(STEEL, "auto", "rigid", Stopwatch())
     judged = [solve_to_accuracy(throw, accuracy, problem) for accuracy in accuracies]
     sizes = refined_sizes(judged[-1].mesh, judged[-1].errors, finest)
-    reference = solve_level(mesh_throw(throw, 1.0, sizes=sizes), problem)
+    factor = (sizes.expected_unknowns() / (5.2 * judged[-1].mesh.unknowns)) ** (1.0 / 3.0)
+    reference = solve_level(mesh_throw(throw, factor, sizes=sizes), problem)
     assert reference.mesh.unknowns > 4 * judged[-1].mesh.unknowns
     for accuracy, found in zip(accuracies, judged, strict=True):
         error = abs(found.axial / reference.axial - 1.0)
