@@ -4,10 +4,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from crankbase.errors import MeshError
-from geometry.shapes import jacobians, shapes_at_nodes
-
-# The two end nodes of each edge node 4..9, in scikit-fem's order.
-EDGES = ((0, 1), (1, 2), (0, 2), (0, 3), (1, 3), (2, 3))
+from geometry.shapes import EDGES as EDGES
+from geometry.shapes import determinants, shapes_at_nodes
 
 
 def smallest_jacobians(
@@ -15,7 +13,7 @@ def smallest_jacobians(
 ) -> NDArray[np.float64]:
     """Smallest ratio (m,) of the Jacobian at any node to the straight element's mean one."""
     _, gradients = shapes_at_nodes()
-    determinant = np.linalg.det(jacobians(gradients, points[elements]))
+    determinant = determinants(gradients, points[elements])
     return np.asarray(determinant.min(axis=1) / np.abs(determinant).mean(axis=1))
 
 

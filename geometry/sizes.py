@@ -280,6 +280,10 @@ class SizeMap:
     tetrahedra: NDArray[np.int64]
     sizes: Array
 
+    def scaled(self, factor: float) -> "SizeMap":
+        """Return the map of a part that is so many times as large."""
+        return SizeMap(factor * self.points, self.tetrahedra, factor * self.sizes)
+
     def expected_unknowns(self, factor: float = 1.0) -> int:
         """Predict the displacement unknowns of a mesh made with `factor` times these sizes."""
         corners = self.points[self.tetrahedra]

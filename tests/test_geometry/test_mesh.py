@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
-from skfem import ElementTetP2
+from skfem import ElementTetP2, ElementTriP2
 from skfem.quadrature import get_quadrature
 
 import geometry.mesh
@@ -15,7 +15,7 @@ from crankbase.errors import InputError, MeshError
 from geometry.mesh import MESHING_STRATEGIES, mesh_throw
 from geometry.mesh_checks import check_quality, check_volume
 from geometry.mesh_repair import EDGES, corner_quality, smallest_jacobians, straighten_elements
-from geometry.shapes import element_quadrature, element_volumes
+from geometry.shapes import element_quadrature, element_volumes, shapes_at, triangle_shapes_at
 from geometry.solid import (
     CRANK_PLANE,
     FILLET,
@@ -205,6 +205,26 @@ def test_volumes_of_straight_tetrahedra():
     assert volumes.sum() == close(0.5, rel=1e-14)
     center = (np.mean(CORNERS[:4], axis=0) / 6.0 + np.mean(CORNERS[1:], axis=0) / 3.0) / 0.5
     assert volumes @ where / 0.5 == close(center, rel=1e-13)
+
+
+@pytest.mark.parametrize(
+    ("element", "shapes", "order"),
+    [(ElementTetP2(), shapes_at, (2, 0, 1)), (ElementTriP2(), triangle_shapes_at, (0, 1, 2))],
+)
+def test_shape_functions_are_those_of_scikit_fem(element, shapes, order):
+    where = np.random.default_rng(1).random((element.refdom.dim(), 7))
+    values, gradients = shapes(where)
+    expected = [element.lbasis(where, node) for node in range(values.shape[1])]
+    assert values == close(np.array([value + np.zeros(7) for value, _ in expected]).T, abs=1e-14)
+    slopes = np.array([slope + np.zeros_like(where) for _, slope in expected])
+    assert gradients == close(slopes.transpose(order), abs=1e-14)
+
+
+def test_volumes_of_curved_tetrahedra_are_those_of_a_quadrature_that_is_more_than_exact():
+    draw = np.random.default_rng(2)
+    points, elements = draw.random((20, 3)), np.array([draw.permutation(20)[:10] for _ in "abc"])
+    exact = element_quadrature(points, elements, 6)[1].reshape(3, -1).sum(axis=1)
+    assert element_volumes(points, elements) == close(exact, abs=1e-15)
 
 
 def test_mending_straightens_what_curving_turned_inside_out():
