@@ -13,7 +13,7 @@ from typing import Any
 from geometry.gmsh_session import gmsh_session, load_gmsh
 from geometry.mesh_checks import SolidProperties, check_solid, solid_properties
 from geometry.parts import ThrowParts, scaled_parts
-from geometry.solid import NamedSolid, build_solid
+from geometry.solid import build_solid, part_end
 
 Options = tuple[tuple[str, float], ...]
 
@@ -29,7 +29,10 @@ class BuiltSolid:
         Length of 1 in the model [m].
     parts : ThrowParts
         What the model is of, in its unit.
-    named : NamedSolid
+    last : float
+        Where it ends along z.
+    surfaces : dict
+        Surface tags by surface name.
     solid : SolidProperties
         In SI units.
     seconds : float
@@ -39,7 +42,8 @@ class BuiltSolid:
     gmsh: Any
     unit: float
     parts: ThrowParts
-    named: NamedSolid
+    last: float
+    surfaces: dict[str, list[int]]
     solid: SolidProperties
     seconds: float
 
@@ -58,7 +62,7 @@ class SolidKeeper:
         self._session = ExitStack()
         self._key: tuple[ThrowParts, str, Options] | None = None
         self._gmsh: Any = None
-        self._named: NamedSolid
+        self._surfaces: dict[str, list[int]]
         self._solid: SolidProperties
 
     def close(self) -> None:
@@ -86,7 +90,8 @@ class SolidKeeper:
             solid = self._solid.scaled(unit)
             check_solid(parts, part, solid)
             seconds = time.perf_counter() - begin
-            yield BuiltSolid(self._gmsh, unit, key[0], self._named, solid, seconds)
+            last = part_end(key[0], part)
+            yield BuiltSolid(self._gmsh, unit, key[0], last, self._surfaces, solid, seconds)
             if self.keeps:
                 self._remove_mesh()
         except BaseException:
@@ -99,7 +104,7 @@ class SolidKeeper:
         self._gmsh = self._session.enter_context(gmsh_session("throw"))
         for option, value in options:
             self._gmsh.option.setNumber(option, value)
-        self._named = build_solid(self._gmsh, parts, part)
+        self._surfaces = build_solid(self._gmsh, parts, part)
         self._solid = solid_properties(self._gmsh)
         self._views = set(self._gmsh.view.getTags())
 

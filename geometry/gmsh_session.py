@@ -132,7 +132,7 @@ def gmsh_errors(what: str) -> Iterator[None]:
     """Turn what gmsh raises, which is a bare Exception, into a MeshError "gmsh could not `what`"."""
     try:
         yield
-    except (InputError, MeshError):
+    except (InputError, MeshError, MissingLibraryError):
         raise
     except Exception as error:
         raise MeshError(f"gmsh could not {what}: {error}") from error

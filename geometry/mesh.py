@@ -21,7 +21,8 @@ from geometry.mesh_checks import (
 from geometry.mesh_repair import straighten_elements
 from geometry.parts import ThrowParts
 from geometry.shapes import facet_keys, outer_facets
-from geometry.sizes import SHARES, SizeMap, predict_unknowns, set_size_map, set_sizes, size_plan
+from geometry.size_fields import set_size_map, set_sizes
+from geometry.sizes import SHARES, SizeMap, predict_unknowns, size_plan
 from geometry.solid import CRANK_PLANE, MIDDLE_PLANE
 from geometry.throw import CrankThrow
 
@@ -269,12 +270,12 @@ def _mesh_once(
         built_solid(parts, part, rung.options) as built,
     ):
         if sizes is None:
-            set_sizes(built.gmsh, built.parts, built.named, size_plan(built.parts, factor))
+            set_sizes(built.gmsh, built.parts, size_plan(built.parts, factor), built.last)
         else:
-            set_size_map(built.gmsh, sizes.scaled(1.0 / built.unit), factor)
+            set_size_map(built.gmsh, sizes, factor, built.parts.cylinders, built.unit)
         return checked_mesh(
             built.gmsh,
-            built.named.surfaces,
+            built.surfaces,
             built.solid,
             built.unit,
             part=part,

@@ -30,9 +30,10 @@ def corner_quality(points: NDArray[np.float64], elements: NDArray[np.int64]) -> 
 def straighten_elements(
     points: NDArray[np.float64], elements: NDArray[np.int64]
 ) -> tuple[NDArray[np.float64], int]:
-    """Straighten the edges of elements that curving turned inside out.
+    """Straighten the edges of elements that curving turned inside out, by half of their bow at a time.
 
-    Straightening one element changes its neighbors, so the check is repeated.
+    Straightening one element changes its neighbors, so the check is repeated; no edge is straightened
+    more than it must be, for it leaves the solid's surface.
 
     Parameters
     ----------
@@ -50,16 +51,17 @@ def straighten_elements(
     MeshError
         If elements stay inside out.
     """
-    points = points.copy()
     mended: set[int] = set()
     for _ in range(10):
         bad = np.flatnonzero(smallest_jacobians(points, elements) < 0.05)
         if len(bad) == 0:
             return points, len(mended)
         mended.update(bad.tolist())
+        halfway = points.copy()  # an edge may belong to several of these elements
         for node, (first, second) in enumerate(EDGES, start=4):
-            middles = elements[bad, node]
-            points[middles] = 0.5 * (points[elements[bad, first]] + points[elements[bad, second]])
+            bowed, ends = elements[bad, node], elements[bad][:, [first, second]]
+            halfway[bowed] = 0.5 * points[bowed] + 0.5 * points[ends].mean(axis=1)
+        points = halfway
     raise MeshError(
         f"{len(bad)} elements of the throw's mesh stay inside out after straightening their edges."
     )

@@ -390,7 +390,7 @@ def _turned(axis: tuple[float, float], turn: float) -> tuple[float, float]:
 
 
 def _hole(item: Round, turn: float, shift: float) -> Cylinder:
-    """A hole in the throw frame, as the bore of a cylinder that `set_sizes` knows."""
+    """A hole in the throw frame, as the bore of a cylinder that the size fields know."""
     axis, radius = _turned(item.axis, turn), -item.radius
     start, end = item.low + shift, item.high + shift
     return Cylinder(BORE, axis, radius, start, end, 0.0, 0.0, radius, axis, start, end)
