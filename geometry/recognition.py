@@ -29,7 +29,7 @@ from geometry.step_file import PLANE, StepFace
 Array = NDArray[np.float64]
 
 # A length outside these is taken for an error of the unit [m].
-SHORTEST, LONGEST = 0.005, 20.0
+SHORTEST, LONGEST = 0.001, 20.0
 # Places are told apart to this share of the part's length, directions to this sine.
 PLACE_TOLERANCE = 1e-5
 # Of cylinders found by shape, those thinner than this share of the thickest are bolts and the like.
