@@ -7,6 +7,8 @@ from crankbase.errors import MeshError
 from geometry.shapes import EDGES as EDGES
 from geometry.shapes import determinants, shapes_at_nodes
 
+MOST_HALVINGS = 40
+
 
 def smallest_jacobians(
     points: NDArray[np.float64], elements: NDArray[np.int64]
@@ -30,7 +32,7 @@ def corner_quality(points: NDArray[np.float64], elements: NDArray[np.int64]) -> 
 def straighten_elements(
     points: NDArray[np.float64], elements: NDArray[np.int64]
 ) -> tuple[NDArray[np.float64], int]:
-    """Straighten the edges of elements that curving turned inside out, by half of their bow at a time.
+    """Straighten edges of elements that curving turned inside out: half of the largest bow at a time.
 
     Straightening one element changes its neighbors, so the check is repeated; no edge is straightened
     more than it must be, for it leaves the solid's surface.
@@ -52,16 +54,18 @@ def straighten_elements(
         If elements stay inside out.
     """
     mended: set[int] = set()
-    for _ in range(10):
+    points = points.copy()
+    first, second = np.array(EDGES).T
+    for _ in range(MOST_HALVINGS):
         bad = np.flatnonzero(smallest_jacobians(points, elements) < 0.05)
         if len(bad) == 0:
             return points, len(mended)
         mended.update(bad.tolist())
-        halfway = points.copy()  # an edge may belong to several of these elements
-        for node, (first, second) in enumerate(EDGES, start=4):
-            bowed, ends = elements[bad, node], elements[bad][:, [first, second]]
-            halfway[bowed] = 0.5 * points[bowed] + 0.5 * points[ends].mean(axis=1)
-        points = halfway
+        start, end = points[elements[bad][:, first]], points[elements[bad][:, second]]
+        bow = points[elements[bad, 4:]] - 0.5 * (start + end)
+        shares = np.linalg.norm(bow, axis=2) / np.linalg.norm(end - start, axis=2)
+        worst = np.arange(len(bad)), shares.argmax(axis=1)
+        points[elements[bad, 4 + worst[1]]] -= 0.5 * bow[worst]
     raise MeshError(
         f"{len(bad)} elements of the throw's mesh stay inside out after straightening their edges."
     )
