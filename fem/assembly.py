@@ -99,6 +99,14 @@ def _upper(matrix: sparse.csr_array) -> sparse.csr_array:
 
 def symmetric_product(upper: sparse.csr_array, vectors: NDArray[np.float64]) -> NDArray[np.float64]:
     """Multiply a symmetric matrix, given by its upper triangle, with vectors (n,) or (n, k)."""
-    diagonal = upper.diagonal()
+    diagonal = _diagonal(upper)
     scaled = diagonal * vectors if vectors.ndim == 1 else diagonal[:, None] * vectors
     return np.asarray(upper @ vectors + upper.T @ vectors - scaled)
+
+
+def _diagonal(upper: sparse.csr_array) -> NDArray[np.float64]:
+    """Diagonal of an upper triangle; mostly each row begins with its entry."""
+    count, starts = upper.shape[0], upper.indptr[:-1]
+    if np.diff(upper.indptr).all() and np.array_equal(upper.indices[starts], np.arange(count)):
+        return np.asarray(upper.data[starts])
+    return np.asarray(upper.diagonal())
