@@ -180,7 +180,7 @@ def complex_modes(given: Chain | LinearSystem | DampedChain | ForcedResponse) ->
         chain, system = given.chain, given.system
     else:
         chain, system = chain_and_system(given)
-    terms = DampedModes.of(system)
+    terms = damped_modes(system)
     eigenvalues, _, outputs = _with_undamped(terms)
     vibrating = np.flatnonzero(eigenvalues.imag > LEAST_OSCILLATION * np.abs(eigenvalues))
     vibrating = vibrating[np.argsort(eigenvalues[vibrating].imag)]

@@ -23,8 +23,10 @@ SAMPLES_PER_CYCLE = 32
 PEAK_ERROR_BOUND = 1.0 - float(np.cos(np.pi / SAMPLES_PER_CYCLE))
 # Newton steps from a sample to the peak beside it, each within one step of the samples.
 NEWTON_STEPS = 6
-# Values sampled at once; bounds the memory.
-BATCH = 2**22
+# A step of less than this share of the samples' changes no digit of a peak.
+SETTLED = 1e-7
+# Values sampled at once; bounds the memory and stays near the processor.
+BATCH = 2**19
 
 
 @summarized("speeds [rad/s]", "amplitude", "plain_sum", "period [rad]")
@@ -200,14 +202,28 @@ def _peaks(
     angle = start.copy()
     waves = phasors[:, row]
     found = samples[row, column].copy()
+    # Value, slope and bend of a sum are the real, imaginary and real part of its moments.
+    powers = multiples.astype(np.complex128) ** np.arange(3)[:, np.newaxis]
     for _ in range(NEWTON_STEPS + 1):
-        terms = waves * np.exp(1j * np.outer(multiples, angle))
-        found = np.maximum(found, terms.real.sum(axis=0))
-        slope = -(multiples @ terms.imag)
-        bend = -(multiples.astype(np.float64) ** 2 @ terms.real)
-        move = np.divide(slope, -bend, out=np.zeros_like(slope), where=bend < 0.0)
+        value, slope, bend = powers @ (waves * _turned(multiples, angle))
+        found = np.maximum(found, value.real)
+        move = np.divide(-slope.imag, bend.real, out=np.zeros_like(angle), where=bend.real > 0.0)
+        before = angle
         angle = np.clip(angle + move, start - step, start + step)
+        if np.all(np.abs(angle - before) <= SETTLED * step):
+            break
     highest, angles = top.copy(), step * np.argmax(samples, axis=1)
     rising = np.argsort(found)  # so that the highest of each sum is the one that stays
     highest[row[rising]], angles[row[rising]] = found[rising], angle[rising]
     return highest, angles
+
+
+def _turned(multiples: NDArray[np.int64], angle: FloatArray) -> ComplexArray:
+    """Return exp(i k phi) of multiples k (K,), ascending, and angles phi (p,), (K, p)."""
+    steps, which = np.unique(np.diff(multiples, prepend=0), return_inverse=True)
+    factors = np.exp(1j * np.outer(steps, angle))
+    turned = np.empty((multiples.size, angle.size), dtype=np.complex128)
+    turned[0] = factors[which[0]]
+    for row in range(1, multiples.size):
+        np.multiply(turned[row - 1], factors[which[row]], out=turned[row])
+    return turned
