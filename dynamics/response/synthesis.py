@@ -25,6 +25,8 @@ PEAK_ERROR_BOUND = 1.0 - float(np.cos(np.pi / SAMPLES_PER_CYCLE))
 NEWTON_STEPS = 6
 # A step of less than this share of the samples' changes no digit of a peak.
 SETTLED = 1e-7
+# Peaks of a sum whose amplitudes add up to one are the same within this.
+SAME_PEAK = 1e-12
 # Values sampled at once; bounds the memory and stays near the processor.
 BATCH = 2**19
 
@@ -183,7 +185,9 @@ def extreme_angles(orders: FloatArray, phasors: ComplexArray) -> tuple[float, fl
 def _peaks(
     multiples: NDArray[np.int64], phasors: ComplexArray, samples: FloatArray
 ) -> tuple[FloatArray, FloatArray]:
-    """Return the highest value of each sum (p,) and its angle, from phasors (K, p) and samples (p, m).
+    """Return the highest value of each sum (p,) and its first angle, from phasors (K, p) and samples (p, m).
+
+    The amplitudes of each sum add up to one.
 
     A true peak, counted from the middle of the extremes, stands above a sample beside it by the
     factor 1/cos(pi N / m) at most: samples below the highest by more than that are left alone.
@@ -213,8 +217,12 @@ def _peaks(
         if np.all(np.abs(angle - before) <= SETTLED * step):
             break
     highest, angles = top.copy(), step * np.argmax(samples, axis=1)
-    rising = np.argsort(found)  # so that the highest of each sum is the one that stays
-    highest[row[rising]], angles[row[rising]] = found[rising], angle[rising]
+    np.maximum.at(highest, row, found)
+    equal = np.flatnonzero(found >= highest[row] - SAME_PEAK)
+    backwards = equal[
+        np.argsort(-angle[equal])
+    ]  # so that the first of equal peaks is the one that stays
+    angles[row[backwards]] = angle[backwards]
     return highest, angles
 
 
