@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass
 from fractions import Fraction
+from functools import lru_cache
 from math import gcd, lcm
 
 import numpy as np
@@ -145,14 +146,18 @@ def common_order(orders: FloatArray) -> tuple[NDArray[np.int64], float]:
     InputError
         If there is none, or the highest order is too large a multiple of it.
     """
-    fractions = [
-        Fraction(order).limit_denominator(LARGEST_DENOMINATOR) for order in orders.tolist()
-    ]
+    multiples, common = _common_order(tuple(orders.tolist()))
+    return multiples.copy(), common
+
+
+@lru_cache(maxsize=8)
+def _common_order(orders: tuple[float, ...]) -> tuple[NDArray[np.int64], float]:
+    fractions = [Fraction(order).limit_denominator(LARGEST_DENOMINATOR) for order in orders]
     below = lcm(*(fraction.denominator for fraction in fractions))
     above = [fraction.numerator * (below // fraction.denominator) for fraction in fractions]
     share = gcd(*above)
     common = Fraction(share, below)
-    for order, fraction in zip(orders.tolist(), fractions, strict=True):
+    for order, fraction in zip(orders, fractions, strict=True):
         if abs(float(fraction) - order) > SAME_ORDER * order:
             raise InputError(
                 f"orders: given {order!r}; allowed are fractions with a denominator up to "
@@ -161,7 +166,7 @@ def common_order(orders: FloatArray) -> tuple[NDArray[np.int64], float]:
     if max(above) // share > MOST_CYCLES:
         raise InputError(
             f"orders: given ones that are multiples of {float(common):.3g} only, up to "
-            f"{float(orders[-1]):g}; allowed are up to {MOST_CYCLES} times the highest common one, "
+            f"{orders[-1]:g}; allowed are up to {MOST_CYCLES} times the highest common one, "
             "because the sum is sampled over its whole period."
         )
     return np.array([number // share for number in above]), float(common)
