@@ -291,7 +291,7 @@ def class_problem(
     of_nodes = matrices.stiffness[whole][:, whole].tocsr()
     if shift:
         of_nodes = (of_nodes + shift * matrices.mass[whole][:, whole]).tocsr()
-    shared = solver if isinstance(solver, SharedSolver) else SharedSolver(solver)
+    shared = solver if isinstance(solver, SharedSolver) else SharedSolver(solver, few_sides=False)
     factors = shared.factorize(uncoupled(of_nodes, blocked.ravel()[whole]))
     inside = np.searchsorted(whole, free)
 

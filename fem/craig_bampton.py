@@ -236,7 +236,7 @@ def dynamic_superelement(
     cutoff = cutoff_factor * highest_frequency
     stiffness, mass = np.zeros((12, 12)), np.zeros((12, 12))
     found = []
-    with closing(SharedSolver(solver)) as shared:
+    with closing(SharedSolver(solver, few_sides=False)) as shared:
         for part in classes:
             shares, copies = part.symmetry.shares, part.symmetry.copies
             fields = part.fields.reshape(mesh.unknowns, -1)

@@ -30,7 +30,7 @@ class BlockMatrix:
     shape: tuple[int, int]
     indptr: NDArray[np.int32]
     indices: NDArray[np.int32]
-    data: NDArray[np.float64]
+    data: NDArray[np.floating]
 
 
 @dataclass(frozen=True, eq=False)
