@@ -39,7 +39,7 @@ class PlaceStrength:
         Number of the throw, from 1 at the free end.
     place : {"pin fillet", "journal fillet", "oil hole"}
     web : str
-        Beside which web, "left web" or "right web".
+        Beside which web, "left web" or "right web"; "" of an oil hole.
     depth : float
         Below the surface, of a hardened place [m].
     nominal_bending, nominal_shear, nominal_torsion : float

@@ -47,6 +47,9 @@ from dynamics.strength.shrink_fit import ShrinkFit
 from dynamics.strength.surface_treatment import factors_below
 from dynamics.torque.cycle_samples import DEFAULT_SAMPLES, samples_and_gas
 
+# Factors that agree to so many decimals are equal: the left web stands for both.
+EQUAL = 9
+
 
 @summarized("number", "torque.value [N m]", "places")
 @dataclass(frozen=True, eq=False)
@@ -69,7 +72,7 @@ class ThrowStrength:
     fit : ShrinkFit or None
         Of the journals of a semi-built shaft.
     left_out : tuple of str
-        What the rule has no formula for, a sentence each.
+        Where the rule has no formula and why, as `EngineStrength.left_out` says it after the throws.
     """
 
     number: int
@@ -112,12 +115,12 @@ class EngineStrength:
         fits = all(own.fit is None or own.fit.passed for own in self.throws)
         if not fits or not all(place.passed for place in self.places):
             return False
-        return None if self._unjudged else True
+        return None if self.left_out else True
 
     @property
     def sentence(self) -> str:
         """What was found, with the place that decides."""
-        unjudged = self._unjudged
+        unjudged = self.left_out
         if not self.places:
             return f"Crankshaft strength by UR M53 is not judged: {unjudged[0]}"
         least, wrong = self.places[0], sum(not place.passed for place in self.places)
@@ -147,8 +150,13 @@ class EngineStrength:
         return table_of(self.places)
 
     @property
-    def _unjudged(self) -> tuple[str, ...]:
-        return tuple(dict.fromkeys(text for own in self.throws for text in own.left_out))
+    def left_out(self) -> tuple[str, ...]:
+        """What could not be judged and why, a sentence each, with the throws it is said of."""
+        said: dict[str, list[int]] = {}
+        for own in self.throws:
+            for text in own.left_out:
+                said.setdefault(text, []).append(own.number)
+        return tuple(f"{_named(numbers)}{text}" for text, numbers in said.items())
 
 
 def engine_strength(
@@ -205,6 +213,17 @@ def engine_strength(
     return EngineStrength(tuple(throws), tuple(remarks))
 
 
+def _named(throws: Sequence[int]) -> str:
+    return f"throw{'s' if len(throws) > 1 else ''} {', '.join(map(str, throws))}"
+
+
+def _shrunk(own: ThrowWeb) -> str:
+    """Say where a shaft without fillets at its journals is described."""
+    if own.web.journal_fillet_radius or own.web.semi_built:
+        return ""
+    return " Journals that are shrunk into the webs have a section [strength.shrink_fit]."
+
+
 def shown_factor(place: PlaceStrength) -> str:
     """Write an acceptability factor so that rounding does not make it a sufficient one."""
     digits = next(
@@ -240,7 +259,7 @@ def _throw(
         try:
             factors = ConcentrationFactors(own.web, section.coefficients)
         except InputError as error:
-            left_out.append(f"throw {number}, {own.name}: {error}")
+            left_out.append(f", {own.name}: {error}{_shrunk(own)}")
             continue
         known[own.name] = factors
         nominal = web_stresses(supported, own.web, own.middle, strokes=file.engine.strokes)
@@ -260,8 +279,12 @@ def _throw(
             try:
                 found[place] += _judged(case, section)
             except InputError as error:
-                left_out.append(f"throw {number}, {place}, {own.name}: {error}")
-    least = [min(each, key=lambda one: one.acceptability) for each in found.values() if each]
+                left_out.append(f", {own.name}, {place}: {error}")
+    least = [
+        min(each, key=lambda one: round(one.acceptability, EQUAL))
+        for each in found.values()
+        if each
+    ]
     return ThrowStrength(number, webs, known, tuple(least), torque, fit, tuple(left_out))
 
 
@@ -320,7 +343,7 @@ def _judged(case: _Case, section: StrengthSection) -> Iterator[PlaceStrength]:
         yield PlaceStrength(
             throw=case.throw,
             place=place,
-            web=case.own.name,
+            web="" if place == "oil hole" else case.own.name,
             depth=depth,
             nominal_bending=case.bending,
             nominal_shear=case.shear,
