@@ -4,6 +4,7 @@ from crankfem.analyses.strength.engine_strength import EngineStrength as EngineS
 from crankfem.analyses.strength.engine_strength import ThrowStrength as ThrowStrength
 from crankfem.analyses.strength.engine_strength import engine_strength as engine_strength
 from crankfem.analyses.strength.shaft_loads import LargestLoad as LargestLoad
+from crankfem.analyses.strength.supported_throws import supported_throws as supported_throws
 from dynamics.strength.concentration import ConcentrationFactors as ConcentrationFactors
 from dynamics.strength.concentration import coefficient_differences as coefficient_differences
 from dynamics.strength.crank_web import CrankWeb as CrankWeb

@@ -16,15 +16,13 @@ from crankfem.analyses.strength.shaft_loads import (
     ShaftLoads,
     shaft_loads,
 )
+from crankfem.analyses.strength.supported_throws import supported_throws
 from crankfem.analyses.strength.throw_webs import ThrowWeb, shrink_fit, throw_webs
-from crankfem.analyses.vibration.engine_load import pressures_of_cylinders
 from crankfem.analyses.vibration.run import EngineVibration
 from crankfem.files.engine.engine_file import EngineFile
 from crankfem.files.engine.mechanism_file import MechanismFile, mechanism_of
 from crankfem.files.sections.strength_section import StrengthSection
 from dynamics.assessment.limit_sentences import shown_range
-from dynamics.engine.forces import MechanismForces, mechanism_forces
-from dynamics.gas.pressure import ATMOSPHERE
 from dynamics.response.loads import section_modulus
 from dynamics.strength.concentration import (
     COEFFICIENTS,
@@ -45,7 +43,6 @@ from dynamics.strength.fatigue import (
 from dynamics.strength.nominal import SupportedThrow, hole_stress, web_stresses
 from dynamics.strength.shrink_fit import ShrinkFit
 from dynamics.strength.surface_treatment import factors_below
-from dynamics.torque.cycle_samples import DEFAULT_SAMPLES, samples_and_gas
 
 # Factors that agree to so many decimals are equal: the left web stands for both.
 EQUAL = 9
@@ -195,17 +192,10 @@ def engine_strength(
             "manufacture and piston, because the strength of the crankshaft depends on them."
         )
     known = mechanism_of(file) if mechanism is None else mechanism
-    forces, loads = _rated_forces(file, known), shaft_loads(vibration, known)
-    starts = known.bearing_positions
+    loads = shaft_loads(vibration, known)
     throws = []
-    for place, throw in enumerate(file.crank_throws):
-        on_pin = [number for number, own in enumerate(file.throws) if own == place]
-        supported = SupportedThrow(
-            throw.length,
-            [known.layout.cylinders[number].position - starts[place] for number in on_pin],
-            forces.radial[on_pin],
-            forces.tangential[on_pin],
-        )
+    for place, supported in enumerate(supported_throws(file, mechanism=known)):
+        throw = file.crank_throws[place]
         fit = shrink_fit(throw, section, loads.passed_on[place], file.material.youngs_modulus)
         webs = throw_webs(throw, section)
         throws.append(_throw(place + 1, file, section, webs, supported, loads, fit))
@@ -231,14 +221,6 @@ def shown_factor(place: PlaceStrength) -> str:
         if (round(place.acceptability, n) >= REQUIRED) == place.passed
     )  # fmt: skip
     return f"Q = {place.acceptability:.{digits}f}"
-
-
-def _rated_forces(file: EngineFile, mechanism: MechanismFile) -> MechanismForces:
-    """Forces of the rods on their pins over one cycle at rated speed."""
-    speed = mechanism.rated_speed
-    (pressure,) = pressures_of_cylinders(file, mechanism, np.array([speed]))
-    angles, gas = samples_and_gas(mechanism.layout, pressure, DEFAULT_SAMPLES, ATMOSPHERE)
-    return mechanism_forces(mechanism.layout, speed, gas, shaft_angles_deg=np.degrees(angles))
 
 
 def _throw(
@@ -390,6 +372,10 @@ def _remarks(
         )
     if section.oil_hole_diameter is not None and section.oil_hole_angle is None:
         yield "the oil hole's outlet is taken where the pin's bending stress is largest"
+    if any(throw.pin_bore_offset or throw.main_journal_bore_offset for throw in file.crank_throws):
+        yield "bores that lie aside of their journals' axes are taken as if they were in the middle"
+    if any(web.slopes for throw in file.crank_throws for web in throw.parts.webs):
+        yield "webs that get thinner to their ends are taken with their full thickness"
     webs = [own.web for throw in throws for own in throw.webs]
     if any(web.overlap < 0.0 for web in webs):
         yield (
