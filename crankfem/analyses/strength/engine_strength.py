@@ -44,7 +44,7 @@ from dynamics.strength.nominal import SupportedThrow, hole_stress, web_stresses
 from dynamics.strength.shrink_fit import ShrinkFit
 from dynamics.strength.surface_treatment import factors_below
 
-# Factors that agree to so many decimals are equal: the left web stands for both.
+# Factors that agree to so many decimals are equal: the place nearest to the free end stands first.
 EQUAL = 9
 
 
@@ -104,7 +104,7 @@ class EngineStrength:
     def places(self) -> tuple[PlaceStrength, ...]:
         """Those of all throws, the one with the least acceptability first."""
         found = (place for throw in self.throws for place in throw.places)
-        return tuple(sorted(found, key=lambda place: place.acceptability))
+        return tuple(sorted(found, key=lambda one: round(one.acceptability, EQUAL)))
 
     @property
     def passed(self) -> bool | None:
