@@ -45,9 +45,28 @@ class ConcentrationFactors:
     Notes
     -----
     Lengths over the pin's diameter: s overlap, w web thickness, b web width, r fillet radius, d_G and d_H
-    bores of journal and pin, t_G and t_H recesses, d_O oil hole; u = 1 - s. Source: `M53_SOURCE`. alpha and
-    beta in bending and shear are by von Mises, in torsion by the largest shear, gamma by the largest
-    principal stress.
+    bores of journal and pin, t_G and t_H recesses, d_O oil hole; u = 1 - s, s no less than -0.5. Source:
+    `M53_SOURCE`. With r of the pin's fillet in alpha, of the journal's in beta::
+
+        alpha_B = 2.6914 f(s,w) 2.1790 w^0.7171 (0.6840 - 0.0077 b + 0.1473 b^2) 0.2081 r^-0.5231
+                  (0.9993 + 0.27 d_G - 1.0211 d_G^2 + 0.5306 d_G^3)
+                  (0.9978 + 0.3145 d_H - 1.5241 d_H^2 + 2.4147 d_H^3) f
+        f(s,w)  = -4.1883 + 29.2004 w - 77.5925 w^2 + 91.9454 w^3 - 40.0416 w^4
+                  + u (9.5440 - 58.3480 w + 159.3415 w^2 - 192.5846 w^3 + 85.2916 w^4)
+                  + u^2 (-3.8399 + 25.0444 w - 70.5571 w^2 + 87.0328 w^3 - 39.1832 w^4)
+        alpha_T = 0.8 r^(-0.322 + 0.1015 u) (7.8955 - 10.654 b + 5.3482 b^2 - 0.85 b^3) w^-0.145
+        beta_B  = 2.7146 g(s,w) 2.2422 w^0.7548 (0.5616 + 0.1197 b + 0.1176 b^2) 0.1908 r^-0.5568
+                  (1.0012 - 0.6441 d_G + 1.2265 d_G^2) (1.0022 - 0.1903 d_H + 0.0073 d_H^2) f
+        g(s,w)  = -1.7625 + 2.9821 w - 1.527 w^2 + u (5.1169 - 5.8089 w + 3.1391 w^2)
+                  + u^2 (-2.1567 + 2.3297 w - 1.2952 w^2)
+        beta_Q  = 3.0128 (0.4368 + 2.1630 u - 1.5212 u^2) w / (0.0637 + 0.9369 w) (b - 0.5)
+                  0.5331 r^-0.2038 (0.9937 - 1.1949 d_H + 1.7373 d_H^2) f, here u = 1 - s at any s
+        beta_T  = alpha_T with the journal's fillet over the journal's diameter for r
+        gamma_B = 3 - 5.88 d_O + 34.6 d_O^2, gamma_T = 4 - 6 d_O + 30 d_O^2
+        f       = 1 + (t_H + t_G) (1.8 + 3.2 s), no less than 1
+
+    alpha and beta in bending and shear are by von Mises, in torsion by the largest shear, gamma by the
+    largest principal stress.
     """
 
     web: CrankWeb

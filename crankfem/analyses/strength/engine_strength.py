@@ -233,7 +233,9 @@ def _throw(
     fit: ShrinkFit | None,
 ) -> ThrowStrength:
     """Judge all places of a throw."""
-    torque, left_out = loads.torque(number - 1), []
+    torque, left_out = loads.torque(number - 1), list[str]()
+    if fit is None and section.shrink_fit is not None:
+        left_out.append(", shrink fit: torsional vibration is unbounded.")
     axial = loads.axial[number - 1].value if section.axial_vibration == "calculated" else None
     found: dict[str, list[PlaceStrength]] = {place: [] for place in PLACES}
     known: dict[str, ConcentrationFactors] = {}

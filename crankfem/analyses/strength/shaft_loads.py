@@ -1,7 +1,7 @@
 """Largest alternating torque and axial force in each throw, of normal firing and of misfiring."""
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -52,7 +52,7 @@ class ShaftLoads:
     normal, misfiring : tuple of LargestLoad
         Torque beside each throw; misfiring in the worst case, empty where it was not calculated.
     axial : tuple of LargestLoad
-        Axial force through each throw in normal firing.
+        Axial force through each throw in normal firing, without what its own pin's forces only lengthen.
     passed_on : tuple of float
         Largest sum of the engine's mean torque and a throw's alternating one [N m].
     barred : tuple of pairs of float
@@ -130,13 +130,27 @@ def _cases(
             case,
             (
                 _beside_throws(_amplitude(file, series["torsional"]), chains.cranks),
-                _amplitude(file, series["axial"])[:, : len(file.crank_throws)],
+                _amplitude(file, series["axial"]),
             ),
         )
 
 
 def _loads(_: EngineFile, axial: ChainAnswer, torsional: ChainAnswer) -> Series:
-    return {"axial": axial.loads.elastic, "torsional": torsional.loads.elastic}
+    return {"axial": _through_throws(axial), "torsional": torsional.loads.elastic}
+
+
+def _through_throws(axial: ChainAnswer) -> OrderSeries:
+    """Return the axial force through each throw.
+
+    In the chain the forces on a throw's pin press its ends apart with P; the spring between them carries P
+    even where the ends are free and no force passes through the throw. So P is taken off.
+    """
+    throws, elastic = axial.engine_chain.throws, axial.loads.elastic
+    before = list(axial.engine_chain.sections[:throws])
+    pressing = -np.cumsum(axial.response.excitation.forces[:, :, before], axis=2)
+    return replace(
+        elastic, values=elastic.values[:, :, :throws] - pressing, names=elastic.names[:throws]
+    )
 
 
 def _amplitude(file: EngineFile, series: OrderSeries) -> FloatArray:

@@ -1,5 +1,6 @@
 """The two webs of an engine's throw as UR M53 takes them."""
 
+import math
 from dataclasses import dataclass
 
 from crankfem.files.sections.strength_section import StrengthSection
@@ -56,19 +57,20 @@ def throw_webs(throw: CrankThrow, section: StrengthSection) -> tuple[ThrowWeb, T
 def shrink_fit(
     throw: CrankThrow, section: StrengthSection, torque: float, youngs_modulus: float
 ) -> ShrinkFit | None:
-    """Return the fit of a throw's journals under a torque [N m]; None of a shaft of one piece.
+    """Return the fit of a throw's journals under a torque [N m].
 
-    Pin and fit are apart by what the crank radius leaves between their surfaces.
+    Pin and fit are apart by what the crank radius leaves between their surfaces. None of a shaft of one
+    piece, and where the torque is unbounded.
     """
     given = section.shrink_fit
-    if given is None:
+    if given is None or not math.isfinite(torque):
         return None
     return ShrinkFit(
         given.shrink_diameter,
         given.shrink_length,
         given.web_diameter,
         throw.main_journal_diameter,
-        throw.parts.cylinders[0].end_fillet,
+        given.fillet_radius,
         max(throw.crank_radius - 0.5 * (given.shrink_diameter + throw.pin_diameter), 0.0),
         given.web_yield,
         given.journal_yield,

@@ -172,3 +172,16 @@ def check_strength(
                 f"strength: given for throw {number} with several pins; allowed are throws with one pin "
                 "between main bearings, because UR M53 holds for these."
             )
+        if strength.pin_recess >= throw.web_thickness:
+            raise InputError(
+                f"strength.pin_recess: given {format_quantity(strength.pin_recess, 'm')}; allowed is less "
+                f"than the web_thickness of throw {number}, {format_quantity(throw.web_thickness, 'm')}, "
+                "because the recess is cut into the web."
+            )
+        fit = strength.shrink_fit
+        if fit is not None and fit.shrink_diameter <= throw.main_journal_bore:
+            raise InputError(
+                f"strength.shrink_fit.shrink_diameter: given {format_quantity(fit.shrink_diameter, 'm')}; "
+                f"allowed is more than the main_journal_bore of throw {number}, "
+                f"{format_quantity(throw.main_journal_bore, 'm')}, because the journal has a wall."
+            )

@@ -7,6 +7,7 @@ from pydantic import Field, model_validator
 
 from crankbase.errors import InputError
 from crankbase.model import InputModel, length_field, part_field, quantity_field
+from crankbase.units.quantity import format_quantity
 from dynamics.strength.concentration import Coefficients
 from dynamics.strength.fatigue import Manufacture, Piston
 from dynamics.strength.shrink_fit import LEAST_SAFETY, MOST_FRICTION
@@ -61,6 +62,9 @@ class ShrinkFitInput(InputModel):
         (0.01, 8.0),
         symbol="D_A",
     )
+    fillet_radius: float = length_field(
+        "radius of the journal's fillet beside the fit", (1e-4, 0.3), symbol="R_G"
+    )
     web_yield: float = quantity_field("yield strength of the web", "Pa", 1e8, 2e9, symbol="s_SW")
     journal_yield: float = quantity_field(
         "yield strength of the journal", "Pa", 1e8, 2e9, symbol="s_SP"
@@ -71,6 +75,16 @@ class ShrinkFitInput(InputModel):
     safety: float = quantity_field(
         "safety against slipping", "", LEAST_SAFETY, 10.0, symbol="S_R", default=LEAST_SAFETY
     )
+
+    @model_validator(mode="after")
+    def _lies_in_the_web(self) -> Self:
+        if self.web_diameter <= self.shrink_diameter:
+            raise InputError(
+                f"strength.shrink_fit.web_diameter: given {format_quantity(self.web_diameter, 'm')}; allowed "
+                f"is more than the shrink_diameter of {format_quantity(self.shrink_diameter, 'm')}, because "
+                "the web lies round the fit."
+            )
+        return self
 
 
 class StrengthSection(InputModel):
