@@ -31,7 +31,7 @@ _WORDS = {
 }
 # Of whole names.
 _NAMES = {
-    "1": "accuracy added adjusted_r_squared aic allowed asymmetry axial_beside_pinned "
+    "1": "accuracy added adjusted_r_squared aic allowed asymmetry axial_beside_pinned axial_correction "
     "axial_force_per_radial axial_reaction band_designs beside_chosen bic cases computed_now connections "
     "crankpin_beside_mean cranks cylinder cylinders detuning elements elements_across_fillets "
     "evaluations exponent f_value fe_scatter figure fluctuation held_out largest_error_at_runs "
