@@ -27,7 +27,7 @@ NEWTON_STEPS = 6
 # A step of less than this share of the samples' changes no digit of a peak.
 SETTLED = 1e-7
 # Peaks of a sum whose amplitudes add up to one are the same within this.
-SAME_PEAK = 1e-12
+SAME_PEAK = 1e-9
 # Values sampled at once; bounds the memory and stays near the processor.
 BATCH = 2**19
 
