@@ -31,7 +31,7 @@ SIZE_PER_WALL = 1.5
 LARGEST_ON_ROUND = 0.8
 ROUND = "round"
 # Nodes per item of `node_counts`, fitted to meshes of mixed throws (tests/campaigns/random_throws.py).
-NODES_PER_COUNT = np.array([7.6, 8.5, 1.9, 2.5, 7.1])
+NODES_PER_COUNT = np.array([7.5, 7.5, 9.3, 3.9, 9.6])
 LAYERS = 100
 # Nodes of a mesh made from a map, for each regular element that the map asks for, and for each facet of
 # the surface, cuts included; fitted to meshes of quarters, halves and whole throws.
