@@ -104,7 +104,9 @@ def test_a_model_of_an_older_release_is_told(base):
     assert compare_models(base, base).remarks == compare_models(old, old).remarks == ()
     for pair, which in (((base, old), "second"), ((old, base), "first")):
         (remark,) = compare_models(*pair).remarks
-        assert remark.startswith(f"The {which} model was fitted to finite elements of an older release, not")
+        assert remark.startswith(
+            f"The {which} model was fitted to finite elements of an older release, not"
+        )
 
 
 def test_constraints_of_either_are_kept(base):

@@ -342,7 +342,10 @@ def test_uncertain_values_widen_the_critical_speeds(coarse, tmp_path):
     found, engine = given.assessment, given.engine_file.engine
     torsional = found.torsional
     # The estimated error of the finite elements is possible, either way.
-    (low, high), error = (torsional.spreads[0].low, torsional.spreads[0].high), coarse.error_estimate
+    (low, high), error = (
+        (torsional.spreads[0].low, torsional.spreads[0].high),
+        coarse.error_estimate,
+    )
     assert (low, high) == close((1.0 - error, 1.0 + error))
     assert found.axial.spreads[0].name == "error of the finite elements"
     assert "that of the axial compliance" in torsional.spreads[0].name

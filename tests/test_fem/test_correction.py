@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from comparing import close
+from crankfem.analyses.record_units import units_of
 from crankfem.analyses.throw.throw_record import NOT_CORRECTED, throw_record
 from crankfem.cli.tables.throw_tables import print_throw
 from fem import correction
@@ -249,6 +250,15 @@ def test_corrected_answers_are_told_as_such(throw, analysis, capsys):
         1.0 - discrete.axial_compliance() / analysis.axial_compliance(), rel=1e-9
     )
     assert record["remarks"] == list(throw.remarks)
+    bars = analysis.error_bars("guided")
+    own = record["supports"]["guided"]["errors"]
+    assert own == {
+        "axial_compliance": bars.axial,
+        "torsional_compliance": bars.torsional,
+        "influence_coefficient": bars.influence,
+    }
+    units = units_of(record)
+    assert {name: units[f"errors.{name}"] for name in own} == {name: units[name] for name in own}
     print_throw(record)
     told = capsys.readouterr().out
     assert f"(e_n within {100 * analysis.error_estimate:.2g} %)" in told
