@@ -15,7 +15,8 @@ from geometry.throw import CrankThrow
 
 # Of names, and of names that end so: "largest_side_force" is a force. Plain numbers have the unit "1".
 _WORDS = {
-    "1": "count error errors estimate factor inflation margin number order orders ratio residual share",
+    "1": "correction count error errors estimate factor inflation margin number order orders ratio "
+    "residual share",
     "m": "diameter diameters height length radius",
     "m^2": "area",
     "deg": "deg",
@@ -91,8 +92,10 @@ _PLACES = {
     "Hz": "bearings.chains.* bearings.shaft.* causes.* differences.chain differences.rigid_chain "
     "differences.shaft flywheel_tilt.modes.shaft flywheel_tilt.modes.without frequencies.high "
     "frequencies.low frequencies.nominal",
-    "m/N": "angle_law.fe angle_law.formulas.* fe.axial regression.axial.value shaft.axial",
-    "rad/(N m)": "fe.torsional regression.torsional.value shaft.torsional",
+    "m/N": "errors.axial_compliance errors.influence_coefficient "
+    "angle_law.fe angle_law.formulas.* fe.axial regression.axial.value shaft.axial",
+    "rad/(N m)": "errors.torsional_compliance "
+    "fe.torsional regression.torsional.value shaft.torsional",
     ".unit": "cause.orders.amplitude compared.calculated compared.measured free_end.orders.amplitude "
     "responses.first responses.second",
     ".units": "nominal.*",

@@ -14,8 +14,8 @@ from geometry.throw import CrankThrow
 
 SUPPORTS: tuple[Support, ...] = ("pinned", "guided")
 NOT_CORRECTED = (
-    "Answers are those of the mesh: what discretization takes from them is more than a correction can tell; "
-    "ask for a better accuracy."
+    "Not all answers are corrected for discretization: on so coarse a mesh it takes too much of them to be "
+    "told. Ask for a better accuracy."
 )
 
 
