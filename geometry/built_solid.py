@@ -36,7 +36,7 @@ class BuiltSolid:
     solid : SolidProperties
         In SI units.
     seconds : float
-        Time that it took to build; none if it was kept.
+        Time that it took to build, 0 if it was kept.
     """
 
     gmsh: Any
@@ -79,19 +79,24 @@ class SolidKeeper:
         MeshError
             If the kernel lost a part, or did not unite all.
         """
-        begin = time.perf_counter()
+        begin, seconds = time.perf_counter(), 0.0
         unit = 2.0 * parts.cylinders[0].radius
         key = (scaled_parts(parts, 1.0 / unit), part, options)
         try:
             if key != self._key:
                 self.close()
                 self._build(*key)
-                self._key = key
-            solid = self._solid.scaled(unit)
-            check_solid(parts, part, solid)
-            seconds = time.perf_counter() - begin
-            last = part_end(key[0], part)
-            yield BuiltSolid(self._gmsh, unit, key[0], last, self._surfaces, solid, seconds)
+                check_solid(parts, part, self._solid.scaled(unit))
+                self._key, seconds = key, time.perf_counter() - begin
+            yield BuiltSolid(
+                gmsh=self._gmsh,
+                unit=unit,
+                parts=key[0],
+                last=part_end(key[0], part),
+                surfaces=self._surfaces,
+                solid=self._solid.scaled(unit),
+                seconds=seconds,
+            )
             if self.keeps:
                 self._remove_mesh()
         except BaseException:

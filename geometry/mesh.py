@@ -101,7 +101,7 @@ class ThrowMesh:
     attempts : tuple of str
         Ways of meshing that were tried before and why each failed; empty for most throws.
     geometry_seconds : float
-        Time to build or open the solid, without meshing it.
+        Time to build or open the solid, without meshing it; 0 if it was kept from the mesh before.
     """
 
     part: str

@@ -60,7 +60,8 @@ def test_meshes_of_a_kept_solid_are_bit_identical(bored, keeper, part):
         found = mesh_throw(bored, 3.0 if made_with is None else 0.9, part, made_with)
         assert same(found, expected)
         kept.append(found.geometry_seconds)
-    assert max(kept[1:]) < 0.2 * kept[0]
+    assert kept[0] > 0.0
+    assert kept[1:] == [0.0, 0.0, 0.0]
 
 
 def test_one_solid_is_kept_at_most_and_without_its_mesh(dimensions, bored, keeper):
@@ -117,8 +118,7 @@ def test_a_process_of_ours_keeps_the_solid_and_a_fresh_one_builds_it_again(dimen
     finally:
         process.close()
     assert all(same(mesh, coarse_mesh) for mesh in meshes)
-    first, again, anew = (mesh.geometry_seconds for mesh in meshes)
-    assert again < 0.2 * min(first, anew)
+    assert [mesh.geometry_seconds > 0.0 for mesh in meshes] == [True, False, True]
     assert not gmsh.isInitialized()
 
 
