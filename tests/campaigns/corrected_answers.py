@@ -21,15 +21,7 @@ from scipy.optimize import least_squares
 import crankfem as cf
 from crankbase.errors import InputError, MeshError
 from crankbase.stopwatch import Stopwatch
-from fem.accuracy import (
-    AIM_FILLETED,
-    AIM_SHARP,
-    FIRST_FILLETED,
-    FIRST_SHARP,
-    MOST_CORRECTED,
-    Problem,
-    solve_level,
-)
+from fem.accuracy import Problem, solve_level, solve_to_accuracy
 from fem.correction import EFFECTIVITY, error_bars
 from fem.loads import radial_directions
 from fem.refinement import refined_sizes
@@ -85,29 +77,27 @@ def described_level(level, problem, radials):
 
 
 def solved(throw):
-    """All levels of a throw, the reference last."""
+    """Answers at all accuracies, and the reference."""
     problem = Problem(cf.STEEL, "auto", "rigid", Stopwatch())
     radials = radial_directions(throw)
-    factor = FIRST_FILLETED if throw.filleted else FIRST_SHARP
-    level = solve_level(mesh_isolated(throw, factor), problem)
-    levels = [described_level(level, problem, radials)]
-    aim = AIM_FILLETED if throw.filleted else AIM_SHARP
-    for accuracy in ACCURACIES[1:]:
-        target = aim * MOST_CORRECTED * accuracy / level.effectivity
-        sizes = refined_sizes(level.mesh, level.errors, target)
-        if sizes.expected_unknowns() > MOST_JUDGED:
+    levels = []
+    for accuracy in ACCURACIES:
+        level = solve_to_accuracy(throw, accuracy, problem)
+        if levels and level.mesh.unknowns > MOST_JUDGED:
             break
+        finest = level
+        levels.append(
+            {"accuracy": accuracy, "met": level.meets(accuracy)}
+            | described_level(level, problem, radials)
+        )
         level.solver.close()
-        level = solve_level(mesh_isolated(throw, 1.0, "auto", sizes), problem)
-        levels.append(described_level(level, problem, radials))
     most = max(one["unknowns"] for one in levels)
-    sizes = refined_sizes(level.mesh, level.errors, 0.0015)
+    sizes = refined_sizes(finest.mesh, finest.errors, 0.0015)
     factor = (sizes.expected_unknowns() / (REFERENCE_UNKNOWNS * most)) ** (1.0 / 3.0)
-    level.solver.close()
     level = solve_level(mesh_isolated(throw, factor, "auto", sizes), problem)
-    levels.append(described_level(level, problem, radials))
+    reference = described_level(level, problem, radials)
     level.solver.close()
-    return levels
+    return {"levels": levels, "reference": reference}
 
 
 def compute(folder, count):
@@ -126,13 +116,13 @@ def compute(folder, count):
                         "part": throw.symmetry,
                         "filleted": throw.filleted,
                         "radials": radial_directions(throw).tolist(),
-                        "levels": solved(throw),
-                    }
+                    } | solved(throw)
                     partial = path.with_suffix(".partial")
                     partial.write_text(json.dumps(found))
                     partial.rename(path)
-                    unknowns = [level["unknowns"] for level in found["levels"]]
-                    shares = [f"{level['share']:.2%}" for level in found["levels"]]
+                    levels = [*found["levels"], found["reference"]]
+                    unknowns = [level["unknowns"] for level in levels]
+                    shares = [f"{level['share']:.2%}" for level in levels]
                     seconds = time.process_time() - begin
                     print(seed, throw.symmetry, found["features"], unknowns, shares,
                           f"{seconds:.0f} s", flush=True)  # fmt: skip
@@ -169,9 +159,9 @@ def fitted(throws):
     def residuals(numbers):
         rest = []
         for found in throws:
-            reference = found["levels"][-1]
+            reference = found["reference"]
             truth, _ = answers(found, reference, effectivity_of(numbers, reference["share"]))
-            for level in found["levels"][:-1]:
+            for level in found["levels"]:
                 plain, _ = answers(found, level, 0.0)
                 share = level["share"]
                 values, _ = answers(found, level, effectivity_of(numbers, share))
@@ -182,60 +172,58 @@ def fitted(throws):
 
 
 def judged(throws):
-    """True errors and bars of all answers: rows of level, quantity, filleted, error, bar, correction."""
+    """True errors and bars of all answers, and the share of stiffness entries within their bars."""
     rows, entries = [], []
     for found in throws:
         numbers = EFFECTIVITY[found["filleted"]]
-        reference = found["levels"][-1]
+        reference = found["reference"]
         truth, true_stiffness = answers(
             found, reference, effectivity_of(numbers, reference["share"])
         )
-        for place, level in enumerate(found["levels"][:-1]):
+        for level in found["levels"]:
             plain, plain_stiffness = answers(found, level, 0.0)
             values, stiffness = answers(found, level, effectivity_of(numbers, level["share"]))
             coarse = 1.0 - plain[0] / values[0]
             bars = error_bars(values, plain, coarse) / np.abs(values)
             errors = np.abs(truth / values - 1.0)
-            for number in range(len(QUANTITIES)):
-                rows.append((found["seed"], place, number, found["filleted"], errors[number],
-                             bars[number], coarse))  # fmt: skip
+            about = (found["filleted"], level["accuracy"], level["met"])
+            rows += [(number, *about, errors[number], bars[number]) for number in range(len(bars))]
             bars = error_bars(stiffness, plain_stiffness, coarse)
             scale = np.sqrt(np.outer(np.diag(stiffness), np.diag(stiffness)))
             counted = np.abs(stiffness) > 1e-3 * scale
             entries.append(np.mean((np.abs(true_stiffness - stiffness) < bars)[counted]))
-    return np.array(rows), np.array(entries)
+    return np.array(rows), float(np.mean(entries))
 
 
 def tell(throws):
-    """Print the fit on one half, and the table of the other."""
+    """Print the fit on one half, and the tables of the other."""
     for filleted in (True, False):
         half = [found for found in throws[::2] if found["filleted"] == filleted]
         print(f"filleted {filleted}: effectivity on {len(half)} throws {fitted(half).round(2)}")
     held_out = throws[1::2]
     rows, entries = judged(held_out)
-    _, place, number, filleted, errors, bars, coarse = rows.T
-    print(f"held out: {len(held_out)} throws, {len(rows)} answers")
-    print(f"true error within the bar: {np.mean(errors < bars):.1%}; "
-          f"bar at most ten times the true error: {np.mean(bars < 10.0 * errors):.1%}; "
-          f"entries of the stiffness within theirs: {entries.mean():.1%}")  # fmt: skip
-    print("| quantity | within the bar | bar at most 10 times | corrected error, 95 % |")
+    number, filleted, accuracy, met, errors, bars = rows.T
+    within, narrow = errors < bars, bars < 10.0 * errors
+    print(f"\n{len(held_out)} throws held out, {len(rows)} answers; entries of the stiffness within "
+          f"their bars: {entries:.1%}\n")  # fmt: skip
+    print(
+        "| quantity | true error within the bar | bar at most ten times the true error | 95 % error |"
+    )
     print("|---|---|---|---|")
-    for which, name in enumerate(QUANTITIES):
-        at = number == which
-        print(f"| {name} | {np.mean(errors[at] < bars[at]):.1%} "
-              f"| {np.mean(bars[at] < 10 * errors[at]):.1%} | {np.quantile(errors[at], 0.95):.2%} |")  # fmt: skip
-    for kind, name in ((1, "filleted"), (0, "sharp")):
-        axial = (number == 0) & (filleted == kind)
-        for accuracy in ACCURACIES:
-            worst = []
-            for seed in np.unique(rows[axial, 0]):
-                levels = rows[axial & (rows[:, 0] == seed)]
-                met = (levels[:, 5] <= accuracy) & (levels[:, 6] <= MOST_CORRECTED * accuracy)
-                if met.any():
-                    worst.append(levels[np.argmax(met), 4])
-            if worst:
-                print(f"e_n pinned, {name}, asked {accuracy:.1%}: error median {np.median(worst):.2%}, "
-                      f"95 % {np.quantile(worst, 0.95):.2%}, largest {max(worst):.2%} of {len(worst)}")  # fmt: skip
+    for which, name in [(None, "all"), *enumerate(QUANTITIES)]:
+        at = np.full(len(rows), True) if which is None else number == which
+        shares = f"{within[at].mean():.1%} | {narrow[at].mean():.1%}"
+        print(f"| {name} | {shares} | {np.quantile(errors[at], 0.95):.2%} |")
+    print(
+        "\n| e_n pinned | asked | met | median error | 95 % error | largest |\n|---|---|---|---|---|---|"
+    )
+    for kind, name in ((1, "fillets"), (0, "sharp corners")):
+        for asked in ACCURACIES:
+            at = (number == 0) & (filleted == kind) & (accuracy == asked)
+            if at.any():
+                middle, most = np.quantile(errors[at], (0.5, 0.95))
+                print(f"| {name} | {asked:.1%} | {int(met[at].sum())} of {int(at.sum())} | {middle:.2%} "
+                      f"| {most:.2%} | {errors[at].max():.2%} |")  # fmt: skip
 
 
 if __name__ == "__main__":
