@@ -14,7 +14,7 @@ DIMENSIONS = {
     "web_width": 0.300,
     "web_thickness": 0.068,
 }
-ACCURACIES = (0.02, 0.01, 0.005, 0.0025)
+ACCURACIES = (0.02, 0.01, 0.005)
 
 
 def main() -> None:
