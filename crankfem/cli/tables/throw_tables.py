@@ -29,7 +29,7 @@ def print_throw(record: Record, units: OutputUnits = SI) -> None:
     print_line(
         f"Model: {record['model']}, {record['unknowns']:,} unknowns, solver {record['solver']}{met}."
     )
-    if not record["corrected"]:
+    if not record.get("corrected", True):
         print_notes([NOT_CORRECTED], units)
 
 
