@@ -7,6 +7,9 @@ from fem.correction import error_bars
 from fem.superelement import Superelement
 from fem.supports import Support, SupportedThrow, support_throw
 
+# An entry so small beside those on the diagonal is round-off.
+VANISHING = 1e-9
+
 
 def axial_correction(corrected: Superelement, discrete: Superelement) -> float:
     """Share of the axial compliance, pinned, that is correction: how coarse the mesh is."""
@@ -29,6 +32,13 @@ def supported_errors(
 
 
 def stiffness_errors(corrected: Superelement, discrete: Superelement) -> NDArray[np.float64]:
-    """Estimated errors (12, 12) of the entries of the stiffness [SI]; see `error_bars`."""
-    coarse = axial_correction(corrected, discrete)
-    return error_bars(corrected.stiffness, discrete.stiffness, coarse)
+    """Estimated errors (12, 12) of the entries of the stiffness [SI]; see `error_bars`.
+
+    The size of an entry is half of the geometric mean of those on the diagonal beside it; what vanishes by
+    symmetry has no error.
+    """
+    stiffness, coarse = corrected.stiffness, axial_correction(corrected, discrete)
+    diagonal = np.sqrt(np.diag(stiffness))
+    sizes = 0.5 * np.outer(diagonal, diagonal)
+    bars = error_bars(stiffness, discrete.stiffness, coarse, sizes)
+    return np.where(np.abs(stiffness) > VANISHING * sizes, bars, 0.0)

@@ -33,11 +33,11 @@ Array = NDArray[np.float64]
 # True energy of the error divided by the estimated one: of throws with fillets or (False) without, on fine
 # meshes, and what it falls by where the axial compliance is short of so large a share of itself
 # (tests/campaigns/corrected_answers.py).
-EFFECTIVITY = {True: (1.28, 3.0), False: (1.28, 2.0)}
+EFFECTIVITY = {True: (1.25, 3.5), False: (1.28, 3.0)}
 # What is left of an answer's error after correction is within this share of its correction, this share of
 # that of the axial compliance (a small correction may be the difference of larger ones), and what answers
 # of two meshes of like size differ by in any case, together: in 95 of 100 answers of random throws.
-UNCERTAINTY, MESH_UNCERTAINTY, MESH_NOISE = 0.25, 0.05, 2e-4
+UNCERTAINTY, MESH_UNCERTAINTY, MESH_NOISE = 0.12, 0.1, 1e-4
 # A correction of so much of any motion's energy is none: the mesh tells nothing.
 LARGEST_SHARE = 0.5
 
@@ -94,7 +94,12 @@ def corrected_class(part: CondensedClass, errors: StressErrors, factor: float) -
     )
 
 
-def error_bars(corrected: ArrayLike, discrete: ArrayLike, axial_correction: float) -> Array:
+def error_bars(
+    corrected: ArrayLike,
+    discrete: ArrayLike,
+    axial_correction: float,
+    sizes: ArrayLike | None = None,
+) -> Array:
     """Estimated errors of corrected answers from those of the mesh beside them, in their units.
 
     Parameters
@@ -102,10 +107,13 @@ def error_bars(corrected: ArrayLike, discrete: ArrayLike, axial_correction: floa
     corrected, discrete : (...) array_like
     axial_correction : float
         Of the axial compliance, pinned, as a share of it: how coarse the mesh is.
+    sizes : (...) array_like, optional
+        What of an answer counts as its size; by default itself.
     """
     answers, plain = np.asarray(corrected, dtype=float), np.asarray(discrete, dtype=float)
     floor = MESH_UNCERTAINTY * axial_correction + MESH_NOISE
-    return np.asarray(UNCERTAINTY * np.abs(answers - plain) + floor * np.abs(answers))
+    size = np.abs(answers if sizes is None else np.asarray(sizes, dtype=float))
+    return np.asarray(UNCERTAINTY * np.abs(answers - plain) + floor * size)
 
 
 def _largest_share(stiffness: Array, energies: Array) -> float:

@@ -4,14 +4,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from crankbase.errors import MeshError
-from geometry.shapes import jacobians, shapes_at_nodes
+from geometry.shapes import EDGES as EDGES
+from geometry.shapes import determinants, shapes_at_nodes
 
-# The two end nodes of each edge node 4..9, in scikit-fem's order.
-EDGES = ((0, 1), (1, 2), (0, 2), (0, 3), (1, 3), (2, 3))
-# How far edges go towards their straight line, one after the other: at last all the way.
-STEPS = (0.5,) * 8 + (1.0,) * 10
-# Smallest ratio of the Jacobian at any node of an element to its mean one.
-SMALLEST_JACOBIAN = 0.05
+MOST_HALVINGS = 40
 
 
 def smallest_jacobians(
@@ -19,7 +15,7 @@ def smallest_jacobians(
 ) -> NDArray[np.float64]:
     """Smallest ratio (m,) of the Jacobian at any node to the straight element's mean one."""
     _, gradients = shapes_at_nodes()
-    determinant = np.linalg.det(jacobians(gradients, points[elements]))
+    determinant = determinants(gradients, points[elements])
     return np.asarray(determinant.min(axis=1) / np.abs(determinant).mean(axis=1))
 
 
@@ -36,11 +32,10 @@ def corner_quality(points: NDArray[np.float64], elements: NDArray[np.int64]) -> 
 def straighten_elements(
     points: NDArray[np.float64], elements: NDArray[np.int64]
 ) -> tuple[NDArray[np.float64], int]:
-    """Straighten the edges of elements that curving turned inside out, no more than they need.
+    """Straighten edges of elements that curving turned inside out: half of the largest bow at a time.
 
-    An edge on a fillet that is straightened adds what the fillet takes away, which stiffens the throw; so
-    edges go half of their way again and again. Straightening one element changes its neighbors, which are
-    checked as well.
+    Straightening one element changes its neighbors, so the check is repeated; no edge is straightened
+    more than it must be, for it leaves the solid's surface.
 
     Parameters
     ----------
@@ -58,17 +53,19 @@ def straighten_elements(
     MeshError
         If elements stay inside out.
     """
-    points = points.copy()
     mended: set[int] = set()
-    for step in STEPS:
-        bad = np.flatnonzero(smallest_jacobians(points, elements) < SMALLEST_JACOBIAN)
+    points = points.copy()
+    first, second = np.array(EDGES).T
+    for _ in range(MOST_HALVINGS):
+        bad = np.flatnonzero(smallest_jacobians(points, elements) < 0.05)
         if len(bad) == 0:
             return points, len(mended)
         mended.update(bad.tolist())
-        # An edge of several bad elements goes its way once.
-        middles, place = np.unique(elements[bad, 4:], return_index=True)
-        ends = elements[bad][:, EDGES].reshape(-1, 2)[place]
-        points[middles] += step * (points[ends].mean(axis=1) - points[middles])
+        start, end = points[elements[bad][:, first]], points[elements[bad][:, second]]
+        bow = points[elements[bad, 4:]] - 0.5 * (start + end)
+        shares = np.linalg.norm(bow, axis=2) / np.linalg.norm(end - start, axis=2)
+        worst = np.arange(len(bad)), shares.argmax(axis=1)
+        points[elements[bad, 4 + worst[1]]] -= 0.5 * bow[worst]
     raise MeshError(
         f"{len(bad)} elements of the throw's mesh stay inside out after straightening their edges."
     )

@@ -4,8 +4,9 @@ Everything that draws, builds, checks or weighs a throw reads these, never the i
 """
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, fields, is_dataclass, replace
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,6 +15,8 @@ from geometry.outline import Outline
 
 Array = NDArray[np.float64]
 Point = tuple[float, float]
+# Numbers of `Slope` and `Sector` that are no lengths.
+NOT_LENGTHS = ("inward", "towards", "half_angle")
 LEFT_JOURNAL, RIGHT_JOURNAL = "left main journal", "right main journal"
 
 
@@ -178,6 +181,29 @@ class ThrowParts:
     def mirrored(self) -> bool:
         """Whether the middle z = length / 2 is a plane of symmetry."""
         return _equal_to_round_off(_signature(self, False), _signature(self, True))
+
+
+def scaled_parts(parts: ThrowParts, factor: float) -> ThrowParts:
+    """Scale all lengths of a throw's parts, to 12 decimals: parts that differ in size alone become equal.
+
+    Parameters
+    ----------
+    parts : ThrowParts
+    factor : float
+    """
+
+    def scaled(item: Any) -> Any:
+        if isinstance(item, float):
+            return round(item * factor, 12)
+        if isinstance(item, tuple):
+            return tuple(map(scaled, item))
+        if not is_dataclass(item) or isinstance(item, type):
+            return item
+        names = [field.name for field in fields(item) if field.name not in NOT_LENGTHS]
+        return replace(item, **{name: scaled(getattr(item, name)) for name in names})
+
+    made: ThrowParts = scaled(parts)
+    return made
 
 
 def _signature(parts: ThrowParts, reverse: bool) -> list[tuple[object, ...]]:

@@ -84,6 +84,7 @@ def spawn_worker() -> subprocess.Popen[bytes]:
     """Start a worker process; with one thread, so that its results do not depend on the machine."""
     return start_child(
         "crankbase.calls",
+        "geometry.built_solid:keep_solids",
         environment=ONE_THREAD,
         stdin=subprocess.PIPE,
         stdout=subprocess.PIPE,

@@ -22,6 +22,7 @@ import crankfem as cf
 from crankbase.errors import InputError, MeshError
 from crankbase.stopwatch import Stopwatch
 from fem.accuracy import Problem, solve_level, solve_to_accuracy
+from fem.answer_errors import stiffness_errors
 from fem.correction import EFFECTIVITY, error_bars
 from fem.loads import radial_directions
 from fem.refinement import refined_sizes
@@ -136,7 +137,7 @@ def compute(folder, count):
 
 
 def answers(found, level, effectivity):
-    """The answers of `QUANTITIES` and the stiffness, at an effectivity."""
+    """The answers of `QUANTITIES` and the superelement, at an effectivity."""
     parts = {
         name: np.array(plain) + effectivity * np.array(level["added"][name])
         for name, plain in level["plain"].items()
@@ -146,7 +147,7 @@ def answers(found, level, effectivity):
     for support in ("pinned", "guided"):
         one = support_throw(element, support)
         values += [one.axial, one.torsional, one.influences[0]]
-    return np.array(values), parts["stiffness"]
+    return np.array(values), element
 
 
 def effectivity_of(numbers, share):
@@ -177,21 +178,18 @@ def judged(throws):
     for found in throws:
         numbers = EFFECTIVITY[found["filleted"]]
         reference = found["reference"]
-        truth, true_stiffness = answers(
-            found, reference, effectivity_of(numbers, reference["share"])
-        )
+        truth, true = answers(found, reference, effectivity_of(numbers, reference["share"]))
         for level in found["levels"]:
-            plain, plain_stiffness = answers(found, level, 0.0)
-            values, stiffness = answers(found, level, effectivity_of(numbers, level["share"]))
+            plain, discrete = answers(found, level, 0.0)
+            values, corrected = answers(found, level, effectivity_of(numbers, level["share"]))
             coarse = 1.0 - plain[0] / values[0]
             bars = error_bars(values, plain, coarse) / np.abs(values)
             errors = np.abs(truth / values - 1.0)
             about = (found["filleted"], level["accuracy"], level["met"])
             rows += [(number, *about, errors[number], bars[number]) for number in range(len(bars))]
-            bars = error_bars(stiffness, plain_stiffness, coarse)
-            scale = np.sqrt(np.outer(np.diag(stiffness), np.diag(stiffness)))
-            counted = np.abs(stiffness) > 1e-3 * scale
-            entries.append(np.mean((np.abs(true_stiffness - stiffness) < bars)[counted]))
+            bars = stiffness_errors(corrected, discrete)
+            off = np.abs(true.stiffness - corrected.stiffness)
+            entries.append(np.mean((off < bars)[bars > 0.0]))
     return np.array(rows), float(np.mean(entries))
 
 
