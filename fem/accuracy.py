@@ -5,7 +5,7 @@ twice the energy of the error. That energy is estimated element by element from 
 (`fem.recovery`); the next mesh gets small elements where it is large.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -16,7 +16,7 @@ from crankbase.stopwatch import Stopwatch
 from fem.assembly import assemble_stiffness
 from fem.class_compliances import axial_motion, class_axial_compliances
 from fem.condensation import CondensedClass, EndSections, condense
-from fem.correction import class_errors, corrected_class, effectivity, error_bars
+from fem.correction import class_energies, class_errors, corrected_class, effectivity, error_bars
 from fem.loads import NodalLoads, unit_pin_loads
 from fem.material import Material
 from fem.recovery import EnergyErrors
@@ -124,22 +124,25 @@ class RefinementLevel:
             self.error_estimate <= accuracy and self.axial_correction <= MOST_CORRECTED * accuracy
         )
 
-    def condense(self, symmetry: SymmetryClass, problem: Problem) -> CondensedClass:
-        """Condense another class on the same mesh."""
-        if symmetry == self.axial_part.symmetry:
-            return self.axial_part
-        part = condense(
-            self.mesh,
-            self.stiffness,
-            self.pins,
-            symmetry,
-            self.solver,
-            problem.end_sections,
-            problem.watch,
-        )
+    def condense(
+        self, symmetries: Sequence[SymmetryClass], problem: Problem
+    ) -> tuple[CondensedClass, ...]:
+        """Condense classes on the same mesh."""
+        known = self.axial_part.symmetry
+        given = (self.mesh, self.stiffness, self.pins)
+        others = [
+            condense(*given, one, self.solver, problem.end_sections, problem.watch)
+            for one in symmetries
+            if one != known
+        ]
         with problem.watch.lap("error estimate"):
-            errors = class_errors(part, self.mesh, problem.material)
-            return corrected_class(part, errors, self.effectivity)
+            energies = class_energies(others, self.mesh, problem.material)
+            corrected = {
+                part.symmetry: corrected_class(part, own, self.effectivity)
+                for part, own in zip(others, energies, strict=True)
+            }
+        corrected[known] = self.axial_part
+        return tuple(corrected[one] for one in symmetries)
 
 
 def solve_level(mesh: ThrowMesh, problem: Problem) -> RefinementLevel:
@@ -164,11 +167,11 @@ def solve_level(mesh: ThrowMesh, problem: Problem) -> RefinementLevel:
         watch,
     )
     with watch.lap("error estimate"):
-        stresses = class_errors(part, mesh, problem.material)
+        stresses = class_errors((part,), mesh, problem.material)
         axial = np.append(axial_motion(part, "pinned"), np.zeros(len(part.pin_components)))
         errors = stresses.energy_errors(axial)
         factor = effectivity(mesh, errors.relative)
-        part = corrected_class(part, stresses, factor)
+        part = corrected_class(part, stresses.products(), factor)
     return RefinementLevel(mesh, stiffness, pins, part, errors, factor, solver)
 
 

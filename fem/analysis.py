@@ -69,9 +69,7 @@ def analyze_throw(
     """
     problem = Problem(material, solver, end_sections, Stopwatch())
     level = solve_to_accuracy(throw, accuracy, problem, mesher or mesh_isolated)
-    classes = tuple(
-        level.condense(symmetry, problem) for symmetry in symmetry_classes(level.mesh.part)
-    )
+    classes = level.condense(symmetry_classes(level.mesh.part), problem)
     with problem.watch.lap("masses"):
         masses = mass_properties(level.mesh, material.density)
     return ThrowAnalysis(

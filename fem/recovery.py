@@ -62,16 +62,34 @@ def stresses_at(
     (m, q, 6) array
         xx, yy, zz, xy, yz, zx [Pa].
     """
+    weights = np.ones(len(gradients))
+    found, _ = _stresses(points, elements, displacement[:, :, None], material, gradients, weights)
+    return found[..., 0]
+
+
+def _stresses(
+    points: Array,
+    elements: Integers,
+    displacements: Array,
+    material: Material,
+    gradients: Array,
+    weights: Array,
+) -> tuple[Array, Array]:
+    """Stresses (m, q, 6, k) of k solutions (n, 3, k), and the volumes (m, q) of the places' weights."""
     lame, shear = material.lame_constant, material.shear_modulus
-    found = np.empty((len(elements), len(gradients), 6))
+    count = displacements.shape[2]
+    found = np.empty((len(elements), len(gradients), 6, count))
+    volumes = np.empty((len(elements), len(gradients)))
     for start in range(0, len(elements), CHUNK):
         batch = slice(start, start + CHUNK)
-        spatial, _ = physical_gradients(points[elements[batch]], gradients, np.ones(len(gradients)))
-        slopes = spatial.transpose(0, 1, 3, 2) @ displacement[elements[batch]][:, None]
+        nodes = elements[batch]
+        spatial, volumes[batch] = physical_gradients(points[nodes], gradients, weights)
+        of_nodes = displacements[nodes].reshape(len(nodes), 1, 10, 3 * count)
         # slopes[m, q, j, i] = d u_i / d x_j
+        slopes = (spatial.transpose(0, 1, 3, 2) @ of_nodes).reshape(*spatial.shape[:2], 3, 3, count)
         found[batch] = shear * (slopes[:, :, ROWS, COLUMNS] + slopes[:, :, COLUMNS, ROWS])
         found[batch, :, :3] += lame * np.trace(slopes, axis1=2, axis2=3)[:, :, None]
-    return found
+    return found, volumes
 
 
 def recovered_stress(
@@ -245,17 +263,7 @@ def stress_errors(
     """
     _, gradients, weights = shapes_for_quadrature(SAMPLING_ORDER)
     count = displacements.shape[2]
-    samples = np.empty((len(elements), len(weights), 6, count))
-    for column in range(count):
-        samples[..., column] = stresses_at(
-            points, elements, displacements[:, :, column], material, gradients
-        )
-    volumes = np.concatenate(
-        [
-            physical_gradients(points[elements[start : start + CHUNK]], gradients, weights)[1]
-            for start in range(0, len(elements), CHUNK)
-        ]
-    )
+    samples, volumes = _stresses(points, elements, displacements, material, gradients, weights)
     recovered = _recovered(points, elements, samples.reshape(len(elements), len(weights), -1))
     return StressErrors(
         elements, material, volumes, samples, recovered.reshape(len(points), 6, count)

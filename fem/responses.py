@@ -157,7 +157,7 @@ def evaluate_throw(
     problem = Problem(material, "auto", "rigid", Stopwatch())
     level = solve_to_accuracy(throw, accuracy, problem, mesher)
     axial = _class_responses(level.axial_part, level, STRETCH, TILT_IN_PLANE)
-    torsional_part = level.condense(torsional_class(level.mesh.part), problem)
+    (torsional_part,) = level.condense([torsional_class(level.mesh.part)], problem)
     torsional = _class_responses(torsional_part, level, TWIST, TILT_ACROSS)
     answers: dict[str, Answer] = {}
     for number, support in enumerate(SUPPORTS):
@@ -246,7 +246,7 @@ def _angle_law_responses(
             "influence_coefficient_opposite": axial.influences[pinned],
             "influence_coefficient_in_line": axial.influences[guided],
         }
-    classes = [level.condense(one, problem) for one in symmetry_classes(level.mesh.part)]
+    classes = level.condense(symmetry_classes(level.mesh.part), problem)
     law = effective_angle_law(combine_classes(classes, radial_directions(throw)))
     return {
         "axial_compliance_opposite": (law.opposite, axial.compliances[pinned][1]),

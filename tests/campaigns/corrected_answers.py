@@ -59,7 +59,7 @@ def described(throw):
 def described_level(level, problem, radials):
     """The superelement of the mesh, and what correction adds to it at an effectivity of one."""
     begin = time.process_time()
-    classes = [level.condense(one, problem) for one in symmetry_classes(level.mesh.part)]
+    classes = level.condense(symmetry_classes(level.mesh.part), problem)
     corrected = combine_classes(classes, radials)
     plain = combine_classes([one.discrete or one for one in classes], radials)
     names = ("stiffness", "pin_loads", "pin_flexibility")

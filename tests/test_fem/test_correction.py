@@ -1,6 +1,6 @@
 """Corrected answers: what must hold of them on any mesh, exactly, and what their error bars promise."""
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -160,16 +160,6 @@ def mirror_along_the_shaft(mesh):
 # ------------------------------------------------------------------------------ against true errors
 
 
-@dataclass(frozen=True)
-class Known:
-    """Errors whose energies are known."""
-
-    energies: np.ndarray
-
-    def products(self):
-        return self.energies
-
-
 def test_true_errors_give_the_true_answers():
     """With energies of the differences to a mesh refined in place its answers come out, to round-off."""
     throw = CrankThrow(
@@ -194,7 +184,7 @@ def test_true_errors_give_the_true_answers():
             [true.fields - taken(part.fields), true.pin_fields - taken(part.pin_fields)], axis=2
         ).reshape(3 * len(fine.points), -1)
         energies = errors.T @ symmetric_product(matrices[1], errors)
-        found = corrected_class(part, Known(energies), 1.0)
+        found = corrected_class(part, energies, 1.0)
         assert found.discrete.stiffness is part.stiffness
         for name in ("stiffness", "pin_loads", "pin_flexibility"):
             expected, before = getattr(true, name), getattr(part, name)
