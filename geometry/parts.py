@@ -4,12 +4,13 @@ Everything that draws, builds, checks or weighs a throw reads these, never the i
 """
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
 
+from geometry.drilling import Drilling, alike
 from geometry.outline import Outline
 
 Array = NDArray[np.float64]
@@ -153,10 +154,13 @@ class ThrowParts:
         Left main journal, pins, right main journal.
     webs : tuple of WebPlate
         One between each two cylinders; of no thickness between the halves of a split pin.
+    drillings : tuple of Drilling
+        Oil holes.
     """
 
     cylinders: tuple[Cylinder, ...]
     webs: tuple[WebPlate, ...]
+    drillings: tuple[Drilling, ...] = ()
 
     @property
     def pins(self) -> tuple[Cylinder, ...]:
@@ -172,12 +176,21 @@ class ThrowParts:
     def planar(self) -> bool:
         """Whether the crank plane x = 0 is a plane of symmetry."""
         reach = max(abs(pin.axis[1]) for pin in self.pins)
-        return all(abs(pin.axis[0]) <= 1e-9 * reach for pin in self.pins)
+        flipped = tuple(replace(hole, angle=-hole.angle) for hole in self.drillings)
+        return all(abs(pin.axis[0]) <= 1e-9 * reach for pin in self.pins) and alike(
+            flipped, self.drillings
+        )
 
     @cached_property
     def mirrored(self) -> bool:
         """Whether the middle z = length / 2 is a plane of symmetry."""
-        return _equal_to_round_off(_signature(self, False), _signature(self, True))
+        flipped = tuple(
+            replace(hole, place=self.length - hole.place, tilt=-hole.tilt)
+            for hole in self.drillings
+        )
+        return _equal_to_round_off(_signature(self, False), _signature(self, True)) and alike(
+            flipped, self.drillings
+        )
 
 
 def _signature(parts: ThrowParts, reverse: bool) -> list[tuple[object, ...]]:

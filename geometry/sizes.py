@@ -5,15 +5,17 @@ bulk), or given at the nodes of an earlier mesh, for refining where that one was
 """
 
 import math
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from geometry.drilling import Drilling
 from geometry.parts import Cylinder, ThrowParts, WebPlate
 from geometry.shapes import outer_facets
-from geometry.solid import BORE, NamedSolid, Zone
+from geometry.solid import BORE, OIL_HOLE, NamedSolid, Zone
 from geometry.volume import throw_volume
 
 Array = NDArray[np.float64]
@@ -97,6 +99,10 @@ def size_plan(parts: ThrowParts, factor: float) -> SizePlan:
             wall = cylinder.radius - cylinder.bore_radius - apart
             size = factor * min(SIZE_PER_BORE * cylinder.bore_radius, SIZE_PER_WALL * wall)
             zones.append(bore_zone(number, cylinder, min(bulk, size)))
+    for number, hole in enumerate(parts.drillings):
+        sizes = (SIZE_PER_BORE * hole.radius, ROOT_PER_FILLET * (hole.exit_radius or hole.radius))
+        wall, exit = (min(bulk, factor * size) for size in sizes)
+        zones += drilling_zones(number, hole, wall, exit)
     return SizePlan(bulk, tuple(zones))
 
 
@@ -118,6 +124,18 @@ def bore_zone(number: int, cylinder: Cylinder, size: float) -> SizeZone:
     length = 2.0 * math.pi * cylinder.bore_radius
     area = length * (cylinder.bore_end - cylinder.bore_start)
     return SizeZone((number, BORE), False, size, length, area)
+
+
+def drilling_zones(number: int, hole: Drilling, wall: float, exit: float) -> list[SizeZone]:
+    """Zones of an oil hole: of its wall, and of its exits where these are finer."""
+    length = 2.0 * math.pi * hole.radius
+    area = 2.0 * hole.volume / hole.radius
+    zones = [SizeZone((number, OIL_HOLE), False, wall, length, area)]
+    if exit < wall:
+        rounding = math.pi**2 * hole.exit_radius * (hole.radius + 0.36 * hole.exit_radius)
+        exits = len(hole.exits)
+        zones.append(SizeZone((number, EXITS), False, exit, exits * length, exits * rounding))
+    return zones
 
 
 def _ends(parts: ThrowParts, number: int) -> list[tuple[str, float, WebPlate]]:
@@ -173,7 +191,7 @@ def node_counts(parts: ThrowParts, factor: float) -> Array:
     for zone in plan.zones:
         reach = plan.reach(zone)
         distance = reach * share
-        edges = 0.0 if zone.zone[1] == BORE else 1.5 * math.pi * zone.length * distance
+        edges = 0.0 if zone.zone[1] in (BORE, OIL_HOLE) else 1.5 * math.pi * zone.length * distance
         layers = (zone.area + edges) * reach / LAYERS
         cells = float(np.sum(layers / (zone.size + GROWTH * distance) ** 3))
         counts[0 if zone.sharp else 1] += cells
@@ -218,10 +236,10 @@ def set_sizes(gmsh: Any, parts: ThrowParts, named: NamedSolid, plan: SizePlan) -
         field.setNumber(distance, "Sampling", 40)
         sizes.append(_threshold(field, distance, size, plan))
     for zone in plan.zones:
-        if zone.zone[1] == BORE:
-            # A formula: sampling the bore's surface takes gmsh a second.
+        if zone.zone[1] in FORMULAS:
+            # Sampling the bore's surface takes gmsh a second.
             distance = field.add("MathEval")
-            field.setString(distance, "F", _distance_from_bore(parts.cylinders[zone.zone[0]]))
+            field.setString(distance, "F", FORMULAS[zone.zone[1]](parts, zone.zone[0]))
             sizes.append(_threshold(field, distance, zone.size, plan))
     if len(sizes) > 1:
         least = field.add("Min")
@@ -234,7 +252,7 @@ def _groups(named: NamedSolid, plan: SizePlan) -> dict[tuple[str, float], list[i
     """Surfaces of fillets and curves of corners, those of one size together."""
     groups: dict[tuple[str, float], list[int]] = {}
     for zone in plan.zones:
-        if zone.zone[1] == BORE:
+        if zone.zone[1] in FORMULAS:
             continue
         key, tags = ("CurvesList", named.corners) if zone.sharp else ("SurfacesList", named.fillets)
         if zone.zone in tags:  # a cut may have left it out
@@ -253,13 +271,55 @@ def _threshold(field: Any, distance: int, size: float, plan: SizePlan) -> int:
     return made
 
 
-def _distance_from_bore(cylinder: Cylinder) -> str:
-    """Formula of the distance from a bore's surface in x, y, z."""
+def _distance_from_bore(parts: ThrowParts, number: int) -> str:
+    """Formula of the distance from the surface of a cylinder's bore in x, y, z."""
+    cylinder = parts.cylinders[number]
     x, y = cylinder.bore_axis
     middle = 0.5 * (cylinder.bore_start + cylinder.bore_end)
     half = 0.5 * (cylinder.bore_end - cylinder.bore_start)
     beyond = f"0.5*(Abs(z-({middle!r}))-{half!r}+Abs(Abs(z-({middle!r}))-{half!r}))"
     return f"Sqrt((Sqrt((x-({x!r}))^2+(y-({y!r}))^2)-{cylinder.bore_radius!r})^2+({beyond})^2)"
+
+
+def _distance_from_drilling(parts: ThrowParts, number: int) -> str:
+    """Formula of the distance from an oil hole's wall, its ends and a bore that it crosses not regarded."""
+    hole = parts.drillings[number]
+    middle, (first, second, along) = hole.middle.tolist(), hole.frame.tolist()
+    reach = hole.journal_radius / math.cos(hole.tilt)
+    start = -reach if hole.through else hole.inner_end
+    t, center, half = _along(middle, along), 0.5 * (reach + start), 0.5 * (reach - start)
+    beyond = f"0.5*(Abs({t}-({center!r}))-{half!r}+Abs(Abs({t}-({center!r}))-{half!r}))"
+    off = f"Sqrt(({_along(middle, first)})^2+({_along(middle, second)})^2)"
+    return f"Sqrt(({off}-{hole.radius!r})^2+({beyond})^2)"
+
+
+def _along(origin: list[float], way: list[float]) -> str:
+    """Formula of the coordinate along a unit vector from a point."""
+    return "+".join(
+        f"({step!r})*({axis}-({start!r}))"
+        for axis, start, step in zip("xyz", origin, way, strict=True)
+    ).join("()")
+
+
+def _distance_from_exits(parts: ThrowParts, number: int) -> str:
+    """Formula of the distance from balls that hold the exits of an oil hole."""
+    hole = parts.drillings[number]
+    formulas = []
+    for exit in hole.exits:
+        x, y, z = exit.point.tolist()
+        ball = float(np.linalg.norm(hole.middle + exit.rim @ hole.frame - exit.point, axis=1).max())
+        off = f"(Sqrt((x-({x!r}))^2+(y-({y!r}))^2+(z-({z!r}))^2)-{ball!r})"
+        formulas.append(f"(0.5*({off}+Abs({off})))")
+    return formulas[0] if len(formulas) == 1 else f"Min({formulas[0]},{formulas[1]})"
+
+
+# Zones whose distance is a formula in x, y, z.
+EXITS = "exits"
+FORMULAS: Mapping[str, Callable[[ThrowParts, int], str]] = {
+    BORE: _distance_from_bore,
+    OIL_HOLE: _distance_from_drilling,
+    EXITS: _distance_from_exits,
+}
 
 
 @dataclass(frozen=True)

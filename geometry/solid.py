@@ -12,6 +12,7 @@ from typing import Any
 
 import numpy as np
 
+from geometry.drilled_solid import drilled_journal, on_drilling
 from geometry.gmsh_session import middle_point
 from geometry.outline import Arc, Line
 from geometry.parts import Cylinder, Sector, Slope, ThrowParts, WebPlate
@@ -26,6 +27,7 @@ MAIN_JOURNAL = "main journal"
 FILLET = "fillet"
 WEB = "web"
 BORE = "bore"
+OIL_HOLE = "oil hole"
 COUNTERWEIGHT = "counterweight"
 
 Entity = tuple[int, int]
@@ -94,7 +96,9 @@ def make_solid(gmsh: Any, parts: ThrowParts, part: str) -> Entity:
     limit = parts.length / 2.0 if part == "quarter" else parts.length
     cylinders = [_cut(cylinder, limit) for cylinder in parts.cylinders if cylinder.start < limit]
     webs = [_cut_web(web, limit) for web in parts.webs if web.start < min(limit, web.end)]
-    pieces = [_revolved(gmsh, cylinder, whole) for cylinder in cylinders]
+    pieces = [
+        drilled_journal(gmsh, one, parts.drillings, limit, _revolved, whole) for one in cylinders
+    ]
     for web in webs:
         pieces.append(_plate(gmsh, web, whole))
         if web.sector is not None:
@@ -310,8 +314,12 @@ def _name(gmsh: Any, parts: ThrowParts, part: str) -> NamedSolid:
                 name = MIDDLE_PLANE if part == "quarter" else RIGHT_END
             elif part != "full" and x_high < tolerance:
                 name = CRANK_PLANE
+            elif on_drilling(gmsh, parts, kind, tag, point):
+                name = OIL_HOLE
             else:
                 name = _web_or_counterweight(parts, point)
+        elif on_drilling(gmsh, parts, kind, tag, point):
+            name = OIL_HOLE
         else:
             zone, name = _round_surface(parts, kind, point, tolerance)
             if zone is not None:
