@@ -114,7 +114,7 @@ def _drilled(gmsh: Any, journal: Cylinder, holes: Sequence[Drilling], solid: Ent
 
 def _clear_angle(holes: Sequence[Drilling]) -> float:
     """Angle from +y about +z in the middle of the widest gap between exits, for the surface's seam [rad]."""
-    angles = np.sort(np.radians([exit.angle_deg for hole in holes for exit in hole.exits]))
+    angles = np.sort(np.radians([outlet.angle_deg for hole in holes for outlet in hole.exits]))
     gaps = np.diff(np.append(angles, angles[0] + 2.0 * np.pi))
     widest = int(np.argmax(gaps))
     return float(angles[widest] + 0.5 * gaps[widest])
@@ -162,13 +162,13 @@ def on_drilling(gmsh: Any, parts: ThrowParts, kind: str, tag: int, point: ArrayL
 
 def _lowest(hole: Drilling) -> float:
     """Where along z it begins [m]."""
-    ends = [float(exit.point[2]) for exit in hole.exits] + [hole.place]
+    ends = [float(outlet.point[2]) for outlet in hole.exits] + [hole.place]
     return min(ends) - hole.radius
 
 
 def _beside(hole: Drilling) -> bool:
     """Whether it reaches the half x >= 0."""
-    return max(float(exit.point[0]) for exit in hole.exits) + hole.radius > hole.axis[0]
+    return max(float(outlet.point[0]) for outlet in hole.exits) + hole.radius > hole.axis[0]
 
 
 def _tool(occ: Any, journal: Cylinder, hole: Drilling) -> Entity:

@@ -108,7 +108,7 @@ class Drilling:
     @property
     def volume(self) -> float:
         """Volume that it takes out of the journal [m^3], by quadrature to round-off."""
-        return sum(exit.wall_volume + exit.rounding_volume for exit in self.exits)
+        return sum(outlet.wall_volume + outlet.rounding_volume for outlet in self.exits)
 
     def local(self, points: Array) -> Array:
         """Coordinates p, q, t (n, 3) of points (n, 3) [m]."""
@@ -145,12 +145,12 @@ class DrillingExit:
         """Where the hole's axis leaves the journal (3,) [m]."""
         hole = self.drilling
         reach = self.side * hole.journal_radius / math.cos(hole.tilt)
-        return hole.middle + reach * hole.frame[2]
+        return np.asarray(hole.middle + reach * hole.frame[2])
 
     @property
     def direction(self) -> Array:
         """Unit vector (3,) along the hole, outward."""
-        return self.side * self.drilling.frame[2]
+        return np.asarray(self.side * self.drilling.frame[2])
 
     def surface(self, p: Array, q: Array) -> Array:
         """Where along t the journal's surface is."""
@@ -172,8 +172,10 @@ class DrillingExit:
         return float(weights @ height) / math.cos(hole.tilt)
 
     def rounding(self, angles: Array, share: Array) -> Array:
-        """Places p, q, t (a, s, 3) on a rounded exit: at angles round the hole [rad], and at shares of the
-        way from its wall (0) to the journal's surface (1) [m].
+        """Places p, q, t (a, s, 3) on a rounded exit [m].
+
+        They are at `angles` (a,) round the hole [rad], and at shares (s,) of the way from its wall (0) to
+        the journal's surface (1).
         """
         hole = self.drilling
         reach, inside = hole.radius + hole.exit_radius, hole.journal_radius - hole.exit_radius
@@ -217,7 +219,7 @@ class DrillingExit:
 
     @property
     def lip(self) -> Array:
-        """Places p, q, t (a, 3) on the hole's wall where its rounding, or the journal's surface, begins [m]."""
+        """Places p, q, t (a, 3) where the hole's wall ends and its rounding or the surface begins [m]."""
         angles = 2.0 * math.pi * np.arange(ROUND) / ROUND
         rounded = self.drilling.exit_radius > 0.0
         return np.asarray(self.rounding(angles, np.zeros(1))[:, 0]) if rounded else self.rim
@@ -228,8 +230,9 @@ class DrillingExit:
         return self.drilling.exit_radius or self.drilling.radius
 
     def holds(self, points: Array) -> NDArray[np.bool_]:
-        """Which points (n, 3) of the throw's fillets and oil holes are at this exit, the hole's wall to a
-        depth of its diameter included.
+        """Which points (n, 3) of the throw's fillets and oil holes are at this exit.
+
+        The hole's wall to a depth of its diameter is part of it.
         """
         hole = self.drilling
         tolerance = PLACE_TOLERANCE * hole.journal_radius
@@ -251,15 +254,15 @@ def alike(first: tuple[Drilling, ...], second: tuple[Drilling, ...]) -> bool:
 
 
 def _same(one: Drilling, other: Drilling) -> bool:
-    numbers = [(hole.radius, hole.exit_radius, len(hole.exits)) for hole in (one, other)]
-    if not np.allclose(*numbers, rtol=1e-9, atol=0.0):
+    mine, its = ((h.radius, h.exit_radius, len(h.exits)) for h in (one, other))
+    if not np.allclose(mine, its, rtol=1e-9, atol=0.0):
         return False
     size = one.journal_radius
     return all(
         any(
-            np.allclose(mine.point, its.point, rtol=0.0, atol=1e-9 * size)
-            and np.allclose(mine.direction, its.direction, rtol=0.0, atol=1e-9)
-            for its in other.exits
+            np.allclose(near.point, far.point, rtol=0.0, atol=1e-9 * size)
+            and np.allclose(near.direction, far.direction, rtol=0.0, atol=1e-9)
+            for far in other.exits
         )
-        for mine in one.exits
+        for near in one.exits
     )

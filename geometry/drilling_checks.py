@@ -101,9 +101,9 @@ def _check_bore(hole: Drilling, journal: Cylinder) -> None:
             f"because it must run with its whole width into the {label(journal)}'s bore of "
             f"{in_mm(2.0 * hole.bore_radius)}{off}, or pass it by",
         )
-    for exit in hole.exits:
-        p, q, t = exit.lip.T
-        height = exit.side * (t * math.cos(hole.tilt) + q * math.sin(hole.tilt) - along)
+    for outlet in hole.exits:
+        p, q, t = outlet.lip.T
+        height = outlet.side * (t * math.cos(hole.tilt) + q * math.sin(hole.tilt) - along)
         left = float(np.min(height - np.sqrt(hole.bore_radius**2 - (p - across) ** 2)))
         if left < wall:
             raise dimension_error(
@@ -116,7 +116,7 @@ def _check_bore(hole: Drilling, journal: Cylinder) -> None:
 
 def _check_place(parts: ThrowParts, hole: Drilling, journal: Cylinder) -> None:
     """A hole comes out on its journal between the fillets, and clear of the throw's ends."""
-    reached = [_along(hole, exit.rim) for exit in hole.exits]
+    reached = [_along(hole, outlet.rim) for outlet in hole.exits]
     if not hole.through:
         half = hole.radius * math.cos(hole.tilt)
         reached.append(np.array([hole.place - half, hole.place + half]))
@@ -178,20 +178,20 @@ def _check_apart(first: Drilling, second: Drilling) -> None:
 
 
 def _rims(hole: Drilling) -> list[Array]:
-    return [hole.middle + exit.rim @ hole.frame for exit in hole.exits]
+    return [hole.middle + outlet.rim @ hole.frame for outlet in hole.exits]
 
 
 def _stretches(hole: Drilling) -> list[tuple[Array, Array]]:
     """Ends of the axis of each stretch of a hole in the material; a bore is open between two."""
 
-    def inside(exit: DrillingExit) -> Array:
+    def inside(outlet: DrillingExit) -> Array:
         across, along = hole.bore_place
         reach = 0.0
         if hole.crosses_bore:
-            reach = exit.side * along + math.sqrt(hole.bore_radius**2 - across**2)
-        return hole.middle + exit.side * reach / math.cos(hole.tilt) * hole.frame[2]
+            reach = outlet.side * along + math.sqrt(hole.bore_radius**2 - across**2)
+        return np.asarray(hole.middle + outlet.side * reach / math.cos(hole.tilt) * hole.frame[2])
 
-    return [(inside(exit), exit.point) for exit in hole.exits]
+    return [(inside(outlet), outlet.point) for outlet in hole.exits]
 
 
 def _distance(one: tuple[Array, Array], other: tuple[Array, Array]) -> float:

@@ -77,7 +77,7 @@ def check_solid(parts: ThrowParts, part: str, solid: SolidProperties) -> None:
     MeshError
     """
     expected = SHARES[part] * throw_volume(parts)
-    rounded = sum(exit.rounding_volume for hole in parts.drillings for exit in hole.exits)
+    rounded = sum(outlet.rounding_volume for hole in parts.drillings for outlet in hole.exits)
     off = SOLID_VOLUME_TOLERANCE * expected + ROUNDING_TOLERANCE * SHARES[part] * rounded
     if abs(solid.volume - expected) > off:
         raise MeshError(

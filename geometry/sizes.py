@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from geometry.drilling import Drilling
+from geometry.drilling_distances import distance_from_exits, distance_from_wall
 from geometry.parts import Cylinder, ThrowParts, WebPlate
 from geometry.shapes import outer_facets
 from geometry.solid import BORE, OIL_HOLE, NamedSolid, Zone
@@ -101,8 +102,8 @@ def size_plan(parts: ThrowParts, factor: float) -> SizePlan:
             zones.append(bore_zone(number, cylinder, min(bulk, size)))
     for number, hole in enumerate(parts.drillings):
         sizes = (SIZE_PER_BORE * hole.radius, ROOT_PER_FILLET * (hole.exit_radius or hole.radius))
-        wall, exit = (min(bulk, factor * size) for size in sizes)
-        zones += drilling_zones(number, hole, wall, exit)
+        wall, outlet = (min(bulk, factor * size) for size in sizes)
+        zones += drilling_zones(number, hole, wall, outlet)
     return SizePlan(bulk, tuple(zones))
 
 
@@ -126,15 +127,15 @@ def bore_zone(number: int, cylinder: Cylinder, size: float) -> SizeZone:
     return SizeZone((number, BORE), False, size, length, area)
 
 
-def drilling_zones(number: int, hole: Drilling, wall: float, exit: float) -> list[SizeZone]:
+def drilling_zones(number: int, hole: Drilling, wall: float, outlet: float) -> list[SizeZone]:
     """Zones of an oil hole: of its wall, and of its exits where these are finer."""
     length = 2.0 * math.pi * hole.radius
     area = 2.0 * hole.volume / hole.radius
     zones = [SizeZone((number, OIL_HOLE), False, wall, length, area)]
-    if exit < wall:
+    if outlet < wall:
         rounding = math.pi**2 * hole.exit_radius * (hole.radius + 0.36 * hole.exit_radius)
         exits = len(hole.exits)
-        zones.append(SizeZone((number, EXITS), False, exit, exits * length, exits * rounding))
+        zones.append(SizeZone((number, EXITS), False, outlet, exits * length, exits * rounding))
     return zones
 
 
@@ -281,44 +282,12 @@ def _distance_from_bore(parts: ThrowParts, number: int) -> str:
     return f"Sqrt((Sqrt((x-({x!r}))^2+(y-({y!r}))^2)-{cylinder.bore_radius!r})^2+({beyond})^2)"
 
 
-def _distance_from_drilling(parts: ThrowParts, number: int) -> str:
-    """Formula of the distance from an oil hole's wall, its ends and a bore that it crosses not regarded."""
-    hole = parts.drillings[number]
-    middle, (first, second, along) = hole.middle.tolist(), hole.frame.tolist()
-    reach = hole.journal_radius / math.cos(hole.tilt)
-    start = -reach if hole.through else hole.inner_end
-    t, center, half = _along(middle, along), 0.5 * (reach + start), 0.5 * (reach - start)
-    beyond = f"0.5*(Abs({t}-({center!r}))-{half!r}+Abs(Abs({t}-({center!r}))-{half!r}))"
-    off = f"Sqrt(({_along(middle, first)})^2+({_along(middle, second)})^2)"
-    return f"Sqrt(({off}-{hole.radius!r})^2+({beyond})^2)"
-
-
-def _along(origin: list[float], way: list[float]) -> str:
-    """Formula of the coordinate along a unit vector from a point."""
-    return "+".join(
-        f"({step!r})*({axis}-({start!r}))"
-        for axis, start, step in zip("xyz", origin, way, strict=True)
-    ).join("()")
-
-
-def _distance_from_exits(parts: ThrowParts, number: int) -> str:
-    """Formula of the distance from balls that hold the exits of an oil hole."""
-    hole = parts.drillings[number]
-    formulas = []
-    for exit in hole.exits:
-        x, y, z = exit.point.tolist()
-        ball = float(np.linalg.norm(hole.middle + exit.rim @ hole.frame - exit.point, axis=1).max())
-        off = f"(Sqrt((x-({x!r}))^2+(y-({y!r}))^2+(z-({z!r}))^2)-{ball!r})"
-        formulas.append(f"(0.5*({off}+Abs({off})))")
-    return formulas[0] if len(formulas) == 1 else f"Min({formulas[0]},{formulas[1]})"
-
-
 # Zones whose distance is a formula in x, y, z.
 EXITS = "exits"
 FORMULAS: Mapping[str, Callable[[ThrowParts, int], str]] = {
     BORE: _distance_from_bore,
-    OIL_HOLE: _distance_from_drilling,
-    EXITS: _distance_from_exits,
+    OIL_HOLE: lambda parts, number: distance_from_wall(parts.drillings[number]),
+    EXITS: lambda parts, number: distance_from_exits(parts.drillings[number]),
 }
 
 

@@ -15,8 +15,7 @@ GAUSS_POINTS, PANELS = 10, 8
 
 
 def throw_volume(parts: ThrowParts) -> float:
-    """Volume of a throw [m^3]: journals, fillets and webs with counterweights, less bores and
-    oil holes.
+    """Volume of a throw [m^3]: journals, fillets, webs, counterweights, less bores and oil holes.
 
     Parameters
     ----------
