@@ -158,6 +158,17 @@ class DrillingExit:
         height = np.sqrt(np.maximum(hole.journal_radius**2 - p**2, 0.0))
         return np.asarray((self.side * height - q * math.sin(hole.tilt)) / math.cos(hole.tilt))
 
+    def inner(self, p: Array, q: Array) -> Array:
+        """Where along t the hole begins: at the bore, on the journal's axis, or at its end in a bore."""
+        hole = self.drilling
+        if not hole.crosses_bore:
+            return np.zeros_like(p)
+        across, along = hole.bore_place
+        height = self.side * along + np.sqrt(
+            np.maximum(hole.bore_radius**2 - (p - across) ** 2, 0.0)
+        )
+        return np.asarray((self.side * height - q * math.sin(hole.tilt)) / math.cos(hole.tilt))
+
     @property
     def wall_volume(self) -> float:
         """Volume of the hole between its inner end or the bore and the journal's surface [m^3]."""
@@ -165,11 +176,8 @@ class DrillingExit:
         angles = 2.0 * math.pi * np.arange(ROUND) / ROUND
         p, weights = hole.radius * np.sin(angles), hole.radius**2 * np.cos(angles) ** 2
         weights *= 2.0 * math.pi / ROUND  # p runs over the hole twice, its width is 2 radius cos
-        height = np.sqrt(hole.journal_radius**2 - p**2)
-        if hole.crosses_bore:
-            across, along = hole.bore_place
-            height -= self.side * along + np.sqrt(hole.bore_radius**2 - (p - across) ** 2)
-        return float(weights @ height) / math.cos(hole.tilt)
+        level = np.zeros_like(p)  # what is odd in q cancels
+        return float(self.side * (weights @ (self.surface(p, level) - self.inner(p, level))))
 
     def rounding(self, angles: Array, share: Array) -> Array:
         """Places p, q, t (a, s, 3) on a rounded exit [m].

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from crankbase.errors import InputError
-from geometry.drilling import Drilling, DrillingExit
+from geometry.drilling import Drilling
 from geometry.parts import Cylinder, ThrowParts
 from geometry.throw_fields import dimension_error, in_mm, label
 
@@ -183,15 +183,11 @@ def _rims(hole: Drilling) -> list[Array]:
 
 def _stretches(hole: Drilling) -> list[tuple[Array, Array]]:
     """Ends of the axis of each stretch of a hole in the material; a bore is open between two."""
-
-    def inside(outlet: DrillingExit) -> Array:
-        across, along = hole.bore_place
-        reach = 0.0
-        if hole.crosses_bore:
-            reach = outlet.side * along + math.sqrt(hole.bore_radius**2 - across**2)
-        return np.asarray(hole.middle + outlet.side * reach / math.cos(hole.tilt) * hole.frame[2])
-
-    return [(inside(outlet), outlet.point) for outlet in hole.exits]
+    none = np.zeros(1)
+    return [
+        (hole.middle + outlet.inner(none, none)[0] * hole.frame[2], outlet.point)
+        for outlet in hole.exits
+    ]
 
 
 def _distance(one: tuple[Array, Array], other: tuple[Array, Array]) -> float:
