@@ -90,16 +90,21 @@ def _check_bore(hole: Drilling, journal: Cylinder) -> None:
         return
     widest = 2.0 * (SHARE_OF_BORE * hole.bore_radius - abs(across))
     if 2.0 * hole.radius > widest * (1.0 + 1e-12):
+        bore = f"the {label(journal)}'s bore of {in_mm(2.0 * hole.bore_radius)}"
         off = (
             f", whose axis passes the hole's at {in_mm(abs(across))}" if abs(across) > 1e-9 else ""
         )
-        allowed = f"at most {in_mm(widest)}" if widest > 0.0 else "another angle"
+        reason = f"because it must run with its whole width into {bore}{off}, or pass it by"
+        if widest <= 0.0:
+            raise InputError(
+                f"throw.{_field(hole, 'angle')}: given {math.degrees(hole.angle):.6g} deg; allowed is "
+                f"another one, {reason}."
+            )
         raise dimension_error(
             _field(hole, "diameter"),
             2.0 * hole.radius,
-            f"{allowed} at this angle" if widest > 0.0 else allowed,
-            f"because it must run with its whole width into the {label(journal)}'s bore of "
-            f"{in_mm(2.0 * hole.bore_radius)}{off}, or pass it by",
+            f"at most {in_mm(widest)} at this angle",
+            reason,
         )
     for outlet in hole.exits:
         p, q, t = outlet.lip.T
@@ -109,8 +114,9 @@ def _check_bore(hole: Drilling, journal: Cylinder) -> None:
             raise dimension_error(
                 _field(hole, "exit_radius"),
                 hole.exit_radius,
-                f"one that leaves {in_mm(wall)} of straight hole, not {in_mm(left)}",
-                f"or the rounding would reach the bore of {in_mm(2.0 * hole.bore_radius)}",
+                "a smaller one",
+                f"because {in_mm(wall)} of straight hole must be left between its rounding and the bore of "
+                f"{in_mm(2.0 * hole.bore_radius)}",
             )
 
 

@@ -241,7 +241,9 @@ class OilHole(InputModel):
         "radius of its rounded exits; 0 for sharp ones", EXIT_RADIUS, default=0.0, feature=True
     )
     through: bool = Field(
-        True, description="whether it runs right through; else to the part's axis, or to its bore"
+        True,
+        description="whether it runs right through; else to the part's axis, or to its bore",
+        json_schema_extra={"feature": True},
     )
 
 

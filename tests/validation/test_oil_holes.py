@@ -5,20 +5,20 @@ Sources and tolerances:
 - Volume of a cylinder of radius a that pierces one of radius R across its axis:
   8/3 R ((R^2 + a^2) E(m) - (R^2 - a^2) K(m)), m = (a/R)^2, with the complete elliptic integrals K and E
   (the integral of 4 sqrt(R^2 - x^2) sqrt(a^2 - x^2); a tilted hole has it divided by the cosine of its tilt,
-  for its chords are so much longer). A rounded exit is checked by counting: material that no ball of that radius
-  within the solid reaches. Formula against closed form 1e-9; solids and meshes against the formula
-  0.1 % of the hole and of the throw, of which the kernel's integrals and the curved elements take 0.006 %.
+  for its chords are so much longer). A rounded exit is checked by counting: material that no ball of
+  that radius within the solid reaches. Formula against closed form 1e-9; solids and meshes against the
+  formula 0.1 % of the hole and of the throw, of which the kernel and curved elements take 0.006 %.
 - Stress concentration at a sharp hole across a round bar or tube: W. D. Pilkey, Peterson's Stress
-  Concentration Factors, chapter 4, transverse hole in a round bar or tube (the polynomials as reprinted at
-  eng-calculations.com; they are fitted to photoelastic measurements, above all those of H. T. Jessop, C. Snell
-  and I. M. Allison, 1959): largest principal stress by the nominal stress of the full section. 3 % in tension of bars, for tubes, and in bending and torsion for holes of 0.3 diameters. In bars
-  with holes of 0.1 and 0.2 diameters, finite elements find in bending and torsion 3 to 8 % more than these
-  charts; there the largest stress lies under the surface, about a quarter of the hole's diameter deep,
-  where slices of a model average over a steep slope (Poisson's ratio of the frozen models would add
-  more). These have 8.5 %.
+  Concentration Factors, chapter 4, transverse hole in a round bar or tube (the polynomials as reprinted
+  at eng-calculations.com; they are fitted to photoelastic measurements, above all those of H. T. Jessop,
+  C. Snell and I. M. Allison, 1959): largest principal stress by the nominal stress of the full section.
+  3 % in tension of bars, for tubes, and in bending and torsion for holes of 0.3 diameters. In bars with
+  holes of 0.1 and 0.2 diameters, finite elements find in bending and torsion 3 to 8 % more than this; there
+  the largest stress lies under the surface, about a quarter of the hole's diameter deep, where slices
+  of a model average over a steep slope. These have 8.5 %.
 - The factors for oil bores of IACS UR M53 (Rev.5, as printed in Korean Register, Rules for the
-  Classification of Steel Ships 2025, Part 5 Guidance, Annex 5-3), gamma_B = 3 - 5.88 d + 34.6 d^2 and gamma_T = 4 - 6 d + 30 d^2: 3 % at d = 0.2, the end of their
-  range; like Peterson's they are lower at 0.1.
+  Classification of Steel Ships 2025, Part 5 Guidance, Annex 5-3), gamma_B = 3 - 5.88 d + 34.6 d^2 and
+  gamma_T = 4 - 6 d + 30 d^2: 3 % at d = 0.2, the end of their range; like Peterson's they are lower at 0.1.
 - Twice as many elements change the factors by less than 2 %.
 """
 
@@ -29,6 +29,7 @@ import pytest
 from scipy.spatial import KDTree
 from scipy.special import ellipe, ellipk
 
+from comparing import close
 from fem.fillet_surface import fillet_surface
 from fem.material import STEEL
 from fem.principal import largest_principal, principal_stresses
@@ -122,7 +123,7 @@ def test_solid_and_mesh_lose_what_the_hole_takes(hole, dimensions, figure):
     plain = CrankThrow(**dimensions)
     throw = plain.changed(oil_holes=(OilHole(part="pin", diameter=0.03, **hole),))
     taken = throw.parts.drillings[0].volume
-    assert plain.volume - throw.volume == pytest.approx(taken, rel=1e-9)
+    assert plain.volume - throw.volume == close(taken, rel=1e-9)
     copies = {"quarter": 4.0, "half": 2.0}[throw.symmetry]
     solid = copies * throw_solid(throw).volume
     figure("volume of a throw with a hole", solid, throw.volume, 1e-3, "m^3")
