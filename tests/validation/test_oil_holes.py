@@ -14,8 +14,8 @@ Sources and tolerances:
   C. Snell and I. M. Allison, 1959): largest principal stress by the nominal stress of the full section.
   3 % in tension of bars, for tubes, and in bending and torsion for holes of 0.3 diameters. In bars with
   holes of 0.1 and 0.2 diameters, finite elements find in bending and torsion 3 to 8 % more than this; there
-  the largest stress lies under the surface, about a quarter of the hole's diameter deep, where slices
-  of a model average over a steep slope. These have 8.5 %.
+  the largest stress lies under the surface, about a quarter of the hole's diameter deep, where
+  slices of a model would average over a steep slope. These have 8.5 %.
 - The factors for oil bores of IACS UR M53 (Rev.5, as printed in Korean Register, Rules for the
   Classification of Steel Ships 2025, Part 5 Guidance, Annex 5-3), gamma_B = 3 - 5.88 d + 34.6 d^2 and
   gamma_T = 4 - 6 d + 30 d^2: 3 % at d = 0.2, the end of their range; like Peterson's they are lower at 0.1.
