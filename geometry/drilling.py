@@ -20,6 +20,8 @@ Point = tuple[float, float]
 ROUND, ACROSS = 128, 16
 # How deep an exit reaches into the hole: so many diameters, and at most half of the wall.
 EXIT_DEPTH = 1.0
+# Of the hole's radius: the largest stress is on the wall below exits of smaller radii.
+SMALL_EXIT = 0.4
 # Nodes lie on a hole's wall to this share of the journal's radius.
 PLACE_TOLERANCE = 1e-6
 
@@ -234,8 +236,9 @@ class DrillingExit:
 
     @property
     def radius(self) -> float:
-        """Radius that stresses change over: the rounding's, at a sharp exit the hole's [m]."""
-        return self.drilling.exit_radius or self.drilling.radius
+        """Radius that stresses change over: the hole's if sharp, else the rounding's if not small [m]."""
+        hole = self.drilling
+        return max(hole.exit_radius, SMALL_EXIT * hole.radius) if hole.exit_radius else hole.radius
 
     def holds(self, points: Array) -> NDArray[np.bool_]:
         """Which points (n, 3) of the throw's fillets and oil holes are at this exit.

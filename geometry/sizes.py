@@ -101,8 +101,9 @@ def size_plan(parts: ThrowParts, factor: float) -> SizePlan:
             size = factor * min(SIZE_PER_BORE * cylinder.bore_radius, SIZE_PER_WALL * wall)
             zones.append(bore_zone(number, cylinder, min(bulk, size)))
     for number, hole in enumerate(parts.drillings):
-        sizes = (SIZE_PER_BORE * hole.radius, ROOT_PER_FILLET * (hole.exit_radius or hole.radius))
-        wall, outlet = (min(bulk, factor * size) for size in sizes)
+        # A hole is small: even on coarse meshes it has some six elements round it.
+        wall = min(bulk, min(factor * SIZE_PER_BORE, 1.0) * hole.radius)
+        outlet = min(wall, min(factor * ROOT_PER_FILLET, 1.0) * (hole.exit_radius or hole.radius))
         zones += drilling_zones(number, hole, wall, outlet)
     return SizePlan(bulk, tuple(zones))
 
