@@ -8,6 +8,7 @@ This file is also run by its path as the child's first program, so it takes the 
 """
 
 import contextlib
+import gc
 import os
 import runpy
 import select
@@ -30,6 +31,9 @@ MODULE, REMOVE = "module", "remove"
 NO_PIPE = -1
 # Seconds between two looks at who the owner is; the end of the pipe is seen at once.
 LOOK = 0.5
+# So many new objects are made before Python looks for circles of references among them: with its own number
+# it does so all through the loading of libraries, which makes a twentieth of a run.
+GARBAGE_THRESHOLD = 100_000
 # A folder in which a dying process still writes is removed by one of so many tries, so many seconds apart.
 TRIES, PAUSE = 20, 0.05
 
@@ -181,6 +185,7 @@ def _main() -> None:
     if task == REMOVE:
         _remove_at_the_end(*given)
         return
+    gc.set_threshold(GARBAGE_THRESHOLD)
     pipe, module, *arguments = given
     _end_with_owner(int(pipe))
     sys.argv = [module, *arguments]

@@ -19,6 +19,7 @@ from crankfem import limits as limits
 from crankfem import mechanism as mechanism
 from crankfem import pictures as pictures
 from crankfem import response as response
+from crankfem import strength as strength
 from crankfem import studies as studies
 from crankfem import throws as throws
 from crankfem import torque as torque

@@ -17,7 +17,7 @@ from fem.angle_law import effective_angle_law
 HEAD = f"""\
 # Compliances of a throw of each shipped engine by finite elements of this program (written by
 # docs/build_throw_compliances.py), estimated error within {100.0 * ACCURACY:g} %: relative, of the axial
-# compliance, by which the true one is larger. Axial between equal neighbors at an angle gamma:
+# compliance. Axial between equal neighbors at an angle gamma:
 # e_0 + (e_180 - e_0) / (1 + rho cot^2(gamma/2)), exact for equal webs, for others through gamma = 0, 90
 # and 180 deg. Torsional: ends pinned. Of several throws that at the free end.
 engine,e_0_m_per_N,e_180_m_per_N,rho,torsional_rad_per_Nm,error_estimate

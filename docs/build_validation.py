@@ -107,6 +107,7 @@ GROUPS: dict[str, tuple[str, dict[str, str]]] = {
             "test_published_table": "Yamanin, Zhukov 2021",
             "test_paper_study": "Yamanin, Zhukov 2021, own designs held out",
             "test_limit_rules": "Korean Register 2025, IACS M68",
+            "test_crankshaft_strength": "Korean Register 2025, IACS M53",
         },
     ),
     "Models that leave out less": (

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import sparse
 
-from fem.elements import element_masses, element_stiffnesses
+from fem.elements import PAIRS, element_masses, element_stiffnesses
 from fem.material import Material
 
 
@@ -33,20 +33,18 @@ def assemble_stiffness(
         left out because the matrix is symmetric [N/m].
     """
     count = len(points)
-    first, second = np.triu_indices(10)
     # Blocks of 3 x 3 for pairs of nodes: nine times fewer than entries to be sorted.
-    blocks = np.empty((len(elements), len(first), 3, 3))
+    blocks = np.empty((len(elements), PAIRS.shape[1], 3, 3))
     for batch, stiffness in element_stiffnesses(points, elements, material):
-        by_nodes = stiffness.reshape(-1, 10, 3, 10, 3)
-        blocks[batch] = by_nodes[:, first, :, second].transpose(1, 0, 2, 3)
-    rows, columns = elements[:, first], elements[:, second]
-    below = rows > columns
-    blocks[below] = blocks[below].transpose(0, 2, 1)
-    keys = (np.minimum(rows, columns) * count + np.maximum(rows, columns)).ravel()
+        blocks[batch] = stiffness
+    rows, columns = np.sort(elements, axis=1)[:, PAIRS].transpose(1, 0, 2)
+    keys = (rows * count + columns).ravel()
     order = np.argsort(keys, kind="stable")
     keys = keys[order]
     starts = np.flatnonzero(np.diff(keys, prepend=-1))
-    sums = np.add.reduceat(blocks.reshape(-1, 9)[order], starts)
+    limits = np.append(starts, len(keys))
+    gather = sparse.csr_array((np.ones(len(keys)), order, limits), shape=(len(starts), len(keys)))
+    sums = gather @ blocks.reshape(-1, 9)
     rows, columns = np.divmod(keys[starts], count)
     limits = np.searchsorted(rows, np.arange(count + 1))
     whole = sparse.bsr_array(
@@ -99,6 +97,14 @@ def _upper(matrix: sparse.csr_array) -> sparse.csr_array:
 
 def symmetric_product(upper: sparse.csr_array, vectors: NDArray[np.float64]) -> NDArray[np.float64]:
     """Multiply a symmetric matrix, given by its upper triangle, with vectors (n,) or (n, k)."""
-    diagonal = upper.diagonal()
+    diagonal = _diagonal(upper)
     scaled = diagonal * vectors if vectors.ndim == 1 else diagonal[:, None] * vectors
     return np.asarray(upper @ vectors + upper.T @ vectors - scaled)
+
+
+def _diagonal(upper: sparse.csr_array) -> NDArray[np.float64]:
+    """Diagonal of an upper triangle; mostly each row begins with its entry."""
+    count, starts = upper.shape[0], upper.indptr[:-1]
+    if np.diff(upper.indptr).all() and np.array_equal(upper.indices[starts], np.arange(count)):
+        return np.asarray(upper.data[starts])
+    return np.asarray(upper.diagonal())

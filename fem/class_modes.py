@@ -9,7 +9,8 @@ K + s M, is positive definite though a free throw can move as a rigid body.
 
 from collections.abc import Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,9 +19,9 @@ from scipy.sparse.linalg import ArpackError, LinearOperator, eigsh
 
 from crankbase.errors import InputError
 from fem.assembly import assemble_mass, assemble_stiffness, symmetric_product
-from fem.condensation import blocked_unknowns
+from fem.condensation import blocked_unknowns, uncoupled
 from fem.material import Material
-from fem.solver import Factorization, SolveError, factorize
+from fem.solver import Factorization, SharedSolver, SolveError
 from fem.symmetry import SymmetryClass
 from geometry.mesh import ThrowMesh
 from geometry.shapes import element_volumes
@@ -202,7 +203,7 @@ class ClassProblem:
         """
         size = len(self.free)
         known = np.zeros((size, 0)) if known is None else known
-        whole_mass = (self.mass + sparse.triu(self.mass, k=1).T).tocsr()
+        whole_mass = self._whole_mass
         known_inertia = whole_mass @ known
 
         def solve(side: Array) -> Array:
@@ -226,6 +227,10 @@ class ClassProblem:
             raise SolveError(f"The modes could not be found: {error}") from error
         order = np.argsort(squares)
         return np.asarray(squares)[order], np.asarray(vectors)[:, order]
+
+    @cached_property
+    def _whole_mass(self) -> sparse.csr_array:
+        return sparse.csr_array(self.mass + sparse.triu(self.mass, k=1).T)
 
     def _checked(self, squares: Array, vectors: Array) -> ClassModes:
         inertia = symmetric_product(self.mass, vectors)
@@ -251,7 +256,7 @@ def class_problem(
     *,
     shift: float = 0.0,
     held_ends: bool = False,
-    solver: str = "auto",
+    solver: str | SharedSolver = "auto",
 ) -> Iterator[ClassProblem]:
     """Set up and factorize the eigenvalue problem of one symmetry class.
 
@@ -264,8 +269,8 @@ def class_problem(
         s of K + s M [rad^2/s^2]; positive unless the ends are held.
     held_ends : bool
         Whether the end sections are held.
-    solver
-        As for `fem.modes.free_modes`.
+    solver : str or SharedSolver
+        See `fem.solver.SharedSolver`; the classes of one mesh share a pattern.
 
     Yields
     ------
@@ -276,12 +281,38 @@ def class_problem(
     SolveError
         If the matrix cannot be factorized.
     """
-    free = np.flatnonzero(~blocked_unknowns(mesh, symmetry, ends=held_ends).ravel())
+    blocked = blocked_unknowns(mesh, symmetry, ends=held_ends)
+    free = np.flatnonzero(~blocked.ravel())
     stiffness = matrices.stiffness[free][:, free].tocsr()
     mass = matrices.mass[free][:, free].tocsr()
     shifted = (stiffness + shift * mass).tocsr() if shift else stiffness
-    with factorize(shifted, solver) as factors:
-        yield ClassProblem(symmetry, len(mesh.points), free, stiffness, mass, shift, factors)
+    # Nodes that the cuts block along some axes stay whole, so that the classes share a pattern.
+    whole = np.flatnonzero(np.repeat(~blocked.all(axis=1), 3))
+    of_nodes = matrices.stiffness[whole][:, whole].tocsr()
+    if shift:
+        of_nodes = (of_nodes + shift * matrices.mass[whole][:, whole]).tocsr()
+    shared = solver if isinstance(solver, SharedSolver) else SharedSolver(solver, few_sides=False)
+    factors = shared.factorize(uncoupled(of_nodes, blocked.ravel()[whole]))
+    inside = np.searchsorted(whole, free)
+
+    def apply(sides: Array) -> Array:
+        given = np.zeros((len(whole), sides.shape[1]))
+        given[inside] = sides
+        return factors.apply(given)[inside]
+
+    try:
+        yield ClassProblem(
+            symmetry,
+            len(mesh.points),
+            free,
+            stiffness,
+            mass,
+            shift,
+            replace(factors, upper=shifted, apply=apply),
+        )
+    finally:
+        if shared is not solver:
+            shared.close()
 
 
 def frequencies_of(squares: Array) -> Array:

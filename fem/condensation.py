@@ -60,6 +60,9 @@ class CondensedClass:
     pin_reactions : (pins, k, 6) array
         The same as `pin_loads` from the other side: forces that hold the end sections under the unit
         loads on the pins, reversed. The two are equal by reciprocity, from separate solutions.
+    discrete : CondensedClass or None
+        The class as the mesh gives it, if `stiffness`, `pin_loads` and `pin_flexibility` are corrected
+        (`fem.correction`).
     """
 
     symmetry: SymmetryClass
@@ -73,6 +76,7 @@ class CondensedClass:
     end_sections: str
     end_forces: Array
     pin_reactions: Array
+    discrete: "CondensedClass | None" = None
 
 
 def condense(
@@ -203,7 +207,7 @@ def _with_rigid_ends(
     # What is prescribed acts as a load on the free unknowns.
     loads = np.hstack([-symmetric_product(stiffness, fields)[free], pin_loads[free]])
     loads[blocked] = 0.0
-    factors = solver.factorize(_uncoupled(stiffness[free][:, free].tocsr(), blocked))
+    factors = solver.factorize(uncoupled(stiffness[free][:, free].tocsr(), blocked))
     with watch.lap("solves"):
         solution = factors.solve(loads)
     fields[free] = solution[:, :count]
@@ -225,8 +229,8 @@ def unit_end_motions(
     return found
 
 
-def _uncoupled(upper: sparse.csr_array, blocked: NDArray[np.bool_]) -> sparse.csr_array:
-    """Let blocked unknowns stay zero; the pattern stays what it is in all classes."""
+def uncoupled(upper: sparse.csr_array, blocked: NDArray[np.bool_]) -> sparse.csr_array:
+    """Let blocked unknowns (f,) stay zero; the pattern (f, f) stays what it is in all classes."""
     rows = np.repeat(np.arange(upper.shape[0]), np.diff(upper.indptr))
     cut = (blocked[rows] | blocked[upper.indices]) & (rows != upper.indices)
     values = np.where(cut, 0.0, upper.data)
@@ -261,7 +265,7 @@ def _with_averaged_ends(
     balancing = -inverse.T @ (rigid.T @ pin_loads)
     loads = np.hstack([end_loads @ balanced, pin_loads + end_loads @ balancing])
     loads[blocked] = 0.0
-    factors = solver.factorize(_uncoupled(stiffness, blocked))
+    factors = solver.factorize(uncoupled(stiffness, blocked))
     with watch.lap("solves"):
         solution = factors.solve(loads)
     count = balanced.shape[1]

@@ -16,6 +16,7 @@ relative to the lowest mode left out.
 
 import math
 from collections.abc import Sequence
+from contextlib import closing
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any
 
@@ -34,6 +35,7 @@ from fem.condensation import CondensedClass
 from fem.fixed_interface_shapes import shapes_of_class, shapes_of_throw
 from fem.material import Material
 from fem.plots.frequency_stems import draw_frequencies
+from fem.solver import SharedSolver
 from fem.superelement import section_rotation
 from fem.symmetry import SymmetryClass, symmetry_classes
 from geometry.mesh import ThrowMesh
@@ -234,19 +236,22 @@ def dynamic_superelement(
     cutoff = cutoff_factor * highest_frequency
     stiffness, mass = np.zeros((12, 12)), np.zeros((12, 12))
     found = []
-    for part in classes:
-        shares, copies = part.symmetry.shares, part.symmetry.copies
-        fields = part.fields.reshape(mesh.unknowns, -1)
-        inertia = symmetric_product(matrices.mass, fields)
-        stiffness += copies * shares.T @ part.stiffness @ shares
-        mass += copies * shares.T @ (fields.T @ inertia) @ shares
-        if cutoff > 0.0:
-            with class_problem(
-                mesh, matrices, part.symmetry, held_ends=True, solver=solver
-            ) as problem:
-                found.append(
-                    shapes_of_class(problem, part, matrices.stiffness, inertia, cutoff, corrections)
-                )
+    with closing(SharedSolver(solver, few_sides=False)) as shared:
+        for part in classes:
+            shares, copies = part.symmetry.shares, part.symmetry.copies
+            fields = part.fields.reshape(mesh.unknowns, -1)
+            inertia = symmetric_product(matrices.mass, fields)
+            stiffness += copies * shares.T @ part.stiffness @ shares
+            mass += copies * shares.T @ (fields.T @ inertia) @ shares
+            if cutoff > 0.0:
+                with class_problem(
+                    mesh, matrices, part.symmetry, held_ends=True, solver=shared
+                ) as problem:
+                    found.append(
+                        shapes_of_class(
+                            problem, part, matrices.stiffness, inertia, cutoff, corrections
+                        )
+                    )
     inside = shapes_of_throw(mesh, len(classes[0].pin_loads), found)
     end_pin_loads = sum(part.symmetry.shares.T @ part.pin_loads for part in classes)
     count = len(inside.squares)

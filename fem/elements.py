@@ -20,6 +20,12 @@ QUADRATURE_ORDER = 2
 # than their names.
 MASS_QUADRATURE_ORDER = 8
 CHUNK = 4096
+# Pairs (2, 55) of an element's nodes, each once, nodes with themselves included.
+PAIRS = np.array(np.triu_indices(10))
+# Where their 3 x 3 entries, row by row and column by column, stand in a 30 x 30 matrix of all nodes.
+_BLOCKS = 90 * PAIRS[0][:, None, None] + 3 * PAIRS[1][:, None, None]
+_ENTRIES = (_BLOCKS + np.arange(0, 90, 30)[:, None] + np.arange(3)).ravel()
+_TRANSPOSED = (_BLOCKS + np.arange(3)[:, None] + np.arange(0, 90, 30)).ravel()
 
 Array = NDArray[np.float64]
 
@@ -65,7 +71,7 @@ def _cross(one: Array, other: Array, product: Array) -> None:
 def element_stiffnesses(
     points: Array, elements: NDArray[np.int64], material: Material
 ) -> Iterator[tuple[slice, Array]]:
-    """Yield element stiffness matrices in batches.
+    """Yield the stiffness of elements between each two of their nodes, in batches.
 
     Parameters
     ----------
@@ -80,22 +86,27 @@ def element_stiffnesses(
     ------
     batch : slice
         Which elements.
-    stiffness : (b, 30, 30) array
-        Unknown 3 a + i is the displacement of node a along axis i [N/m].
+    stiffness : (b, 55, 3, 3) array
+        Forces along three axes (rows) on the first node of each pair of `PAIRS` for displacements
+        (columns) of the second. The nodes of an element are taken by ascending numbers [N/m].
     """
     lame, shear = material.lame_constant, material.shear_modulus
     _, gradients, weights = shapes_for_quadrature(QUADRATURE_ORDER)
+    order = np.argsort(elements, axis=1)
     for batch in _batches(elements):
         spatial, volumes = physical_gradients(points[elements[batch]], gradients, weights)
-        count = len(volumes)
-        scaled = (spatial * np.sqrt(volumes)[:, :, None, None]).reshape(count, len(weights), 30)
+        scaled = spatial * np.sqrt(volumes)[:, :, None, None]
+        scaled = np.take_along_axis(scaled, order[batch, None, :, None], axis=2)
+        scaled = scaled.reshape(*volumes.shape, 30)
         # products[a, i, b, j] = integral of d_i phi_a d_j phi_b
-        products = (scaled.transpose(0, 2, 1) @ scaled).reshape(count, 10, 3, 10, 3)
-        stiffness = lame * products + shear * products.transpose(0, 1, 4, 3, 2)
-        laplacian = shear * np.einsum("maibi->mab", products)
-        for axis in range(3):
-            stiffness[:, :, axis, :, axis] += laplacian
-        yield batch, stiffness.reshape(count, 30, 30)
+        products = (scaled.transpose(0, 2, 1) @ scaled).reshape(len(volumes), 900)
+        stiffness = lame * products.take(_ENTRIES, axis=1)
+        stiffness += shear * products.take(_TRANSPOSED, axis=1)
+        # What both have on the diagonal is the integral of grad phi_a grad phi_b.
+        laplacian = shear * sum(products.take(_ENTRIES[axis::9], axis=1) for axis in (0, 4, 8))
+        for axis in (0, 4, 8):
+            stiffness[:, axis::9] += laplacian
+        yield batch, stiffness.reshape(len(volumes), -1, 3, 3)
 
 
 def element_masses(

@@ -1,7 +1,7 @@
 """What a load on a pin does: motions of the end sections and of the pin, and reactions."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -198,6 +198,19 @@ def spread_load(
     return pin_load(pin_surfaces(mesh)[checked_pin(pin, len(mesh.pins))], *given, distribution)
 
 
+def unevenness(
+    mesh: ThrowMesh, pin: int, force: ArrayLike, moment: ArrayLike, distribution: Distribution
+) -> NodalLoads:
+    """What a spread load adds to the same force and moment spread evenly; errors as for `spread_load`.
+
+    Answers to even loads are corrected for discretization; of what is in equilibrium with itself the
+    answers of the mesh are added.
+    """
+    spread = spread_load(mesh, pin, force, moment, distribution)
+    even = spread_load(mesh, pin, force, moment, "uniform")
+    return replace(spread, values=spread.values - even.values)
+
+
 def end_load(
     superelement: Superelement,
     classes: Sequence[CondensedClass],
@@ -209,7 +222,27 @@ def end_load(
 ) -> Array:
     """End loads (12,) that a force and a moment (3,) on a pin are equivalent to; errors as above."""
     given = checked_vector("pin_force", force, "N"), checked_vector("pin_moment", moment, "N m")
+    uniform = superelement.pin_loads[checked_pin(pin, len(mesh.pins))] @ np.concatenate(given)
     if distribution == "uniform":
-        place = checked_pin(pin, len(mesh.pins))
-        return np.asarray(superelement.pin_loads[place] @ np.concatenate(given))
-    return equivalent_load(classes, spread_load(mesh, pin, *given, distribution))
+        return np.asarray(uniform)
+    return np.asarray(
+        uniform + equivalent_load(classes, unevenness(mesh, pin, *given, distribution))
+    )
+
+
+def pin_motion(
+    superelement: Superelement,
+    classes: Sequence[CondensedClass],
+    mesh: ThrowMesh,
+    pin: int,
+    force: Array,
+    moment: Array,
+    distribution: Distribution,
+) -> Array:
+    """Mean motion (6,) of a pin under a force and a moment (3,) on it, the end sections held."""
+    place = slice(6 * pin, 6 * pin + 6)
+    even = superelement.pin_flexibility[place, place] @ np.concatenate([force, moment])
+    if distribution == "uniform":
+        return np.asarray(even)
+    uneven = unevenness(mesh, pin, force, moment, distribution)
+    return np.asarray(even + local_motion(classes, uneven, len(mesh.pins))[place])

@@ -8,6 +8,7 @@ recovered stress and that of the elements measures their error; the recovered st
 fillets are judged by.
 """
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -173,50 +174,63 @@ class EnergyErrors:
         return float(self.elements.sum() / self.energy)
 
 
-def energy_errors(
-    points: Array, elements: Integers, displacement: Array, material: Material
-) -> EnergyErrors:
-    """Estimate the energy of the error from the difference to the recovered stress.
-
-    Parameters
-    ----------
-    points, elements, displacement, material
-        As for `stresses_at`.
-
-    Returns
-    -------
-    EnergyErrors
-    """
-    samples, volumes = _samples(points, elements, displacement, material)
-    energy = float(np.sum(volumes * strain_energy(samples, material)))
-    differences, shares = _differences(points, elements, samples)
-    densities = strain_energy(differences, material) @ shares
-    return EnergyErrors(volumes.sum(axis=1) * densities, energy)
-
-
 @dataclass(frozen=True)
-class EnergyProducts:
-    """Mutual energies of several solutions on one mesh, and those of their errors.
-
-    The work of the forces of one solution on the displacement of another is their mutual energy; what
-    discretization takes from it is the mutual energy of the two errors.
+class StressErrors:
+    """Stresses of k solutions on one mesh, and the recovered ones that they differ from.
 
     Attributes
     ----------
-    solutions : (k, k) array
-        In the meshed part [J].
-    errors : (k, k) array
-        Estimated, in the meshed part [J].
+    elements : (m, 10) array
+        Node numbers.
+    material : Material
+    volumes : (m, 4) array
+        What the sampling points stand for [m^3].
+    samples : (m, 4, 6, k) array
+        Stresses of the elements at the sampling points [Pa].
+    recovered : (n, 6, k) array
+        Recovered stresses at the nodes [Pa].
     """
 
-    solutions: Array
-    errors: Array
+    elements: Integers
+    material: Material
+    volumes: Array
+    samples: Array
+    recovered: Array
+
+    def energy_errors(self, amplitudes: Array) -> EnergyErrors:
+        """Estimate the energy of the error of a sum of the solutions times amplitudes (k,)."""
+        samples, recovered = self.samples @ amplitudes, self.recovered @ amplitudes
+        densities = np.empty(len(self.elements))
+        for batch, difference, shares in _differences(self.elements, samples, recovered):
+            densities[batch] = strain_energy(difference, self.material) @ shares
+        energy = float(np.sum(self.volumes * strain_energy(samples, self.material)))
+        return EnergyErrors(self.volumes.sum(axis=1) * densities, energy)
+
+    def products(self) -> Array:
+        """Mutual energies (k, k) of the estimated errors of the solutions in the meshed part [J].
+
+        The work of the forces of one solution on the displacement of another is their mutual energy;
+        what discretization takes from it is the mutual energy of the two errors.
+        """
+        modulus, ratio = self.material.youngs_modulus, self.material.poisson_ratio
+        strains = np.diag(np.repeat([1.0, 2.0], 3)) * (1.0 + ratio)
+        strains[:3, :3] -= ratio
+        half = np.linalg.cholesky(strains / modulus).T
+        volumes = self.volumes.sum(axis=1)
+        count = self.samples.shape[-1]
+        total = np.zeros((count, count))
+        for batch, difference, shares in _differences(self.elements, self.samples, self.recovered):
+            # The rule's weights are not all positive.
+            weights = np.repeat((volumes[batch, None] * shares).ravel(), 6)
+            rows = (half @ difference).reshape(-1, count)
+            total += rows.T @ (weights[:, None] * rows)
+        return total
 
 
-def energy_products(
+def stress_errors(
     points: Array, elements: Integers, displacements: Array, material: Material
-) -> EnergyProducts:
-    """Estimate the mutual energies of the errors of several solutions.
+) -> StressErrors:
+    """Recover the stresses of several solutions, for the energies of their errors.
 
     Parameters
     ----------
@@ -227,55 +241,52 @@ def energy_products(
 
     Returns
     -------
-    EnergyProducts
+    StressErrors
     """
-    found = [
-        _samples(points, elements, displacements[:, :, column], material)
-        for column in range(displacements.shape[2])
-    ]
-    volumes = found[0][1]
-    samples = np.concatenate([one for one, _ in found], axis=2)
-    differences, shares = _differences(points, elements, samples)
-    return EnergyProducts(
-        _products(samples, volumes, material),
-        _products(differences, volumes.sum(axis=1)[:, None] * shares, material),
-    )
-
-
-def _samples(
-    points: Array, elements: Integers, displacement: Array, material: Material
-) -> tuple[Array, Array]:
-    """Stress (m, 4, 6) at the sampling points, and the volumes (m, 4) they stand for [m^3]."""
     _, gradients, weights = shapes_for_quadrature(SAMPLING_ORDER)
-    samples = stresses_at(points, elements, displacement, material, gradients)
+    count = displacements.shape[2]
+    samples = np.empty((len(elements), len(weights), 6, count))
+    for column in range(count):
+        samples[..., column] = stresses_at(
+            points, elements, displacements[:, :, column], material, gradients
+        )
     volumes = np.concatenate(
         [
             physical_gradients(points[elements[start : start + CHUNK]], gradients, weights)[1]
             for start in range(0, len(elements), CHUNK)
         ]
     )
-    return samples, volumes
+    recovered = _recovered(points, elements, samples.reshape(len(elements), len(weights), -1))
+    return StressErrors(
+        elements, material, volumes, samples, recovered.reshape(len(points), 6, count)
+    )
 
 
-def _differences(points: Array, elements: Integers, samples: Array) -> tuple[Array, Array]:
-    """Recovered stress less that of the elements (m, q, c), and the volume shares (q,) of the places."""
-    recovered = _recovered(points, elements, samples)
+def energy_errors(
+    points: Array, elements: Integers, displacement: Array, material: Material
+) -> EnergyErrors:
+    """Estimate the energy of the error of one solution; parameters as for `stresses_at`."""
+    found = stress_errors(points, elements, displacement[:, :, None], material)
+    return found.energy_errors(np.ones(1))
+
+
+def _differences(
+    elements: Integers, samples: Array, recovered: Array
+) -> Iterator[tuple[slice, Array, Array]]:
+    """Recovered stress less that of the elements (b, q, ...), and the volume shares (q,) of the places.
+
+    For samples (m, 4, ...) and recovered stresses (n, ...), in batches of elements.
+    """
     # Stress is linear inside a straight element; the recovered one is a quadratic between the nodes.
     fine, _, fine_weights = shapes_for_quadrature(ENERGY_ORDER)
     linear = _linear_through_samples(fine[:, :4] + 0.5 * fine[:, 4:] @ _ENDS)
-    return fine @ recovered[elements] - linear @ samples, fine_weights / fine_weights.sum()
-
-
-def _products(stresses: Array, volumes: Array, material: Material) -> Array:
-    """Mutual energies (k, k) of k stresses (m, q, 6 k) at places that stand for volumes (m, q)."""
-    modulus, ratio = material.youngs_modulus, material.poisson_ratio
-    strains = np.diag(np.repeat([1.0, 2.0], 3)) * (1.0 + ratio)
-    strains[:3, :3] -= ratio
-    tensors = stresses.reshape(-1, stresses.shape[2] // 6, 6)
-    weighted = tensors * volumes.reshape(-1, 1, 1)
-    return np.asarray(
-        np.einsum("pki,ij,plj->kl", weighted, strains / modulus, tensors, optimize=True)
-    )
+    weights = np.hstack([fine, -linear])
+    shares = fine_weights / fine_weights.sum()
+    for start in range(0, len(elements), CHUNK):
+        batch = slice(start, start + CHUNK)
+        both = np.concatenate([recovered[elements[batch]], samples[batch]], axis=1)
+        flat = weights @ both.reshape(*both.shape[:2], -1)
+        yield batch, flat.reshape(*flat.shape[:2], *both.shape[2:]), shares
 
 
 def _linear_through_samples(corners: Array) -> Array:

@@ -1,12 +1,11 @@
 """What a study keeps of a throw: its responses, each with an estimate of its discretization error.
 
 Under its supports a throw's axial answers are those of one symmetry class, its torsional ones those of
-another; no others are solved for a throw with equal webs. Every answer is the mutual energy of two
-displacement fields: of the field of a unit axial force with itself for e_n, with that of a unit radial
-force on the pin for c, and so on. What discretization takes from it is the mutual energy of the errors
-of the two, which recovered stresses estimate.
+another; no others are solved for a throw with equal webs. Every answer is corrected for what
+discretization takes from it (`fem.correction`), and its error is a share of that.
 """
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from types import MappingProxyType
@@ -15,14 +14,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from crankbase.stopwatch import Stopwatch
-from fem.accuracy import SAFETY, Mesher, Problem, RefinementLevel, solve_to_accuracy
+from fem.accuracy import Mesher, Problem, RefinementLevel, solve_to_accuracy
 from fem.angle_law import effective_angle_law
 from fem.class_compliances import unit_response
 from fem.condensation import CondensedClass
+from fem.correction import error_bars
 from fem.fillet_stress import fillet_stresses
 from fem.loads import RADIAL, radial_directions
 from fem.material import STEEL, Material
-from fem.recovery import energy_products
 from fem.superelement import RX, RY, combine_classes
 from fem.supports import STRETCH, TWIST
 from fem.symmetry import symmetry_classes, torsional_class
@@ -42,10 +41,8 @@ TILT_ACROSS[[RY, 6 + RY]] = 1.0, 1.0
 STRESS_LOADS = ("bending", "torsion")
 STRESS_ACCURACY = 0.05
 
-# A value, and how much too small it is by estimate, as a share of it.
+# A value and its estimated relative error.
 Answer = tuple[float, float]
-# Estimates are true within this share (tests/campaigns/compliance_errors.py).
-ESTIMATE_SPREAD = 0.15
 
 
 @dataclass(frozen=True)
@@ -159,9 +156,9 @@ def evaluate_throw(
     """
     problem = Problem(material, "auto", "rigid", Stopwatch())
     level = solve_to_accuracy(throw, accuracy, problem, mesher)
-    axial = _class_responses(level.axial_part, level, material, STRETCH, TILT_IN_PLANE, radial=True)
+    axial = _class_responses(level.axial_part, level, STRETCH, TILT_IN_PLANE)
     torsional_part = level.condense(torsional_class(level.mesh.part), problem)
-    torsional = _class_responses(torsional_part, level, material, TWIST, TILT_ACROSS, radial=False)
+    torsional = _class_responses(torsional_part, level, TWIST, TILT_ACROSS)
     answers: dict[str, Answer] = {}
     for number, support in enumerate(SUPPORTS):
         compliance, influence = axial.compliances[number], axial.influences[number]
@@ -202,43 +199,30 @@ class _ClassResponses:
 
 
 def _class_responses(
-    part: CondensedClass,
-    level: RefinementLevel,
-    material: Material,
-    load: Array,
-    tilt: Array,
-    radial: bool,
+    part: CondensedClass, level: RefinementLevel, load: Array, tilt: Array
 ) -> _ClassResponses:
-    """Solve a class under its end load and the tilting moments; `radial` adds the force on the pin."""
-    pull, moments = load @ part.symmetry.ends, tilt @ part.symmetry.ends
-    amplitudes = [unit_response(part, support, pull) for support in SUPPORTS]
-    amplitudes.append(unit_response(part, "pinned", moments))
-    on_pin = np.zeros((len(amplitudes), part.pin_fields.shape[2]))
-    if radial:
-        work = part.pin_loads[0, :, :3] @ RADIAL
-        amplitudes += [unit_response(part, support, work) for support in SUPPORTS]
-        pins, components = part.pin_components.T
-        share = np.where(pins == 0, np.append(RADIAL, np.zeros(3))[components], 0.0)
-        on_pin = np.vstack([on_pin, share, share])
-    motions = np.array(amplitudes)
-    fields = part.fields @ motions.T + part.pin_fields @ on_pin.T
-    products = energy_products(level.mesh.points, level.mesh.elements, fields, material)
-    lost = SAFETY * part.symmetry.copies * products.errors
-
-    def response(value: float, one: int, other: int) -> Answer:
-        return float(value), float(lost[one, other] / value)
-
-    return _ClassResponses(
-        compliances=[response(motions[n] @ pull, n, n) for n in range(2)],
-        influences=[response(motions[3 + n] @ pull, n, 3 + n) for n in range(2)] if radial else [],
-        tilt=response(motions[2] @ moments, 2, 2),
+    """Solve a class under its end load, under the radial force on the pin and the tilting moments."""
+    values = _class_values(part, load, tilt)
+    plain = _class_values(part.discrete or part, load, tilt)
+    errors = error_bars(values, plain, level.axial_correction) / np.where(
+        values == 0.0, 1.0, np.abs(values)
     )
+    found = list(zip(values.tolist(), errors.tolist(), strict=True))
+    return _ClassResponses(found[:2], found[2:4], found[4])
+
+
+def _class_values(part: CondensedClass, load: Array, tilt: Array) -> Array:
+    """Compliances and influences (2 each) for each of `SUPPORTS`, and the tilt."""
+    pull, moments = load @ part.symmetry.ends, tilt @ part.symmetry.ends
+    radial = part.pin_loads[0, :, :3] @ RADIAL
+    amplitudes = np.array([unit_response(part, support, pull) for support in SUPPORTS])
+    tilting = unit_response(part, "pinned", moments) @ moments
+    return np.concatenate([amplitudes @ pull, amplitudes @ radial, [tilting]])
 
 
 def _ratio(numerator: Answer, denominator: Answer) -> Answer:
-    """Quotient of two answers; what both miss alike cancels, as far as the estimates are true."""
-    spread = ESTIMATE_SPREAD * max(abs(numerator[1]), abs(denominator[1]))
-    return numerator[0] / denominator[0], abs(numerator[1] - denominator[1]) + spread
+    """Quotient of two answers whose errors are not known to be alike."""
+    return numerator[0] / denominator[0], math.hypot(numerator[1], denominator[1])
 
 
 def _angle_law_responses(

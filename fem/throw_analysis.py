@@ -1,16 +1,15 @@
 """A throw's elastic and mass properties from one superelement: what `analyze_throw` returns."""
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from crankbase.checks.choices import check_choice
-from crankbase.drawing.diagram_style import new_axes
-from crankbase.drawing.legends import write_title
 from crankbase.summaries import summarized
 from fem.angle_law import AngleLaw, angle_law, compliance, compliance_over_angle
+from fem.answer_errors import axial_correction, stiffness_errors, supported_errors
 from fem.axial_analysis import SolvedThrow
 from fem.condensation import CondensedClass
 from fem.craig_bampton import DynamicSuperelement, dynamic_superelement
@@ -19,15 +18,14 @@ from fem.modes import ThrowModes, free_modes
 from fem.pin_response import (
     PinResponse,
     checked_pin,
+    checked_vector,
     end_load,
-    equivalent_load,
-    local_motion,
     pin_compliance,
+    pin_motion,
     pin_response,
-    spread_load,
 )
-from fem.plots.over_angle import ANGLES_DEG, LABELS, Compliance, check_compliance, draw_compliance
-from fem.superelement import Superelement
+from fem.plots.over_angle import ANGLES_DEG, LABELS, Compliance, check_compliance, plot_compliance
+from fem.superelement import Superelement, combine_classes
 from fem.supports import (
     STRETCH,
     TABLE_SUPPORTS,
@@ -38,7 +36,7 @@ from fem.supports import (
     reactions,
     support_throw,
 )
-from fem.throw_frames import compliance_table, stiffness_table, throw_grid
+from fem.throw_frames import stiffness_table, supported_table, throw_grid
 from geometry.mass import MassProperties
 
 if TYPE_CHECKING:
@@ -78,6 +76,28 @@ class ThrowAnalysis(SolvedThrow):
     def stiffness(self) -> NDArray[np.float64]:
         """Stiffness (12, 12): ux uy uz rx ry rz of the left, then the right end section [SI]."""
         return self.superelement.stiffness
+
+    @property
+    def discrete(self) -> "ThrowAnalysis":
+        """The same throw as its mesh gives it, not corrected: for comparisons on one mesh."""
+        classes = tuple(one.discrete or one for one in self.classes)
+        plain = combine_classes(classes, self.superelement.radials)
+        taken = axial_correction(self.superelement, plain)
+        return replace(self, classes=classes, superelement=plain, error_estimate=taken)
+
+    @property
+    def corrected(self) -> bool:
+        """Whether answers are corrected for discretization: not where it takes too much to be told."""
+        return all(one.discrete is not None for one in self.classes)
+
+    @property
+    def stiffness_error(self) -> NDArray[np.float64]:
+        """Estimated errors (12, 12) of the entries of the stiffness [SI]."""
+        return stiffness_errors(self.superelement, self.discrete.superelement)
+
+    def error_bars(self, support: Support = "pinned") -> SupportedThrow:
+        """Estimated errors left in compliances under a support, in their units (docs/accuracy.md)."""
+        return supported_errors(self.superelement, self.discrete.superelement, support)
 
     @property
     def solver(self) -> str:
@@ -149,11 +169,8 @@ class ThrowAnalysis(SolvedThrow):
 
         Parameters
         ----------
-        support : "pinned", "guided" or Neighbors
-        pin : int
-            Which pin, from 0 at the left.
-        distribution : {"uniform", "cosine"}
-            How the force is spread over the pin; see `pin_response`.
+        support, pin, distribution
+            As for `pin_response`.
 
         Raises
         ------
@@ -161,9 +178,7 @@ class ThrowAnalysis(SolvedThrow):
             If an argument is none of these.
         """
         radial = self.superelement.radials[checked_pin(pin, len(self.mesh.pins))]
-        load = end_load(
-            self.superelement, self.classes, self.mesh, pin, radial, NO_FORCE, distribution
-        )
+        load = self._end_load(pin, radial, NO_FORCE, distribution)
         return float(STRETCH @ end_motions(self.superelement, support, load[:, None])[:, 2])
 
     def reactions(
@@ -184,12 +199,10 @@ class ThrowAnalysis(SolvedThrow):
             ``(0, -Z, 0)``.
         support : "pinned", "guided" or Neighbors
             The left end takes the torque.
-        pin : int
-            Which pin, from 0 at the left.
         pin_moment : (3,) array_like
             Moment on the pin about its center [N m].
-        distribution : {"uniform", "cosine"}
-            How the load is spread over the pin; see `pin_response`.
+        pin, distribution
+            As for `pin_response`.
 
         Returns
         -------
@@ -202,10 +215,14 @@ class ThrowAnalysis(SolvedThrow):
             If force or moment are not three finite numbers, the support or distribution is unknown,
             or there is no such pin.
         """
-        load = end_load(
-            self.superelement, self.classes, self.mesh, pin, pin_force, pin_moment, distribution
-        )
+        load = self._end_load(pin, pin_force, pin_moment, distribution)
         return reactions(self.superelement, support, load)
+
+    def _end_load(
+        self, pin: int, force: ArrayLike, moment: ArrayLike, distribution: Distribution
+    ) -> NDArray[np.float64]:
+        given = (pin, force, moment, distribution)
+        return end_load(self.superelement, self.classes, self.mesh, *given)
 
     def pin_response(
         self,
@@ -235,17 +252,16 @@ class ThrowAnalysis(SolvedThrow):
         InputError
             As for `reactions`.
         """
-        load = spread_load(self.mesh, pin, force, moment, distribution)
-        local = local_motion(self.classes, load, len(self.mesh.pins))[6 * pin : 6 * pin + 6]
-        ends = equivalent_load(self.classes, load)
+        given = checked_vector("force", force, "N"), checked_vector("moment", moment, "N m")
+        ends = self._end_load(pin, *given, distribution)
+        local = pin_motion(self.superelement, self.classes, self.mesh, pin, *given, distribution)
         return pin_response(self.superelement, support, ends, local, pin)
 
     def pin_compliance(self, support: Support = "pinned", pin: int = 0) -> NDArray[np.float64]:
         """Mean motions (6, 6) of a pin per unit load on it, the throw axially free.
 
-        Translations along x, y, z [m] and rotations about them [rad] under unit forces [N] and moments
-        about the pin's center [N m], uniformly spread. Errors as for `axial_compliance`, also if there
-        is no such pin.
+        Translations along x, y, z [m] and rotations [rad] under unit forces [N] and moments about the
+        pin's center [N m], uniformly spread. Errors as for `reactions`.
         """
         return pin_compliance(self.superelement, support, checked_pin(pin, len(self.mesh.pins)))
 
@@ -268,10 +284,10 @@ class ThrowAnalysis(SolvedThrow):
         SolveError
             If the modes cannot be found.
         """
+        highest, solver = highest_frequency, self.solver
         return free_modes(
-            self.mesh, self.material, count=count, highest_frequency=highest_frequency,
-            solver=self.solver,
-        )  # fmt: skip
+            self.mesh, self.material, count=count, highest_frequency=highest, solver=solver
+        )
 
     def dynamic_superelement(self, highest_frequency: float) -> DynamicSuperelement:
         """Stiffness and mass of the throw for vibration up to a frequency [Hz].
@@ -305,7 +321,7 @@ class ThrowAnalysis(SolvedThrow):
         Raises
         ------
         InputError
-            If the quantity is none of these or an angle is not finite.
+            For another quantity or an angle that is not finite.
         """
         return compliance_over_angle(self.superelement, check_compliance(quantity), gamma_deg)
 
@@ -314,9 +330,8 @@ class ThrowAnalysis(SolvedThrow):
     ) -> "Axes":
         """Draw a compliance over the angle to equal neighbors, beside the pinned and the guided throw.
 
-        With equal webs neighbors in line give the guided value and opposite ones the pinned value of the
-        axial compliance and the influence coefficient; for the torsional compliance it is the other way
-        round. The band beside the axial compliance is its estimated discretization error.
+        With equal webs neighbors in line give the guided value and opposite ones the pinned value, of the
+        torsional compliance the other way round. The band is the estimated discretization error.
 
         Parameters
         ----------
@@ -333,13 +348,12 @@ class ThrowAnalysis(SolvedThrow):
         InputError
             If the quantity is none of these.
         """
-        one, values = self.superelement, self.over_angle(quantity)
-        bounds = {name: compliance(one, quantity, name) for name in ("guided", "pinned")}
-        error = self.error_estimate if quantity == "axial_compliance" else None
-        axes = new_axes(axes)
-        draw_compliance(axes, values, bounds, quantity, error)
-        write_title(axes, "Throw by finite elements")
-        return axes
+        chosen = check_compliance(quantity)
+        bounds = {
+            name: compliance(self.superelement, chosen, name) for name in ("guided", "pinned")
+        }
+        error = self.error_estimate if chosen == "axial_compliance" else None
+        return plot_compliance(axes, self.over_angle(chosen), bounds, chosen, error)
 
     def to_pandas(self, content: Literal["compliances", "stiffness"] = "compliances") -> Any:
         """Return a table.
@@ -357,20 +371,14 @@ class ThrowAnalysis(SolvedThrow):
 
         Raises
         ------
-        InputError
-            If the content is neither.
-        MissingLibraryError
-            If pandas is not installed.
+        InputError, MissingLibraryError
+            If the content is neither, or pandas is not installed.
         """
         check_choice("content", content, ("compliances", "stiffness"), "these are tables")
         if content == "stiffness":
             return stiffness_table(self.stiffness)
-        answers = {name: self.supported(support) for name, support in TABLE_SUPPORTS.items()}
-        return compliance_table(
-            answers,
-            axial_compliance=lambda name: answers[name].axial,
-            torsional_compliance=lambda name: answers[name].torsional,
-            influence_coefficient=lambda name: answers[name].influence,
+        return supported_table(
+            {name: self.supported(support) for name, support in TABLE_SUPPORTS.items()}
         )
 
     def to_xarray(self) -> Any:
@@ -385,7 +393,6 @@ class ThrowAnalysis(SolvedThrow):
         Raises
         ------
         MissingLibraryError
-            If xarray is not installed.
         """
         return throw_grid(
             self.stiffness, ANGLES_DEG, {name: self.over_angle(name) for name in LABELS}

@@ -38,6 +38,16 @@ def compliance_table(supports: Iterable[str], **compliances: Callable[[str], flo
     ).set_index("support")
 
 
+def supported_table(answers: Mapping[str, Any]) -> Any:
+    """Return a pandas table of a `SupportedThrow` each by the name of its support."""
+    return compliance_table(
+        answers,
+        axial_compliance=lambda name: answers[name].axial,
+        torsional_compliance=lambda name: answers[name].torsional,
+        influence_coefficient=lambda name: answers[name].influence,
+    )
+
+
 def stiffness_table(stiffness: Array) -> Any:
     """Return a pandas table of a stiffness (12, 12), loads in rows and end motions in columns."""
     columns = zip(END_MOTIONS, stiffness.T, strict=True)

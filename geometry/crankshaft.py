@@ -15,7 +15,8 @@ from crankbase.checks.arrays import finite_vector
 from crankbase.errors import InputError, MeshError
 from crankbase.summaries import summarized
 from crankbase.units.quantity import format_quantity
-from geometry.gmsh_session import gmsh_errors, gmsh_session
+from geometry.built_solid import built_solid
+from geometry.gmsh_session import gmsh_errors
 from geometry.isolated import shared_process
 from geometry.mass import (
     MassProperties,
@@ -29,7 +30,6 @@ from geometry.mass import (
 from geometry.mesh_checks import (
     SOLID_VOLUME_TOLERANCE,
     SolidProperties,
-    check_solid,
     solid_properties,
 )
 from geometry.mesher import TIME_LIMIT
@@ -229,12 +229,8 @@ def throw_masses(throw: CrankThrow, density: float) -> MassProperties:
 
 def throw_solid(throw: CrankThrow) -> SolidProperties:
     """Properties of the solid of the part of a throw that its symmetry leaves, in this process."""
-    with gmsh_session("throw") as gmsh, gmsh_errors("build the throw"):
-        make_solid(gmsh, throw.parts, throw.symmetry)
-        remove_loose(gmsh)
-        solid = solid_properties(gmsh)
-        check_solid(throw.parts, throw.symmetry, solid)
-        return solid
+    with gmsh_errors("build the throw"), built_solid(throw.parts, throw.symmetry) as built:
+        return built.solid
 
 
 def make_shaft(gmsh: Any, shaft: Crankshaft) -> None:

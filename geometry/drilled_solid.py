@@ -2,21 +2,19 @@
 
 import tempfile
 from collections.abc import Callable, Sequence
-from dataclasses import fields, replace
 from pathlib import Path
-from typing import Any, TypeVar, cast
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from crankbase.errors import MeshError
 from geometry.drilling import Drilling
-from geometry.parts import Cylinder, ThrowParts
+from geometry.parts import Cylinder, ThrowParts, scaled_parts
 
 Entity = tuple[int, int]
-Part = TypeVar("Part", Cylinder, Drilling)
-# Of the kernel's lengths where exits are rounded: millimeters.
-SCALE = 1e-3
+# Radius of a journal where the kernel rounds exits, like one of 200 mm in millimeters.
+LARGE = 100.0
 # A tool ends so far outside the journal's surface, beside its radius, that it cuts nothing else.
 BEYOND = 1.01
 # The kernel's curves and roundings keep to their surfaces by this share of the journal's radius.
@@ -73,19 +71,18 @@ def drilled_journal(
         return revolve(gmsh, journal, whole)
     if not any(hole.exit_radius for hole in holes):
         return make(journal, holes)
-    before = gmsh.model.getCurrent()
+    before, scale = gmsh.model.getCurrent(), journal.radius / LARGE
     with tempfile.TemporaryDirectory() as folder:
         file = str(Path(folder) / "journal.brep")
         gmsh.model.add("journal")
         try:
-            enlarged = [_scaled(hole, 1.0 / SCALE) for hole in holes]
-            make(_scaled(journal, 1.0 / SCALE), enlarged)
+            make(*scaled_parts((journal, tuple(holes)), 1.0 / scale))
             gmsh.model.occ.synchronize()
             gmsh.write(file)
         finally:
             gmsh.model.remove()
             gmsh.model.setCurrent(before)
-        gmsh.option.setNumber("Geometry.OCCScaling", SCALE)
+        gmsh.option.setNumber("Geometry.OCCScaling", scale)
         try:
             made = gmsh.model.occ.importShapes(file)
         finally:
@@ -118,17 +115,6 @@ def _clear_angle(holes: Sequence[Drilling]) -> float:
     gaps = np.diff(np.append(angles, angles[0] + 2.0 * np.pi))
     widest = int(np.argmax(gaps))
     return float(angles[widest] + 0.5 * gaps[widest])
-
-
-def _scaled(one: Part, factor: float) -> Part:
-    """Enlarge a journal or a hole."""
-    lengths = {
-        field.name: value * factor if isinstance(value, float) else tuple(x * factor for x in value)
-        for field in fields(one)
-        if field.name not in ("angle", "tilt")
-        and isinstance(value := getattr(one, field.name), float | tuple)
-    }
-    return replace(one, **cast(Any, lengths))
 
 
 def _only_volume(entities: Sequence[Entity]) -> Entity:

@@ -16,18 +16,16 @@ from geometry.gmsh_session import gmsh_errors
 from geometry.imported import ImportedThrow, file_content
 from geometry.mesh import MeshingStrategy, OnRemark, ThrowMesh, checked_mesh, try_strategies
 from geometry.mesh_checks import check_budget, solid_properties
-from geometry.parts import ThrowParts
 from geometry.recognition import PLACE_TOLERANCE
+from geometry.size_fields import set_face_sizes, set_size_map
 from geometry.sizes import (
     GROWTH,
     ROOT_PER_FILLET,
     SIZE_PER_BORE,
     SizeMap,
     SizePlan,
-    set_size_map,
-    set_sizes,
 )
-from geometry.solid import BORE, LEFT_END, RIGHT_END, NamedSolid
+from geometry.solid import BORE, LEFT_END, RIGHT_END
 
 Array = NDArray[np.float64]
 # Nodes per volume of a cubed element size and per area of a squared one.
@@ -170,13 +168,7 @@ def _set_sizes(gmsh: Any, throw: ImportedThrow, factor: float) -> None:
     gmsh.option.setNumber("Mesh.MeshSizeMax", plan.bulk)
     if not plan.zones:
         return
-    surfaces = {name: list(tags) for name, tags in throw.surfaces}
-    named = NamedSolid(
-        surfaces,
-        {zone: list(tags) for zone, tags in throw.fillets},
-        {zone: list(tags) for zone, tags in throw.corners},
-    )
-    set_sizes(gmsh, ThrowParts(throw.holes, ()), named, plan)
+    set_face_sizes(gmsh, throw.holes, dict(throw.fillets), dict(throw.corners), plan)
 
 
 def _check_ends(mesh: ThrowMesh) -> None:

@@ -27,7 +27,7 @@ class IsolatedProcess:
         if self._process is None or not self._process.alive:
             child = start_child(
                 "crankbase.calls",
-                "geometry.gmsh_session:load_gmsh",
+                "geometry.built_solid:keep_solids",
                 stdin=subprocess.PIPE,
                 stdout=subprocess.PIPE,
                 stderr=subprocess.DEVNULL,

@@ -8,23 +8,22 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from crankbase.errors import InputError, MeshError
-from crankbase.stopwatch import Stopwatch
 from crankbase.summaries import summarized
-from geometry.gmsh_session import gmsh_errors, gmsh_session
+from geometry.built_solid import built_solid
+from geometry.gmsh_session import gmsh_errors
 from geometry.mesh_checks import (
     MOST_UNKNOWNS,
     SolidProperties,
     check_budget,
     check_quality,
-    check_solid,
     check_volume,
-    solid_properties,
 )
 from geometry.mesh_repair import straighten_elements
 from geometry.parts import ThrowParts
 from geometry.shapes import facet_keys, outer_facets
-from geometry.sizes import SHARES, SizeMap, predict_unknowns, set_size_map, set_sizes, size_plan
-from geometry.solid import CRANK_PLANE, MIDDLE_PLANE, build_solid
+from geometry.size_fields import set_size_map, set_sizes
+from geometry.sizes import SHARES, SizeMap, predict_unknowns, size_plan
+from geometry.solid import CRANK_PLANE, MIDDLE_PLANE
 from geometry.throw import CrankThrow
 
 if TYPE_CHECKING:
@@ -102,7 +101,7 @@ class ThrowMesh:
     attempts : tuple of str
         Ways of meshing that were tried before and why each failed; empty for most throws.
     geometry_seconds : float
-        Time to build or open the solid, without meshing it.
+        Time to build or open the solid, without meshing it; 0 if it was kept from the mesh before.
     """
 
     part: str
@@ -266,34 +265,34 @@ def _mesh_once(
     attempts: tuple[str, ...],
 ) -> ThrowMesh:
     factor = size_factor * rung.share
-    watch = Stopwatch()
-    with gmsh_session("throw") as gmsh:
-        for option, value in rung.options:
-            gmsh.option.setNumber(option, value)
-        with gmsh_errors("mesh the throw"):
-            with watch.lap("geometry"):
-                named = build_solid(gmsh, parts, part)
-                solid = solid_properties(gmsh)
-                check_solid(parts, part, solid)
-            if sizes is None:
-                set_sizes(gmsh, parts, named, size_plan(parts, factor))
-            else:
-                set_size_map(gmsh, sizes, factor)
+    with (
+        gmsh_errors("mesh the throw"),
+        built_solid(parts, part, rung.options) as built,
+    ):
+        if sizes is None:
+            set_sizes(built.gmsh, built.parts, size_plan(built.parts, factor), built.last)
+        else:
+            set_size_map(built.gmsh, sizes, factor, built.parts, built.unit)
         return checked_mesh(
-            gmsh,
-            named.surfaces,
-            solid,
+            built.gmsh,
+            built.surfaces,
+            built.solid,
+            built.unit,
             part=part,
             length=parts.length,
             pins=tuple(pin.name for pin in parts.pins),
             size_factor=factor,
             attempts=attempts,
-            geometry_seconds=watch.seconds["geometry"],
+            geometry_seconds=built.seconds,
         )
 
 
 def checked_mesh(
-    gmsh: Any, surfaces: dict[str, list[int]], solid: SolidProperties, **described: Any
+    gmsh: Any,
+    surfaces: dict[str, list[int]],
+    solid: SolidProperties,
+    unit: float = 1.0,
+    **described: Any,
 ) -> ThrowMesh:
     """Mesh the model, whose element sizes are set, and check what comes out.
 
@@ -303,6 +302,8 @@ def checked_mesh(
     surfaces : dict
         Surface tags by surface name.
     solid : SolidProperties
+    unit : float
+        Length of 1 in the model [m].
     **described
         Further attributes of the mesh.
 
@@ -315,6 +316,7 @@ def checked_mesh(
         gmsh.model.mesh.generate(3)
         gmsh.model.mesh.setOrder(2)
     points, elements, facets = read_mesh(gmsh, surfaces)
+    points *= unit
     if 3 * len(points) > 1.5 * MOST_UNKNOWNS:
         raise MeshError(f"the mesh has {3 * len(points):,} unknowns, far more than predicted.")
     points, mended = straighten_elements(points, elements)

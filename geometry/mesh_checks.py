@@ -43,6 +43,12 @@ class SolidProperties:
     center: NDArray[np.float64]
     second_moments: NDArray[np.float64]
 
+    def scaled(self, factor: float) -> "SolidProperties":
+        """Return those of a solid that is so many times as large."""
+        return SolidProperties(
+            self.volume * factor**3, self.center * factor, self.second_moments * factor**5
+        )
+
 
 def check_budget(expected: int, size_factor: float) -> None:
     """Refuse a mesh of too many expected unknowns.

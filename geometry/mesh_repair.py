@@ -4,10 +4,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from crankbase.errors import MeshError
-from geometry.shapes import jacobians, shapes_at_nodes
+from geometry.shapes import EDGES as EDGES
+from geometry.shapes import determinants, shapes_at_nodes
 
-# The two end nodes of each edge node 4..9, in scikit-fem's order.
-EDGES = ((0, 1), (1, 2), (0, 2), (0, 3), (1, 3), (2, 3))
+MOST_HALVINGS = 40
 
 
 def smallest_jacobians(
@@ -15,7 +15,7 @@ def smallest_jacobians(
 ) -> NDArray[np.float64]:
     """Smallest ratio (m,) of the Jacobian at any node to the straight element's mean one."""
     _, gradients = shapes_at_nodes()
-    determinant = np.linalg.det(jacobians(gradients, points[elements]))
+    determinant = determinants(gradients, points[elements])
     return np.asarray(determinant.min(axis=1) / np.abs(determinant).mean(axis=1))
 
 
@@ -32,9 +32,10 @@ def corner_quality(points: NDArray[np.float64], elements: NDArray[np.int64]) -> 
 def straighten_elements(
     points: NDArray[np.float64], elements: NDArray[np.int64]
 ) -> tuple[NDArray[np.float64], int]:
-    """Straighten the edges of elements that curving turned inside out.
+    """Straighten edges of elements that curving turned inside out: half of the largest bow at a time.
 
-    Straightening one element changes its neighbors, so the check is repeated.
+    Straightening one element changes its neighbors, so the check is repeated; no edge is straightened
+    more than it must be, for it leaves the solid's surface.
 
     Parameters
     ----------
@@ -52,16 +53,19 @@ def straighten_elements(
     MeshError
         If elements stay inside out.
     """
-    points = points.copy()
     mended: set[int] = set()
-    for _ in range(10):
+    points = points.copy()
+    first, second = np.array(EDGES).T
+    for _ in range(MOST_HALVINGS):
         bad = np.flatnonzero(smallest_jacobians(points, elements) < 0.05)
         if len(bad) == 0:
             return points, len(mended)
         mended.update(bad.tolist())
-        for node, (first, second) in enumerate(EDGES, start=4):
-            middles = elements[bad, node]
-            points[middles] = 0.5 * (points[elements[bad, first]] + points[elements[bad, second]])
+        start, end = points[elements[bad][:, first]], points[elements[bad][:, second]]
+        bow = points[elements[bad, 4:]] - 0.5 * (start + end)
+        shares = np.linalg.norm(bow, axis=2) / np.linalg.norm(end - start, axis=2)
+        worst = np.arange(len(bad)), shares.argmax(axis=1)
+        points[elements[bad, 4 + worst[1]]] -= 0.5 * bow[worst]
     raise MeshError(
         f"{len(bad)} elements of the throw's mesh stay inside out after straightening their edges."
     )

@@ -4,8 +4,9 @@ Everything that draws, builds, checks or weighs a throw reads these, never the i
 """
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, is_dataclass, replace
 from functools import cached_property
+from typing import Any, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,6 +16,9 @@ from geometry.outline import Outline
 
 Array = NDArray[np.float64]
 Point = tuple[float, float]
+Part = TypeVar("Part")
+# Numbers of `Slope`, `Sector` and `Drilling` that are no lengths.
+NOT_LENGTHS = ("inward", "towards", "half_angle", "angle", "tilt")
 LEFT_JOURNAL, RIGHT_JOURNAL = "left main journal", "right main journal"
 
 
@@ -191,6 +195,29 @@ class ThrowParts:
         return _equal_to_round_off(_signature(self, False), _signature(self, True)) and alike(
             flipped, self.drillings
         )
+
+
+def scaled_parts(parts: Part, factor: float) -> Part:
+    """Scale all lengths of a throw's parts, to 12 decimals: parts that differ in size alone become equal.
+
+    Parameters
+    ----------
+    parts : ThrowParts, or one of them
+    factor : float
+    """
+
+    def scaled(item: Any) -> Any:
+        if isinstance(item, float):
+            return round(item * factor, 12)
+        if isinstance(item, tuple):
+            return tuple(map(scaled, item))
+        if not is_dataclass(item) or isinstance(item, type):
+            return item
+        names = [field.name for field in fields(item) if field.name not in NOT_LENGTHS]
+        return replace(item, **{name: scaled(getattr(item, name)) for name in names})
+
+    made: Part = scaled(parts)
+    return made
 
 
 def _signature(parts: ThrowParts, reverse: bool) -> list[tuple[object, ...]]:

@@ -29,7 +29,7 @@ from geometry.step_file import PLANE, StepFace
 Array = NDArray[np.float64]
 
 # A length outside these is taken for an error of the unit [m].
-SHORTEST, LONGEST = 0.005, 20.0
+SHORTEST, LONGEST = 0.001, 20.0
 # Places are told apart to this share of the part's length, directions to this sine.
 PLACE_TOLERANCE = 1e-5
 # Of cylinders found by shape, those thinner than this share of the thickest are bolts and the like.
@@ -390,7 +390,7 @@ def _turned(axis: tuple[float, float], turn: float) -> tuple[float, float]:
 
 
 def _hole(item: Round, turn: float, shift: float) -> Cylinder:
-    """A hole in the throw frame, as the bore of a cylinder that `set_sizes` knows."""
+    """A hole in the throw frame, as the bore of a cylinder that the size fields know."""
     axis, radius = _turned(item.axis, turn), -item.radius
     start, end = item.low + shift, item.high + shift
     return Cylinder(BORE, axis, radius, start, end, 0.0, 0.0, radius, axis, start, end)

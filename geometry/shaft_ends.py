@@ -27,16 +27,16 @@ class ShaftEnds(InputModel):
     section: ClassVar[str] = "shaft_ends"
 
     free_end_diameter: float | None = length_field(
-        "diameter of the shaft's free end", (0.005, 2.0), default=None
+        "diameter of the shaft's free end", (0.001, 2.0), default=None
     )
     free_end_length: float | None = length_field(
-        "length of the free end beyond the first main journal", (0.002, 5.0), default=None
+        "length of the free end beyond the first main journal", (0.0003, 5.0), default=None
     )
     flange_diameter: float | None = length_field(
-        "diameter of the flange", (0.005, 4.0), default=None
+        "diameter of the flange", (0.001, 4.0), default=None
     )
     flange_thickness: float | None = length_field(
-        "thickness of the flange behind the last main journal", (0.002, 1.0), default=None
+        "thickness of the flange behind the last main journal", (0.0002, 1.0), default=None
     )
 
     @model_validator(mode="after")

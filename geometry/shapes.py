@@ -1,6 +1,6 @@
 """The 10-node tetrahedron: shape functions, tabulated once for all who integrate over elements, and facets.
 
-The functions are scikit-fem's; it numbers the edge nodes 01 12 02 03 13 23.
+The functions are scikit-fem's, written out: it takes longer to load than a mesh to make.
 """
 
 import numpy as np
@@ -9,6 +9,13 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 Integers = NDArray[np.int64]
 
+# The two end nodes of each edge node 4..9, in scikit-fem's order, and of a triangle's 3..5.
+EDGES = ((0, 1), (1, 2), (0, 2), (0, 3), (1, 3), (2, 3))
+TRIANGLE_EDGES = ((0, 1), (1, 2), (0, 2))
+# Quadrature that is exact for cubic functions (P. Keast, Moderate-degree tetrahedral quadrature formulas,
+# Comput. Methods Appl. Mech. Eng. 55, 1986).
+CUBIC_POINTS = np.column_stack([np.full(3, 1 / 4), np.full(3, 1 / 6), 1 / 6 + np.eye(3) / 3])
+CUBIC_WEIGHTS = np.array([-2 / 15, 3 / 40, 3 / 40, 3 / 40, 3 / 40])
 # Corners of each facet, counterclockwise from outside.
 FACETS = np.array([[0, 2, 1], [0, 1, 3], [1, 2, 3], [0, 3, 2]])
 MOST_NODES = 2_000_000  # more than any mesh within the budget has; the cube of it fits into 64 bits
@@ -16,20 +23,29 @@ MOST_NODES = 2_000_000  # more than any mesh within the budget has; the cube of 
 
 def shapes_at(where: Array) -> tuple[Array, Array]:
     """Values (q, 10) and reference gradients (q, 10, 3) of the shape functions at points (3, q)."""
-    from skfem import ElementTetP2
-
-    element = ElementTetP2()
-    shapes = [element.lbasis(where, node) for node in range(10)]
-    values = [value + np.zeros(where.shape[1]) for value, _ in shapes]
-    gradients = [slope + np.zeros_like(where) for _, slope in shapes]
-    return np.asarray(values).T, np.asarray(gradients).transpose(2, 0, 1)
+    return _quadratic_shapes(where, EDGES)
 
 
 def shapes_at_nodes() -> tuple[Array, Array]:
     """Values (10, 10) and reference gradients (10, 10, 3) at the corners and edge middles."""
-    from skfem import ElementTetP2
+    corners = np.vstack([np.zeros(3), np.eye(3)])
+    return shapes_at(np.vstack([corners, [0.5 * (corners[a] + corners[b]) for a, b in EDGES]]).T)
 
-    return shapes_at(ElementTetP2.doflocs.T)
+
+def _quadratic_shapes(where: Array, edges: tuple[tuple[int, int], ...]) -> tuple[Array, Array]:
+    """Values (q, n) and reference gradients (q, n, d) of a quadratic simplex at points (d, q)."""
+    shares = np.vstack([1.0 - where.sum(axis=0), where])  # barycentric coordinates
+    slopes = np.vstack([np.full(len(where), -1.0), np.eye(len(where))])
+    first, second = np.array(edges).T
+    values = np.vstack([shares * (2.0 * shares - 1.0), 4.0 * shares[first] * shares[second]])
+    gradients = np.concatenate(
+        [
+            (4.0 * shares - 1.0)[:, :, None] * slopes[:, None],
+            4.0 * shares[first][:, :, None] * slopes[second][:, None]
+            + 4.0 * shares[second][:, :, None] * slopes[first][:, None],
+        ]
+    )
+    return values.T, np.asarray(gradients.transpose(1, 0, 2))
 
 
 def shapes_for_quadrature(order: int) -> tuple[Array, Array, Array]:
@@ -43,12 +59,8 @@ def shapes_for_quadrature(order: int) -> tuple[Array, Array, Array]:
 
 def triangle_shapes_at(where: Array) -> tuple[Array, Array]:
     """Values (q, 6) and reference gradients (6, 2, q) of a six-node triangle's at points (2, q)."""
-    from skfem import ElementTriP2
-
-    element = ElementTriP2()
-    shapes = [element.lbasis(where, node) for node in range(6)]
-    values = np.array([value + np.zeros(where.shape[1]) for value, _ in shapes])
-    return values.T, np.array([slope + np.zeros_like(where) for _, slope in shapes])
+    values, gradients = _quadratic_shapes(where, TRIANGLE_EDGES)
+    return values, np.asarray(gradients.transpose(1, 2, 0))
 
 
 def jacobians(gradients: Array, corners: Array) -> Array:
@@ -56,18 +68,25 @@ def jacobians(gradients: Array, corners: Array) -> Array:
     return np.asarray(gradients.transpose(0, 2, 1)[None] @ corners[:, None])
 
 
+def determinants(gradients: Array, corners: Array) -> Array:
+    """Determinants (m, q) of the Jacobians of elements with node coordinates (m, 10, 3) [m^3]."""
+    across = np.ascontiguousarray(corners.transpose(1, 2, 0))
+    # Not by BLAS, whose threads would wait for each other most of the time.
+    (a, b, c), (d, e, f), (g, h, i) = np.einsum("qni,njm->ijqm", gradients, across)
+    return np.asarray(a * (e * i - f * h) + b * (f * g - d * i) + c * (d * h - e * g)).T
+
+
 def element_volumes(points: Array, elements: Integers) -> Array:
-    """Volumes (m,) of straight or curved 10-node tetrahedra [m^3]."""
-    return np.asarray(
-        element_quadrature(points, elements)[1].reshape(len(elements), -1).sum(axis=1)
-    )
+    """Volumes (m,) of straight or curved 10-node tetrahedra [m^3]; the determinant is a cubic."""
+    _, gradients = shapes_at(CUBIC_POINTS)
+    return np.asarray(determinants(gradients, points[elements]) @ CUBIC_WEIGHTS)
 
 
 def element_quadrature(points: Array, elements: Integers, order: int = 5) -> tuple[Array, Array]:
     """Quadrature points (p, 3) and their volumes (p,) over all elements."""
     values, gradients, weights = shapes_for_quadrature(order)
     corners = points[elements]
-    volumes = np.linalg.det(jacobians(gradients, corners)) * weights
+    volumes = determinants(gradients, corners) * weights
     return (values[None] @ corners).reshape(-1, 3), volumes.ravel()
 
 

@@ -5,18 +5,15 @@ bulk), or given at the nodes of an earlier mesh, for refining where that one was
 """
 
 import math
-from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from geometry.drilling import Drilling
-from geometry.drilling_distances import distance_from_exits, distance_from_wall
 from geometry.parts import Cylinder, ThrowParts, WebPlate
 from geometry.shapes import outer_facets
-from geometry.solid import BORE, OIL_HOLE, NamedSolid, Zone
+from geometry.solid import BORE, OIL_HOLE, Zone
 from geometry.volume import throw_volume
 
 Array = NDArray[np.float64]
@@ -31,8 +28,11 @@ GROWTH = 0.5
 # At bores, beside their radius and the wall round them.
 SIZE_PER_BORE = 0.9
 SIZE_PER_WALL = 1.5
+# At journals, pins and bores beside their radius at any factor: larger ones cut chords off a cylinder.
+LARGEST_ON_ROUND = 0.8
+ROUND, EXITS = "round", "exits"
 # Nodes per item of `node_counts`, fitted to meshes of mixed throws (tests/campaigns/random_throws.py).
-NODES_PER_COUNT = np.array([7.6, 8.5, 1.9, 2.5, 7.1])
+NODES_PER_COUNT = np.array([7.5, 7.5, 9.3, 3.9, 9.6])
 LAYERS = 100
 # Nodes of a mesh made from a map, for each regular element that the map asks for, and for each facet of
 # the surface, cuts included; fitted to meshes of quarters, halves and whole throws.
@@ -48,7 +48,7 @@ class SizeZone:
     Attributes
     ----------
     zone : Zone
-        Which cylinder and which of its ends, or its bore.
+        Which cylinder and which of its ends, or its bore, or all of its own surface ("round").
     sharp : bool
         Whether it is a sharp corner (a curve) rather than a surface.
     size : float
@@ -99,10 +99,17 @@ def size_plan(parts: ThrowParts, factor: float) -> SizePlan:
             apart = math.dist(cylinder.axis, cylinder.bore_axis)
             wall = cylinder.radius - cylinder.bore_radius - apart
             size = factor * min(SIZE_PER_BORE * cylinder.bore_radius, SIZE_PER_WALL * wall)
-            zones.append(bore_zone(number, cylinder, min(bulk, size)))
+            largest = LARGEST_ON_ROUND * cylinder.bore_radius
+            zones.append(bore_zone(number, cylinder, min(bulk, size, largest)))
+        if LARGEST_ON_ROUND * cylinder.radius < bulk:
+            length = 2.0 * math.pi * cylinder.radius
+            area = length * (cylinder.end - cylinder.start)
+            zones.append(
+                SizeZone((number, ROUND), False, LARGEST_ON_ROUND * cylinder.radius, length, area)
+            )
     for number, hole in enumerate(parts.drillings):
         # A hole is small: even on coarse meshes it has some six elements round it.
-        wall = min(bulk, min(factor * SIZE_PER_BORE, 1.0) * hole.radius)
+        wall = min(bulk, min(factor * SIZE_PER_BORE, LARGEST_ON_ROUND) * hole.radius)
         outlet = min(wall, min(factor * ROOT_PER_FILLET, 1.0) * (hole.exit_radius or hole.radius))
         zones += drilling_zones(number, hole, wall, outlet)
     return SizePlan(bulk, tuple(zones))
@@ -193,7 +200,8 @@ def node_counts(parts: ThrowParts, factor: float) -> Array:
     for zone in plan.zones:
         reach = plan.reach(zone)
         distance = reach * share
-        edges = 0.0 if zone.zone[1] in (BORE, OIL_HOLE) else 1.5 * math.pi * zone.length * distance
+        flat = zone.zone[1] in (BORE, ROUND, OIL_HOLE)
+        edges = 0.0 if flat else 1.5 * math.pi * zone.length * distance
         layers = (zone.area + edges) * reach / LAYERS
         cells = float(np.sum(layers / (zone.size + GROWTH * distance) ** 3))
         counts[0 if zone.sharp else 1] += cells
@@ -216,80 +224,6 @@ def _outside(parts: ThrowParts) -> float:
         if web.sector is not None:
             area += 2.0 * web.sector.half_angle * web.sector.outer_radius**2
     return area
-
-
-def set_sizes(gmsh: Any, parts: ThrowParts, named: NamedSolid, plan: SizePlan) -> None:
-    """Set the size field of the current model.
-
-    Parameters
-    ----------
-    gmsh : module
-        With the solid built.
-    parts : ThrowParts
-    named : NamedSolid
-        Where fillets and corners are.
-    plan : SizePlan
-    """
-    field = gmsh.model.mesh.field
-    sizes = []
-    for (key, size), tags in _groups(named, plan).items():
-        distance = field.add("Distance")
-        field.setNumbers(distance, key, tags)
-        field.setNumber(distance, "Sampling", 40)
-        sizes.append(_threshold(field, distance, size, plan))
-    for zone in plan.zones:
-        if zone.zone[1] in FORMULAS:
-            # Sampling the bore's surface takes gmsh a second.
-            distance = field.add("MathEval")
-            field.setString(distance, "F", FORMULAS[zone.zone[1]](parts, zone.zone[0]))
-            sizes.append(_threshold(field, distance, zone.size, plan))
-    if len(sizes) > 1:
-        least = field.add("Min")
-        field.setNumbers(least, "FieldsList", sizes)
-        sizes = [least]
-    field.setAsBackgroundMesh(sizes[0])
-
-
-def _groups(named: NamedSolid, plan: SizePlan) -> dict[tuple[str, float], list[int]]:
-    """Surfaces of fillets and curves of corners, those of one size together."""
-    groups: dict[tuple[str, float], list[int]] = {}
-    for zone in plan.zones:
-        if zone.zone[1] in FORMULAS:
-            continue
-        key, tags = ("CurvesList", named.corners) if zone.sharp else ("SurfacesList", named.fillets)
-        if zone.zone in tags:  # a cut may have left it out
-            groups.setdefault((key, zone.size), []).extend(tags[zone.zone])
-    return groups
-
-
-def _threshold(field: Any, distance: int, size: float, plan: SizePlan) -> int:
-    """Let elements grow from `size` at distance 0 to the bulk's size."""
-    made = int(field.add("Threshold"))
-    field.setNumber(made, "InField", distance)
-    field.setNumber(made, "SizeMin", size)
-    field.setNumber(made, "SizeMax", plan.bulk)
-    field.setNumber(made, "DistMin", 0.0)
-    field.setNumber(made, "DistMax", (plan.bulk - size) / GROWTH + 1e-6 * plan.bulk)
-    return made
-
-
-def _distance_from_bore(parts: ThrowParts, number: int) -> str:
-    """Formula of the distance from the surface of a cylinder's bore in x, y, z."""
-    cylinder = parts.cylinders[number]
-    x, y = cylinder.bore_axis
-    middle = 0.5 * (cylinder.bore_start + cylinder.bore_end)
-    half = 0.5 * (cylinder.bore_end - cylinder.bore_start)
-    beyond = f"0.5*(Abs(z-({middle!r}))-{half!r}+Abs(Abs(z-({middle!r}))-{half!r}))"
-    return f"Sqrt((Sqrt((x-({x!r}))^2+(y-({y!r}))^2)-{cylinder.bore_radius!r})^2+({beyond})^2)"
-
-
-# Zones whose distance is a formula in x, y, z.
-EXITS = "exits"
-FORMULAS: Mapping[str, Callable[[ThrowParts, int], str]] = {
-    BORE: _distance_from_bore,
-    OIL_HOLE: lambda parts, number: distance_from_wall(parts.drillings[number]),
-    EXITS: lambda parts, number: distance_from_exits(parts.drillings[number]),
-}
 
 
 @dataclass(frozen=True)
@@ -342,24 +276,3 @@ def sizes_at_corners(points: Array, tetrahedra: NDArray[np.int64], sizes: Array)
 def regular_volume(size: Array) -> Array:
     """Volume of a regular tetrahedron with edges of that size [m^3]."""
     return np.asarray(size**3 / (6.0 * np.sqrt(2.0)))
-
-
-def set_size_map(gmsh: Any, sizes: SizeMap, factor: float) -> None:
-    """Let a size map rule the current model.
-
-    Parameters
-    ----------
-    gmsh : module
-    sizes : SizeMap
-    factor : float
-        Scales all sizes.
-    """
-    corners = sizes.points[sizes.tetrahedra].transpose(0, 2, 1).reshape(-1, 12)
-    values = factor * sizes.sizes[sizes.tetrahedra]
-    view = gmsh.view.add("sizes")
-    gmsh.view.addListData(view, "SS", len(corners), np.hstack([corners, values]).ravel())
-    field = gmsh.model.mesh.field.add("PostView")
-    gmsh.model.mesh.field.setNumber(field, "ViewTag", view)
-    # Points beside the straight elements of a curved surface take the size of the closest node.
-    gmsh.model.mesh.field.setNumber(field, "UseClosest", 1)
-    gmsh.model.mesh.field.setAsBackgroundMesh(field)

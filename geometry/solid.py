@@ -7,7 +7,7 @@ is enough. The parts are built cut, for cutting a whole solid afterwards is slow
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -35,26 +35,7 @@ Entity = tuple[int, int]
 Zone = tuple[int, str]
 
 
-@dataclass(frozen=True)
-class NamedSolid:
-    """What `build_solid` made.
-
-    Attributes
-    ----------
-    surfaces : dict
-        Surface tags by surface name.
-    fillets : dict
-        Surface tags of the fillet at each end of each cylinder, and of each bore.
-    corners : dict
-        Curve tags of the sharp corner at each unfilleted end of each cylinder.
-    """
-
-    surfaces: dict[str, list[int]]
-    fillets: dict[Zone, list[int]]
-    corners: dict[Zone, list[int]]
-
-
-def build_solid(gmsh: Any, parts: ThrowParts, part: str) -> NamedSolid:
+def build_solid(gmsh: Any, parts: ThrowParts, part: str) -> dict[str, list[int]]:
     """Build a throw in the current gmsh model.
 
     Parameters
@@ -67,11 +48,17 @@ def build_solid(gmsh: Any, parts: ThrowParts, part: str) -> NamedSolid:
 
     Returns
     -------
-    NamedSolid
+    dict
+        Surface tags by surface name.
     """
     make_solid(gmsh, parts, part)
     remove_loose(gmsh)
     return _name(gmsh, parts, part)
+
+
+def part_end(parts: ThrowParts, part: str) -> float:
+    """Where a part of a throw ends along z [m]."""
+    return parts.length / 2.0 if part == "quarter" else parts.length
 
 
 def remove_loose(gmsh: Any) -> None:
@@ -93,7 +80,7 @@ def make_solid(gmsh: Any, parts: ThrowParts, part: str) -> Entity:
     """Make the solid alone, leaving behind what it was made from; parameters as for `build_solid`."""
     occ = gmsh.model.occ
     whole = part == "full"
-    limit = parts.length / 2.0 if part == "quarter" else parts.length
+    limit = part_end(parts, part)
     cylinders = [_cut(cylinder, limit) for cylinder in parts.cylinders if cylinder.start < limit]
     webs = [_cut_web(web, limit) for web in parts.webs if web.start < min(limit, web.end)]
     pieces = [
@@ -293,7 +280,7 @@ def position_tolerance(parts: ThrowParts) -> float:
     return 1e-3 * min(lengths)
 
 
-def _name(gmsh: Any, parts: ThrowParts, part: str) -> NamedSolid:
+def _name(gmsh: Any, parts: ThrowParts, part: str) -> dict[str, list[int]]:
     """Tell the surfaces apart by their kind and place."""
     tolerance = position_tolerance(parts)
     names = [LEFT_END, *([RIGHT_END] if part != "quarter" else [])]
@@ -301,8 +288,7 @@ def _name(gmsh: Any, parts: ThrowParts, part: str) -> NamedSolid:
     names += [MIDDLE_PLANE] if part == "quarter" else []
     names += [*(pin.name for pin in parts.pins), MAIN_JOURNAL, FILLET, WEB]
     surfaces: dict[str, list[int]] = {name: [] for name in names}
-    fillets: dict[Zone, list[int]] = {}
-    last = parts.length / 2.0 if part == "quarter" else parts.length
+    last = part_end(parts, part)
     for _, tag in gmsh.model.getEntities(2):
         kind = gmsh.model.getType(2, tag)
         point = middle_point(gmsh, 2, tag)
@@ -321,35 +307,30 @@ def _name(gmsh: Any, parts: ThrowParts, part: str) -> NamedSolid:
         elif on_drilling(gmsh, parts, kind, tag, point):
             name = OIL_HOLE
         else:
-            zone, name = _round_surface(parts, kind, point, tolerance)
-            if zone is not None:
-                fillets.setdefault(zone, []).append(tag)
+            name = _round_surface(parts, kind, point, tolerance)
         surfaces.setdefault(name, []).append(tag)
-    return NamedSolid(surfaces, fillets, _corners(gmsh, parts, tolerance))
+    return surfaces
 
 
-def _round_surface(
-    parts: ThrowParts, kind: str, point: Any, tolerance: float
-) -> tuple[Zone | None, str]:
+def _round_surface(parts: ThrowParts, kind: str, point: Any, tolerance: float) -> str:
     """Name a curved surface by a point on it."""
     x, y, z = point
-    for number, cylinder in enumerate(parts.cylinders):
+    for cylinder in parts.cylinders:
         reach = math.dist((x, y), cylinder.axis)
         if not cylinder.start - tolerance < z < cylinder.end + tolerance:
             continue
         if kind == "Torus" and cylinder.radius < reach < cylinder.collar * (1.0 + 1e-9):
-            end = "start" if z < 0.5 * (cylinder.start + cylinder.end) else "end"
-            return (number, end), FILLET
+            return FILLET
         if kind == "Cylinder" and abs(reach - cylinder.radius) < 1e-6 * cylinder.radius:
-            return None, cylinder.name if cylinder.is_pin else MAIN_JOURNAL
-    for number, cylinder in enumerate(parts.cylinders):
+            return cylinder.name if cylinder.is_pin else MAIN_JOURNAL
+    for cylinder in parts.cylinders:
         if kind != "Cylinder" or cylinder.bore_radius == 0.0:
             continue
         off = abs(math.dist((x, y), cylinder.bore_axis) - cylinder.bore_radius)
         inside = cylinder.bore_start - tolerance < z < cylinder.bore_end + tolerance
         if inside and off < 1e-6 * cylinder.radius:
-            return (number, "bore"), BORE
-    return None, _web_or_counterweight(parts, point)
+            return BORE
+    return _web_or_counterweight(parts, point)
 
 
 def _web_or_counterweight(parts: ThrowParts, point: Any) -> str:
@@ -365,28 +346,3 @@ def _web_or_counterweight(parts: ThrowParts, point: Any) -> str:
         if low <= z <= high and v < 0.0 and u > width * (1.0 + 1e-9):
             return COUNTERWEIGHT
     return WEB
-
-
-def _corners(gmsh: Any, parts: ThrowParts, tolerance: float) -> dict[Zone, list[int]]:
-    """Find the circles where unfilleted journals meet their webs."""
-    corners: dict[Zone, list[int]] = {}
-    sought = [
-        ((number, end), cylinder, cylinder.start if end == "start" else cylinder.end)
-        for number, cylinder in enumerate(parts.cylinders)
-        for end, fillet, touches in (
-            ("start", cylinder.start_fillet, number > 0),
-            ("end", cylinder.end_fillet, number < len(parts.cylinders) - 1),
-        )
-        if fillet == 0.0 and touches
-    ]
-    if not sought:
-        return corners
-    for _, tag in gmsh.model.getEntities(1):
-        if gmsh.model.getType(1, tag) != "Circle":
-            continue
-        x, y, z = middle_point(gmsh, 1, tag)
-        for zone, cylinder, junction in sought:
-            off = abs(math.dist((x, y), cylinder.axis) - cylinder.radius)
-            if abs(z - junction) < tolerance and off < 1e-6 * cylinder.radius:
-                corners.setdefault(zone, []).append(tag)
-    return corners

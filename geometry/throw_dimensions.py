@@ -11,13 +11,13 @@ from crankbase.model import InputModel, length_field, part_field, quantity_field
 from geometry.outline import OUTLINES, OutlineName
 
 # Smallest and largest lengths [m], of the throw and of what its webs and further pins have of their own.
-CRANK_RADIUS = (0.005, 2.5)
-DIAMETER, LENGTH = (0.005, 2.0), (0.002, 2.0)
-WIDTH, THICKNESS, THINNED = (0.005, 4.0), (0.002, 1.5), (0.001, 1.5)
+CRANK_RADIUS = (0.0005, 2.5)
+DIAMETER, LENGTH = (0.001, 2.0), (0.0003, 2.0)
+WIDTH, THICKNESS, THINNED = (0.001, 4.0), (0.0002, 1.5), (0.0001, 1.5)
 FILLET_RADIUS = (0.0, 0.3)
 BORE, BORE_OFFSET = (0.0, 2.0), (-1.0, 1.0)
-WEB_END, CORNER = (0.0025, 4.0), (0.0, 2.0)
-HOLE, EXIT_RADIUS = (0.0005, 0.5), (0.0, 0.2)
+WEB_END, CORNER = (0.0005, 4.0), (0.0, 2.0)
+HOLE, EXIT_RADIUS = (0.00002, 0.5), (0.0, 0.2)
 STEEPEST_TILT = 0.6981317007977318  # 40 deg: sharper lips have no stress that can be told
 OUTLINE_NAMES = " or ".join(OUTLINES)
 
@@ -45,7 +45,7 @@ class Counterweight(InputModel):
     section: ClassVar[str] = "counterweight"
 
     outer_radius: float = length_field(
-        "counterweight's outer radius from the shaft axis", (0.005, 5.0), symbol="r_cw"
+        "counterweight's outer radius from the shaft axis", (0.001, 5.0), symbol="r_cw"
     )
     inner_radius: float = length_field(
         "counterweight's inner radius from the shaft axis; 0 for a full sector",
@@ -61,7 +61,7 @@ class Counterweight(InputModel):
     )
     thickness: float | None = length_field(
         "counterweight's thickness along the shaft; the web's if not given",
-        (0.002, 3.0),
+        (0.0002, 3.0),
         default=None,
     )
     offset: float = length_field(

@@ -12,6 +12,7 @@ from geometry.parts import Cylinder, Sector, ThrowParts, WebPlate
 
 Array = NDArray[np.float64]
 GAUSS_POINTS, PANELS = 10, 8
+HALVINGS = 45
 
 
 def throw_volume(parts: ThrowParts) -> float:
@@ -109,8 +110,6 @@ def _sector_volume(web: WebPlate, sector: Sector, journal: Cylinder, power: int 
         added = outside * thickness + inside * (thickness - shared) - hole * filled
         return np.asarray(2.0 * added * v**power)
 
-    from scipy.optimize import brentq  # here, for looking a compliance up must not load scipy
-
     # Where the outlines cross, the integrand has a kink.
     fine = np.linspace(-sector.outer_radius, 0.0, 401)
     gaps: tuple[Callable[[Array], Array], ...] = (
@@ -120,9 +119,9 @@ def _sector_volume(web: WebPlate, sector: Sector, journal: Cylinder, power: int 
     )
     for gap in gaps:
         signs = np.sign(gap(fine))
-        for place in np.flatnonzero(signs[:-1] * signs[1:] < 0.0):
-            low, high = fine[place], fine[place + 1]
-            heights.append(brentq(lambda v, gap=gap: float(gap(np.array([v]))[0]), low, high))
+        places = np.flatnonzero(signs[:-1] * signs[1:] < 0.0)
+        if len(places):
+            heights.extend(_roots(gap, fine[places], fine[places + 1]))
     # The web may be thinned so far that the counterweight's face comes out of it.
     for slope in web.slopes:
         for face in (sector.start, sector.end):
@@ -130,6 +129,16 @@ def _sector_volume(web: WebPlate, sector: Sector, journal: Cylinder, power: int 
             if 0.0 < depth < slope.drop:
                 heights.append(slope.start + depth / slope.drop * (slope.end - slope.start))
     return _integral(area, np.clip(heights, -sector.outer_radius, 0.0))
+
+
+def _roots(function: Callable[[Array], Array], low: Array, high: Array) -> Array:
+    """Bisect intervals at whose ends a function has other signs; scipy's takes longer to load than a mesh."""
+    sign = np.sign(function(low))
+    for _ in range(HALVINGS):
+        middle = 0.5 * (low + high)
+        before = np.sign(function(middle)) == sign
+        low, high = np.where(before, middle, low), np.where(before, high, middle)
+    return np.asarray(0.5 * (low + high))
 
 
 def _bored(web: WebPlate, cylinder: Cylinder) -> float:

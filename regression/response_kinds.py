@@ -13,8 +13,8 @@ INFLUENCE = "influence_coefficient"
 TILT_RATIO = "tilt_stiffness_ratio"
 # Responses that are above zero in every throw; influence coefficients and reactions have a sign.
 ABOVE_ZERO = (AXIAL, TORSIONAL, TILT_RATIO, "mass", "fillet_stress_factor")
-# Compliances of a force at its own place, which finite elements find too small; an influence
-# coefficient is none.
+# Compliances of a force at its own place, which finite elements find too small if nothing corrects them;
+# an influence coefficient is none.
 TOO_SMALL = (AXIAL, TORSIONAL)
 # Responses that depend on the angle to the neighbors, and what their angle law needs.
 ANGLE_LAWS: Mapping[str, tuple[str, str, str]] = {

@@ -8,8 +8,14 @@ from typing import Any
 from crankbase.checks.scalars import is_number, is_whole
 from crankbase.errors import InputError, quoted, shortened
 from crankbase.text_limits import LARGEST_POWER, LONGEST_QUANTITY
-from crankbase.units.units import DISPLAY_UNITS, POWER_OF_TEN
+from crankbase.units.units import DISPLAY_UNITS, POWER_OF_TEN, UNITS
 
+# Revolutions, in a field of speeds.
+TURNING = ("1/min", "rad/s")
+# Units that are known without pint, which takes a third of a second to load: each with its SI unit.
+PLAIN_SIZES = {
+    (name, unit): size for name, (unit, size) in UNITS.items() if (name, unit) != TURNING
+}
 # Size in SI of the smallest unit, so that its inverse is a number too.
 SMALLEST_UNIT = 1e-300
 # Units that large numbers are shown a thousandfold in.
@@ -201,6 +207,11 @@ def _evaluate(text: str, unit: str, given: str, limits: Limits, told: str) -> fl
         )
     # A text that long is no quantity, and would take long to look at.
     found = NUMBER_AND_UNIT.fullmatch(text) if len(text) <= LONGEST_QUANTITY else None
+    size = None if found is None else PLAIN_SIZES.get((found[2], unit))
+    if found is not None and size is not None:
+        return _scaled(float(found[1]), size)
+    if found is not None and (found[2], unit) == TURNING:
+        return _scaled(float(found[1]), 1.0 / 60.0) * (2.0 * math.pi)
     try:
         if found is None:
             raise NoUnitError("no number in front")

@@ -15,7 +15,8 @@ from geometry.throw import CrankThrow
 
 # Of names, and of names that end so: "largest_side_force" is a force. Plain numbers have the unit "1".
 _WORDS = {
-    "1": "count error errors estimate factor inflation margin number order orders ratio residual share",
+    "1": "correction count error errors estimate factor inflation margin number order orders ratio "
+    "residual share",
     "m": "diameter diameters height length radius",
     "m^2": "area",
     "deg": "deg",
@@ -31,14 +32,14 @@ _WORDS = {
 }
 # Of whole names.
 _NAMES = {
-    "1": "accuracy added adjusted_r_squared aic allowed asymmetry axial_beside_pinned "
+    "1": "accuracy added adjusted_r_squared aic allowed asymmetry axial_beside_pinned axial_correction "
     "axial_force_per_radial axial_reaction band_designs beside_chosen bic cases computed_now connections "
     "crankpin_beside_mean cranks cylinder cylinders detuning elements elements_across_fillets "
     "evaluations exponent f_value fe_scatter figure fluctuation held_out largest_error_at_runs "
     "largest_error_held_out largest_leverage largest_of_mean largest_of_same_angle likeness magnifier "
     "mean_error_at_runs mean_error_held_out mechanical_efficiency mended_elements mode "
     "node_positions nodes nonuniformity of_mean of_same_angle overlap_per_radius phase_sum pins points "
-    "processors q_squared r_squared resultant rho runs same_stars samples sense severity shape "
+    "misfiring processors q_squared r_squared resultant rho runs same_stars samples sense severity shape "
     "side_force_beside_largest strokes t throw torsional_beside_pinned unknowns used written",
     "m": "about axis center_of_mass largest_compression least_compression overlap principal_place stroke "
     "von_mises_place",
@@ -57,24 +58,30 @@ _NAMES = {
     ".unit": "bound contribution highest levels limit lower lowest peak permitted plain_sum plain_sum_peak "
     "printed repaired synthesis upper value worst",
     ".stress_unit": "principal principals von_mises",
-    ".stiffness_units": "stiffness",
+    ".stiffness_units": "stiffness stiffness_error",
 }
 # Of ends of paths, "*" being any name.
 _PLACES = {
-    "1": "axial_forces.difference change.major change.minor comparison.throws constants.* elasticity.* "
+    "1": "places.acceptability factors.* ratios.* shrink_fit.friction shrink_fit.safety "
+    "axial_forces.difference change.major change.minor comparison.throws constants.* elasticity.* "
     "errors.* first.* kinematics_deviation.* kinetic_shares.* model_difference.maximum "
     "model_difference.mean modes.axial modes.bending modes.torsional quality.* responses.apart "
     "responses.by_bands responses.largest responses.mean responses.rms shaft_torque.magnification "
     "shapley.* spreads.high spreads.low strain_shares.* surfaces.* total.* used.*",
-    "m": "axial_split.both axial_split.radial axial_split.tangential dimensions.value rotating.position",
+    "m": "places.depth shrink_fit.largest_bore shrink_fit.distance shrink_fit.least_shrinkage "
+    "shrink_fit.most_shrinkage shrink_fit.journal_bore "
+    "axial_split.both axial_split.radial axial_split.tangential dimensions.value rotating.position",
     "m/s^2": "accelerations.differences.largest accelerations.differences.least differences.mean_largest "
     "pistons.amplitude pistons.largest pistons.left",
     "N": "axial_force.running.amplitude axial_force.running_whole.amplitude axial_forces.alone "
     "axial_forces.in_shaft crankpins.largest crankpins.mean main_bearings.largest main_bearings.mean "
     "model_difference.sizes",
-    "N m": "elements.largest elements.steady hinge_moment.largest hinge_moment.least hinge_moment.load "
+    "N m": "throws.alternating_torque shrink_fit.torque "
+    "elements.largest elements.steady hinge_moment.largest hinge_moment.least hinge_moment.load "
     "shaft_torque.exciting shaft_torque.torque torque.largest torque.residual_largest torque.residual_rms "
     "torque.smallest two_mass.resonances.amplitude",
+    "Pa": "places.added places.bending places.equivalent places.nominal_bending places.nominal_shear "
+    "places.nominal_torsion places.strength places.torsion shrink_fit.journal_yield shrink_fit.web_yield",
     "N/m": "bearings.stiffness",
     "N m/rad": "two_mass.stiffness",
     "kg": "masses.reciprocating masses.rotating",
@@ -85,8 +92,10 @@ _PLACES = {
     "Hz": "bearings.chains.* bearings.shaft.* causes.* differences.chain differences.rigid_chain "
     "differences.shaft flywheel_tilt.modes.shaft flywheel_tilt.modes.without frequencies.high "
     "frequencies.low frequencies.nominal",
-    "m/N": "angle_law.fe angle_law.formulas.* fe.axial regression.axial.value shaft.axial",
-    "rad/(N m)": "fe.torsional regression.torsional.value shaft.torsional",
+    "m/N": "errors.axial_compliance errors.influence_coefficient "
+    "angle_law.fe angle_law.formulas.* fe.axial regression.axial.value shaft.axial",
+    "rad/(N m)": "errors.torsional_compliance "
+    "fe.torsional regression.torsional.value shaft.torsional",
     ".unit": "cause.orders.amplitude compared.calculated compared.measured free_end.orders.amplitude "
     "responses.first responses.second",
     ".units": "nominal.*",

@@ -1,8 +1,10 @@
 """The start of the command line: an interrupt is answered in a sentence, even during the imports."""
 
+import gc
 import os
 import sys
 
+from crankbase.processes import GARBAGE_THRESHOLD
 from crankfem.cli.interrupts import interrupted_sentence, interrupts_exit_immediately
 from crankfem.jobs.exit_codes import EXIT_INTERRUPTED
 
@@ -13,6 +15,7 @@ def main() -> None:
     # waiting: twice the processor time on two cores, and several times as long where others work too.
     # Finite elements are solved by another library, which is not bound by this.
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+    gc.set_threshold(GARBAGE_THRESHOLD)
     try:
         # Commands load most modules when they begin, so this holds for them too, but where something is
         # open that must be closed (`crankfem.cli.interrupts.interrupts_raise`).

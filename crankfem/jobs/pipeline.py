@@ -13,6 +13,7 @@ from crankfem.analyses.mechanism.mechanism_run import run_mechanism
 from crankfem.analyses.provenance import repeat_record
 from crankfem.analyses.record_units import with_units
 from crankfem.analyses.shaft.throw_analyses import analyze_throws
+from crankfem.analyses.strength.engine_strength import engine_strength
 from crankfem.analyses.study.studies import fitted
 from crankfem.analyses.throw.fillets import (
     StressRendering,
@@ -181,9 +182,13 @@ def _compute(
         coupled=True,
         step=told.step,
     )
+    strength = None
+    if engine_file.strength is not None:
+        told.step("Judging the crankshaft's strength")
+        strength = engine_strength(vibration, mechanism=inputs.mechanism)
     harmonics = None if inputs.torque is None else inputs.torque.harmonics()
     told.stop()
-    return RunComputation(inputs, throws, mechanism, study, vibration, harmonics, model)
+    return RunComputation(inputs, throws, mechanism, study, vibration, harmonics, model, strength)
 
 
 def _with_stresses(

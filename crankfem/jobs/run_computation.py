@@ -3,6 +3,7 @@
 from dataclasses import dataclass
 
 from crankfem.analyses.mechanism.mechanism_run import MechanismRun
+from crankfem.analyses.strength.engine_strength import EngineStrength
 from crankfem.analyses.study.studies import StudyResult
 from crankfem.analyses.vibration.run import EngineVibration
 from crankfem.files.engine.engine_file import EngineFile
@@ -50,6 +51,8 @@ class RunComputation:
         Of the torque table.
     model : ComplianceModel or None
         Of the study, or the saved one.
+    strength : EngineStrength or None
+        None without a section [strength].
     """
 
     inputs: RunInputs
@@ -59,6 +62,7 @@ class RunComputation:
     vibration: EngineVibration
     harmonics: Harmonics | None
     model: ComplianceModel | None
+    strength: EngineStrength | None = None
 
     @property
     def throw(self) -> ThrowComputation:

@@ -57,7 +57,7 @@ def verdict_line(results: Record) -> str:
 
 
 def conclusions(results: Record) -> list[str]:
-    """Return what follows from the results of a run, in at most six statements.
+    """Return what follows from the results of a run, in at most seven statements.
 
     Parameters
     ----------
@@ -69,8 +69,8 @@ def conclusions(results: Record) -> list[str]:
     -------
     list of str
         What is reached of the limit used most and where, which orders make it and what can help, which
-        speeds may be barred, what misfiring does, what decides by assumption and should be given, and how
-        the whole crankshaft differs.
+        speeds may be barred, what misfiring does, what decides by assumption and should be given, how
+        the whole crankshaft differs, and whether the crankshaft is strong enough.
     """
     assessment = results["vibration"]["assessment"]
     if assessment is None:
@@ -83,6 +83,7 @@ def conclusions(results: Record) -> list[str]:
         _misfiring(results["vibration"]),
         _assumed(results),
         _other_models(results["vibration"]),
+        (results.get("strength") or {}).get("sentence", ""),
     ]
     return [one for one in found if one]
 

@@ -18,6 +18,7 @@ from crankfem.analyses.mechanism.balanced_masses import (
 )
 from crankfem.analyses.mechanism.harmonics_record import harmonics_table
 from crankfem.analyses.mechanism.load_tables import bearing_table
+from crankfem.analyses.strength.strength_records import factor_table, strength_table, torque_table
 from crankfem.analyses.throw.compliances import compliance_tables, further_compliances
 from crankfem.analyses.throw.stress import mirrored, stress_tables
 from crankfem.analyses.throw.throw_tables import reaction_table, support_table
@@ -53,6 +54,7 @@ LATER: dict[str, Any] = {
     "interactive": {},
     "picture_note": None,
     "throws": None,
+    "strength": None,
 }
 LATER_ABOUT: dict[str, Any] = {"python": None, "platform": None, "processors": None, "packages": {}}
 # What makes tables, or their cells, of the results.
@@ -75,6 +77,9 @@ TABLES = (
     reaction_table,
     stress_tables,
     throw_mass_table,
+    strength_table,
+    factor_table,
+    torque_table,
     mirrored,
     reached_and_permitted,
 )

@@ -5,7 +5,6 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike
-from scipy.stats import qmc
 
 from crankbase.checks.arrays import FloatArray
 from crankbase.checks.scalars import whole_number, whole_within
@@ -148,6 +147,8 @@ def sampled_factors(
             "spreads: given none; allowed are one or more, because nothing varies without."
         )
     count = whole_number("samples", samples, 2, "a range has two ends")
+    from scipy.stats import qmc  # here: loading it takes a quarter second
+
     drawn = qmc.LatinHypercube(len(spreads), rng=np.random.default_rng(seed)).random(count)
     low, high = np.log([[spread.low, spread.high] for spread in spreads]).T
     return np.asarray(np.exp(low + drawn * (high - low)))

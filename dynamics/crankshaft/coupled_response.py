@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -77,6 +78,15 @@ class CoupledResponse:
         InputError
             If there is no such point.
         """
+        if point not in self._splits:
+            self._splits[point] = self._split(point)
+        return self._splits[point]
+
+    @cached_property
+    def _splits(self) -> "dict[str, SplitMotion]":
+        return {}
+
+    def _split(self, point: str) -> "SplitMotion":
         row = self.crankshaft.point(point)
         rigid = self.crankshaft.system.rigid.shape[1]
         # Amplitudes of modes are the unknowns of this system, rigid motions first.

@@ -15,7 +15,7 @@ from dynamics.chains.chain import Chain
 from dynamics.chains.chain_modes import elastic_modes
 from dynamics.response.damping import DampedChain
 from dynamics.response.forced import ForcedResponse, chain_and_system
-from dynamics.response.harmonic import UNBOUNDED_WITHIN, DampedModes
+from dynamics.response.harmonic import UNBOUNDED_WITHIN, DampedModes, damped_modes
 from dynamics.response.linear_system import LinearSystem
 from dynamics.response.loads import dashpot_names
 
@@ -180,7 +180,7 @@ def complex_modes(given: Chain | LinearSystem | DampedChain | ForcedResponse) ->
         chain, system = given.chain, given.system
     else:
         chain, system = chain_and_system(given)
-    terms = DampedModes.of(system)
+    terms = damped_modes(system)
     eigenvalues, _, outputs = _with_undamped(terms)
     vibrating = np.flatnonzero(eigenvalues.imag > LEAST_OSCILLATION * np.abs(eigenvalues))
     vibrating = vibrating[np.argsort(eigenvalues[vibrating].imag)]

@@ -1,7 +1,7 @@
 """Response of a linear system to harmonic forces at many frequencies at once."""
 
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, lru_cache
 from typing import Literal, get_args
 
 import numpy as np
@@ -85,7 +85,7 @@ def harmonic_response(
     used. Modes that damping does not reach are answered one by one.
     """
     check_choice("method", method, get_args(Method), "these are the ways to solve the equations")
-    frequencies, modal = angular_frequencies, DampedModes.of(system)
+    frequencies, modal = angular_frequencies, damped_modes(system)
     singular, unbounded = modal.undamped_resonance(frequencies, forces)
     if np.any(unbounded):
         forces = np.where(unbounded[:, np.newaxis], 0.0, forces)
@@ -233,6 +233,12 @@ class DampedModes:
             largest = np.abs(forces[near]) @ np.abs(work)
             excited[near] |= np.abs(forces[near] @ work) > NO_WORK * largest
         return met, excited
+
+
+@lru_cache(maxsize=8)
+def damped_modes(system: LinearSystem) -> DampedModes:
+    """Return `DampedModes.of` a system; those of the last systems are kept."""
+    return DampedModes.of(system)
 
 
 def _at(own: FloatArray | float, frequencies: FloatArray) -> NDArray[np.bool_]:

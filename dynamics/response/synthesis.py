@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass
 from fractions import Fraction
+from functools import lru_cache
 from math import gcd, lcm
 
 import numpy as np
@@ -23,8 +24,12 @@ SAMPLES_PER_CYCLE = 32
 PEAK_ERROR_BOUND = 1.0 - float(np.cos(np.pi / SAMPLES_PER_CYCLE))
 # Newton steps from a sample to the peak beside it, each within one step of the samples.
 NEWTON_STEPS = 6
-# Values sampled at once; bounds the memory.
-BATCH = 2**22
+# A step of less than this share of the samples' changes no digit of a peak.
+SETTLED = 1e-7
+# Peaks of a sum whose amplitudes add up to one are the same within this.
+SAME_PEAK = 1e-9
+# Values sampled at once; bounds the memory and stays near the processor.
+BATCH = 2**19
 
 
 @summarized("speeds [rad/s]", "amplitude", "plain_sum", "period [rad]")
@@ -141,14 +146,18 @@ def common_order(orders: FloatArray) -> tuple[NDArray[np.int64], float]:
     InputError
         If there is none, or the highest order is too large a multiple of it.
     """
-    fractions = [
-        Fraction(order).limit_denominator(LARGEST_DENOMINATOR) for order in orders.tolist()
-    ]
+    multiples, common = _common_order(tuple(orders.tolist()))
+    return multiples.copy(), common
+
+
+@lru_cache(maxsize=8)
+def _common_order(orders: tuple[float, ...]) -> tuple[NDArray[np.int64], float]:
+    fractions = [Fraction(order).limit_denominator(LARGEST_DENOMINATOR) for order in orders]
     below = lcm(*(fraction.denominator for fraction in fractions))
     above = [fraction.numerator * (below // fraction.denominator) for fraction in fractions]
     share = gcd(*above)
     common = Fraction(share, below)
-    for order, fraction in zip(orders.tolist(), fractions, strict=True):
+    for order, fraction in zip(orders, fractions, strict=True):
         if abs(float(fraction) - order) > SAME_ORDER * order:
             raise InputError(
                 f"orders: given {order!r}; allowed are fractions with a denominator up to "
@@ -157,7 +166,7 @@ def common_order(orders: FloatArray) -> tuple[NDArray[np.int64], float]:
     if max(above) // share > MOST_CYCLES:
         raise InputError(
             f"orders: given ones that are multiples of {float(common):.3g} only, up to "
-            f"{float(orders[-1]):g}; allowed are up to {MOST_CYCLES} times the highest common one, "
+            f"{orders[-1]:g}; allowed are up to {MOST_CYCLES} times the highest common one, "
             "because the sum is sampled over its whole period."
         )
     return np.array([number // share for number in above]), float(common)
@@ -181,7 +190,9 @@ def extreme_angles(orders: FloatArray, phasors: ComplexArray) -> tuple[float, fl
 def _peaks(
     multiples: NDArray[np.int64], phasors: ComplexArray, samples: FloatArray
 ) -> tuple[FloatArray, FloatArray]:
-    """Return the highest value of each sum (p,) and its angle, from phasors (K, p) and samples (p, m).
+    """Return the highest value of each sum (p,) and its first angle, from phasors (K, p) and samples (p, m).
+
+    The amplitudes of each sum add up to one.
 
     A true peak, counted from the middle of the extremes, stands above a sample beside it by the
     factor 1/cos(pi N / m) at most: samples below the highest by more than that are left alone.
@@ -200,14 +211,32 @@ def _peaks(
     angle = start.copy()
     waves = phasors[:, row]
     found = samples[row, column].copy()
+    # Value, slope and bend of a sum are the real, imaginary and real part of its moments.
+    powers = multiples.astype(np.complex128) ** np.arange(3)[:, np.newaxis]
     for _ in range(NEWTON_STEPS + 1):
-        terms = waves * np.exp(1j * np.outer(multiples, angle))
-        found = np.maximum(found, terms.real.sum(axis=0))
-        slope = -(multiples @ terms.imag)
-        bend = -(multiples.astype(np.float64) ** 2 @ terms.real)
-        move = np.divide(slope, -bend, out=np.zeros_like(slope), where=bend < 0.0)
+        value, slope, bend = powers @ (waves * _turned(multiples, angle))
+        found = np.maximum(found, value.real)
+        move = np.divide(-slope.imag, bend.real, out=np.zeros_like(angle), where=bend.real > 0.0)
+        before = angle
         angle = np.clip(angle + move, start - step, start + step)
+        if np.all(np.abs(angle - before) <= SETTLED * step):
+            break
     highest, angles = top.copy(), step * np.argmax(samples, axis=1)
-    rising = np.argsort(found)  # so that the highest of each sum is the one that stays
-    highest[row[rising]], angles[row[rising]] = found[rising], angle[rising]
+    np.maximum.at(highest, row, found)
+    equal = np.flatnonzero(found >= highest[row] - SAME_PEAK)
+    backwards = equal[
+        np.argsort(-angle[equal])
+    ]  # so that the first of equal peaks is the one that stays
+    angles[row[backwards]] = angle[backwards]
     return highest, angles
+
+
+def _turned(multiples: NDArray[np.int64], angle: FloatArray) -> ComplexArray:
+    """Return exp(i k phi) of multiples k (K,), ascending, and angles phi (p,), (K, p)."""
+    steps, which = np.unique(np.diff(multiples, prepend=0), return_inverse=True)
+    factors = np.exp(1j * np.outer(steps, angle))
+    turned = np.empty((multiples.size, angle.size), dtype=np.complex128)
+    turned[0] = factors[which[0]]
+    for row in range(1, multiples.size):
+        np.multiply(turned[row - 1], factors[which[row]], out=turned[row])
+    return turned

@@ -6,7 +6,8 @@ from typing import TYPE_CHECKING, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from crankbase.drawing.diagram_style import BLUE
+from crankbase.drawing.diagram_style import BLUE, new_axes
+from crankbase.drawing.legends import write_title
 from crankbase.errors import InputError
 
 if TYPE_CHECKING:
@@ -59,32 +60,34 @@ def angle_axis(axes: "Axes") -> None:
     axes.set_xlabel(ANGLE_LABEL)
 
 
-def draw_compliance(
-    axes: "Axes",
+def plot_compliance(
+    axes: "Axes | None",
     values: Array,
     bounds: Mapping[str, float],
     quantity: Compliance,
     error: float | None,
-) -> None:
+) -> "Axes":
     """Draw a throw's compliance over the angle to equal neighbors.
 
     Parameters
     ----------
-    axes : matplotlib.axes.Axes
+    axes : matplotlib.axes.Axes or None
+        New ones for None.
     values : (37,) array
         At `ANGLES_DEG` [SI].
     bounds : mapping of str to float
         Values under other supports, by their names [SI].
     quantity : str
     error : float or None
-        Estimated relative error by which the values are too small.
+        Estimated relative error.
     """
+    axes = new_axes(axes)
     shown = values * SHOWN
     axes.plot(ANGLES_DEG, shown, color=BLUE, label="between equal neighbors")
     if error is not None:
         axes.fill_between(
             ANGLES_DEG,
-            shown,
+            shown * (1.0 - error),
             shown * (1.0 + error),
             color=BLUE,
             alpha=0.2,
@@ -97,3 +100,5 @@ def draw_compliance(
     angle_axis(axes)
     axes.set_ylabel(LABELS[quantity])
     axes.legend(frameon=False, fontsize=8, loc="lower right")
+    write_title(axes, "Throw by finite elements")
+    return axes

@@ -3,15 +3,14 @@
 Two errors stand between an equation and the throw. The equation misses finite elements by up to m,
 |equation / fe - 1| <= m. m is what 95 % of new designs keep to, by designs that the equation did not see: the
 runs, each left out of the fit and of the selection of its terms, and the designs held out of both. And finite
-elements miss the solution by an estimate f. Under a given force a discretized throw is too stiff, so
-compliances come out too small: the solution lies between fe and fe (1 + f). Of other responses the sign
-is unknown. Hence::
+elements miss the solution by an estimate f, either way. Hence::
 
-    compliances:  equation / (1 + m)            to  equation (1 + f) / (1 - m)
-    others:       equation (1 - f) / (1 + m)    to  equation (1 + f) / (1 - m)
+    equation (1 - f) / (1 + m)    to  equation (1 + f) / (1 - m)
 
-Models of older releases know the largest errors at the runs and at held-out designs only; m is then the
-larger of these. No band holds outside the range.
+Models of older releases were fitted to finite elements that were not corrected for discretization, whose
+compliances could only be too small; their bands begin at equation / (1 + m). The oldest know the largest
+errors at the runs and at held-out designs only; m is then the larger of these. No band holds outside the
+range.
 """
 
 import math
@@ -22,7 +21,6 @@ import numpy as np
 
 from regression.fits.statistics import COVERAGE
 from regression.models.response_model import ResponseModel
-from regression.response_kinds import TOO_SMALL
 
 # Smaller relative errors are rounding, and not told by their value.
 LEAST_SAID = 1e-5
@@ -83,25 +81,17 @@ def equation_error(response: ResponseModel) -> float:
     return max(response.largest_error, response.largest_heldout_error or 0.0)
 
 
-def error_band(name: str, response: ResponseModel) -> ErrorBand:
-    """Find the band of a response.
-
-    Parameters
-    ----------
-    name : str
-        Of the response; it says whether finite elements can only be too small.
-    response : ResponseModel
-    """
+def error_band(response: ResponseModel) -> ErrorBand:
+    """Find the band of a response."""
     m = equation_error(response)
     f = response.largest_fe_error or 0.0
-    one_sided = name.startswith(TOO_SMALL)
-    lower = (1.0 if one_sided else max(0.0, 1.0 - f)) / (1.0 + m)
+    lower = (1.0 if response.too_small else max(0.0, 1.0 - f)) / (1.0 + m)
     upper = (1.0 + f) / (1.0 - m) if m < 1.0 else math.inf
     elements = (
         "the error of the finite elements was not estimated"
         if response.largest_fe_error is None
         else f"the finite elements' own estimate is {percent(f)}"
-        + (", by which they are too small" if one_sided else " either way")
+        + (", by which they are too small" if response.too_small else " either way")
     )
     text = f"{_told(response)}; {elements}"
     return ErrorBand(lower, upper if upper < _OPEN else None, text)

@@ -28,6 +28,10 @@ UNKNOWN_CONSTRAINTS = (
     "The model's file does not hold the constraints of its study: whether the study excluded such a "
     "design is not known."
 )
+UNCORRECTED = (
+    "The model was fitted to finite elements of an older release, not corrected for discretization: its "
+    "compliances are too small, by up to the estimated error of these. Run and fit its study again."
+)
 # Short ways are kept for so many different sets of names.
 _MOST_WAYS = 1000
 
@@ -50,6 +54,11 @@ class ModelContent(InputModel):
     throw: dict[str, Any] | None = None
     material: dict[str, str | FiniteFloat] = Field(default_factory=dict)
     provenance: dict[str, str | int | FiniteFloat | None] = Field(default_factory=dict)
+
+    @property
+    def uncorrected(self) -> bool:
+        """Whether its finite elements were not corrected for discretization, as in older releases."""
+        return any(response.too_small for response in self.responses.values())
 
     @model_validator(mode="after")
     def _fits_together(self) -> Self:
@@ -190,9 +199,12 @@ class CompiledModel:
             **{one.name: getattr(model, one.name) for one in fields(Family)}
             | {"ranges": model.ranges or _column_ranges(responses)}
         )
-        self.bands = {name: error_band(name, response) for name, response in responses.items()}
+        self.bands = {name: error_band(response) for name, response in responses.items()}
         self._throw = model.throw
-        self._unknown = model.constraints is None
+        self._remarks = (
+            *((UNKNOWN_CONSTRAINTS,) if model.constraints is None else ()),
+            *((UNCORRECTED,) if model.uncorrected else ()),
+        )
         units = self.family.all_units
         self.constraints = tuple(
             StudyConstraint(read_constraint(text, f"constraints[{place}]", units), units)
@@ -214,7 +226,7 @@ class CompiledModel:
     @property
     def remarks(self) -> tuple[str, ...]:
         """What is to be known of every lookup."""
-        return (UNKNOWN_CONSTRAINTS,) if self._unknown else ()
+        return self._remarks
 
     @cached_property
     def angle_law_remarks(self) -> tuple[str, ...]:

@@ -11,11 +11,12 @@ from crankbase.errors import InputError
 from crankbase.outputs import write_text
 from crankbase.text_limits import LARGEST_TABLE_FILE, check_file_size
 from regression.fits.terms import polynomial_terms
+from regression.response_kinds import TOO_SMALL
 
 FILE_FORMAT = "crankfem compliance model"
-FORMAT_VERSION = 3
+FORMAT_VERSION = 4
 # Files of these versions are brought up to date when read.
-OLD_VERSIONS = (1, 2)
+OLD_VERSIONS = (1, 2, 3)
 _WANTED = "allowed is a compliance model file as crankfem saves it"
 
 
@@ -104,8 +105,10 @@ def read_model(path: str | os.PathLike[str]) -> dict[str, Any]:
             f"{shown}: given a file whose checksum does not fit its content; it was changed or "
             "damaged after it was written, so its numbers cannot be trusted: fit the model again."
         )
-    if version in OLD_VERSIONS:
+    if version in OLD_VERSIONS[:2]:
         content.setdefault("constraints", None)  # what the file does not tell is not known
+    if version in OLD_VERSIONS:
+        _mark_uncorrected(content)
     if version == 1:
         try:
             return _upgraded_content(content)
@@ -118,6 +121,14 @@ def checksum(content: Mapping[str, object]) -> str:
     """Return the SHA-256 of the content in one fixed spelling."""
     spelled = json.dumps(content, sort_keys=True, separators=(",", ":"), ensure_ascii=True)
     return hashlib.sha256(spelled.encode()).hexdigest()
+
+
+def _mark_uncorrected(content: dict[str, Any]) -> None:
+    """Tell of content before version 4 that finite elements were not corrected for discretization."""
+    responses = content.get("responses")
+    for name, response in responses.items() if isinstance(responses, dict) else ():
+        if isinstance(response, dict):
+            response["too_small"] = name.startswith(TOO_SMALL)
 
 
 def _upgraded_content(content: dict[str, Any]) -> dict[str, Any]:

@@ -162,7 +162,7 @@ class Points:
             return corners[0], np.min(corners, axis=0), np.max(corners, axis=0)
         if name not in self.model.responses:
             return (self.dimension(name),)
-        band = error_band(name, self.model.responses[name])
+        band = error_band(self.model.responses[name])
         if band.upper is None:
             raise InputError(
                 f"{name}: given a model whose error reaches 100 %; allowed is a better one, because "

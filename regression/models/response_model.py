@@ -79,6 +79,9 @@ class ResponseModel(InputModel):
         How many designs those are.
     largest_fe_error : float or None
         Largest estimate of the relative error of the finite element values themselves.
+    too_small : bool
+        Whether by that error they can only be too small: those of older releases, which did not correct
+        them for discretization.
     dropped_terms : tuple of str
         Terms of the form that the selection left out.
     equation : str
@@ -119,6 +122,7 @@ class ResponseModel(InputModel):
     band_error: Share | None = None
     band_designs: int = Field(default=0, ge=0, description="a number of designs")
     largest_fe_error: Share | None = None
+    too_small: bool = False
     dropped_terms: tuple[str, ...] = ()
     equation: str
 

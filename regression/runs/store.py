@@ -227,6 +227,17 @@ class ResultStore:
                 if outcome is not None and outcome.responses is not None:
                     yield row["role"], outcome, row.get("model_version")
 
+    def older_results(self, model_version: int) -> dict[int, int]:
+        """Number of results of each earlier version of the finite element model."""
+        with self._reading():
+            return dict(
+                self._connection.execute(
+                    "SELECT model_version, count(*) FROM designs WHERE status = 'done' "
+                    "AND model_version < ? GROUP BY model_version",
+                    (model_version,),
+                )
+            )
+
     def studies(self) -> dict[str, dict[str, Any] | None]:
         """Return the plans of all studies in the store, by study key; None of one that is damaged."""
         with self._reading():

@@ -66,6 +66,7 @@ def read_store(store: ResultStore, plan: StudyPlan, keys: Iterable[str]) -> Stor
     """
     own = set(keys)
     finished, rows, left_out = [], list(store.extra_rows(plan.key)), 0
+    others = 0  # of another version of the model
     for role, outcome, version in store.results():
         if outcome.key in own:
             finished.append(outcome)
@@ -73,13 +74,15 @@ def read_store(store: ResultStore, plan: StudyPlan, keys: Iterable[str]) -> Stor
         row = _row_of(outcome, role, plan, store.path.name) if version == MODEL_VERSION else None
         if row is None:
             left_out += 1
+            others += version != MODEL_VERSION
         else:
             rows.append(row)
     if not finished and not rows:
         damaged = f"; {damaged_rows_warning(store.damaged, store.path)}" if store.damaged else ""
         raise InputError(
             f"import: given {str(store.path)!r}, in which {left_out} results are of another throw, "
-            f"material, accuracy or model version; allowed is a store with results of this study{damaged}."
+            f"material, accuracy or model version ({others} of another version than {MODEL_VERSION}, with "
+            f"which they must not be mixed); allowed is a store with results of this study{damaged}."
         )
     return StoreResults(tuple(finished), tuple(rows), left_out)
 

@@ -49,6 +49,9 @@ __all__ = [
 Progress = Callable[[int, int, Outcome | None], None]
 Note = Callable[[str], None]
 
+# The first version of the finite element model whose results are corrected for discretization.
+CORRECTED_SINCE = 5
+
 
 def check_workers(workers: int) -> None:
     """Refuse an impossible number of worker processes.
@@ -132,11 +135,23 @@ def run_plan(
                 progress(finished, len(unique), outcome)
 
         missing = [(key, inputs) for key, inputs in unique.items() if key not in known]
+        older = results.older_results(MODEL_VERSION)
+        if missing and older and note is not None:
+            note(_older_results_text(older, store))
         if missing and dask is not None:
             _run_on_dask(missing, keep, dask, limits, note or _silent)
         else:
             run_designs(missing, keep, workers, limits)
         return _table(results, plan, planned, len(missing))
+
+
+def _older_results_text(older: Mapping[int, int], store: str | Path) -> str:
+    versions = ", ".join(map(str, older))
+    return (
+        f"{store}: {sum(older.values())} results are of model version {versions}, not {MODEL_VERSION} "
+        f"(before {CORRECTED_SINCE} they were not corrected for discretization); results of different models "
+        "must not be mixed, so designs are computed anew, and the old results stay in the file."
+    )
 
 
 def _run_on_dask(

@@ -5,9 +5,9 @@ store on two cores; it continues where it was stopped). The model is made of the
 are drawn uniformly over the study's ranges and constraints, and computed with the study's accuracy.
 
 Counted is how many values by finite elements lie in the band told, and in the part of it that is the
-equation's error alone. The latter is the harder one: discretization makes the throws of a study and the
-fresh ones too stiff alike, so that the part for it is room to spare here. It is what the band needs to
-hold the truth: some of the throws are computed again, four times as accurate.
+equation's error alone. The latter is the harder one: what discretization leaves is alike for the throws of
+a study and the fresh ones, so that the part for it is room to spare here. It is what the band needs to hold
+the truth: some of the throws are computed again, four times as accurate.
 """
 
 import sys
@@ -103,8 +103,8 @@ def main() -> None:
         print("| response | form | equation's part [%] | holds | width [%] | holds | finer |")
         print("|---|---|---|---|---|---|---|")
         for name, response in study.model.responses.items():
-            told = error_band(name, response)
-            alone = error_band(name, response.model_copy(update={"largest_fe_error": 0.0}))
+            told = error_band(response)
+            alone = error_band(response.model_copy(update={"largest_fe_error": 0.0}))
             found = [ratios(study, table, name) for table in tables]
             equations, bands = (
                 " and ".join(str(kept(band, ratio)) for ratio in found) for band in (alone, told)

@@ -109,6 +109,13 @@ THROW = CrankThrow(
     web_thickness=0.068,
 )
 LEVELS = {"web_width": (0.27, 0.30, 0.33), "web_thickness": (0.038, 0.048, 0.077, 0.098)}
+STRENGTH = """
+[strength]
+tensile_strength = "800 MPa"
+manufacture = "free-form forged"
+piston = "trunk"
+oil_hole_diameter = "15 mm"
+"""
 QUICK_STUDY = {
     "study.held_out": "2",
     "study.accuracy": "0.1",
@@ -215,9 +222,9 @@ def six_cylinders():
 
 @pytest.fixture(scope="session")
 def quick_six(six_cylinders):
-    """The same with a study of three runs of one dimension, coarsely meshed."""
+    """The same with a study of three runs of one dimension, coarsely meshed, and strength judged."""
     levels = '["60 mm", "68 mm", "76 mm"]'
-    return edited(six_cylinders, QUICK_STUDY | {"study.factors.web_thickness": levels})
+    return edited(six_cylinders, QUICK_STUDY | {"study.factors.web_thickness": levels}) + STRENGTH
 
 
 @pytest.fixture(scope="session")

@@ -132,15 +132,15 @@ def test_the_crankshaft_of_an_engine_and_of_a_throw_file(tmp_path):
 REFUSED = {
     "bare number": (
         {"throw.pin_length": "139"},
-        ["throw.pin_length", "given 139", "bare number", '"139 mm"', "2 mm to 2000 mm"],
+        ["throw.pin_length", "given 139", "bare number", '"139 mm"', "0.3 mm to 2000 mm"],
     ),
     "text without unit": (
         {"throw.pin_length": '"139"'},
-        ["throw.pin_length", "'139'", '"139 mm"', "2 mm to 2000 mm"],
+        ["throw.pin_length", "'139'", '"139 mm"', "0.3 mm to 2000 mm"],
     ),
     "bare number in a table": (
         {"rod.mass": '{ value = 56, assumed = "usual" }'},
-        ["rod.mass", "given 56", "bare number", '"56 kg"', "0.001 kg to 20000 kg"],
+        ["rod.mass", "given 56", "bare number", '"56 kg"', "1e-06 kg to 20000 kg"],
     ),
     "bare number in a list": (
         {"engine.crank_angles": '[0, "120 deg", "240 deg", "240 deg", "120 deg", "0 deg"]'},
@@ -148,7 +148,7 @@ REFUSED = {
     ),
     "unit of another kind": (
         {"throw.pin_length": '"139 kg"'},
-        ["throw.pin_length", "'139 kg'", "no length", "2 mm to 2000 mm"],
+        ["throw.pin_length", "'139 kg'", "no length", "0.3 mm to 2000 mm"],
     ),
     "unknown unit": ({"throw.pin_length": '"139 foo"'}, ["throw.pin_length", "'139 foo'", "mm"]),
     "decimal comma": (
@@ -189,7 +189,7 @@ REFUSED = {
     ),
     "negative size": (
         {"throw.web_thickness": '"-68 mm"'},
-        ["throw.web_thickness", "-68 mm", "2 mm to 1500 mm", "web thickness"],
+        ["throw.web_thickness", "-68 mm", "0.2 mm to 1500 mm", "web thickness"],
     ),
     "zero size": ({"throw.web_thickness": '"0 mm"'}, ["throw.web_thickness", "0 mm", "2 mm"]),
     "huge size": ({"throw.web_width": '"285 m"'}, ["throw.web_width", "285000 mm", "4000 mm"]),
@@ -199,7 +199,7 @@ REFUSED = {
     ),
     "missing field": (
         {"throw.pin_length": None},
-        ["throw.pin_length", "missing", "crankpin length", "2 mm to 2000 mm"],
+        ["throw.pin_length", "missing", "crankpin length", "0.3 mm to 2000 mm"],
     ),
     "unknown field": (
         {"throw.pin_lenght": '"139 mm"'},

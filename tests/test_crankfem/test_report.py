@@ -170,7 +170,7 @@ def test_the_first_screen_says_what_matters(results, page):
         "406 to 466 1/min cannot be barred",
         "27 of 37 inputs are assumed",
         "1.29e-9 m/N",
-        "error about 0.96 %",
+        "too small by about 0.96 %",
         "76.8 Hz",
         "87.0 Hz",
         "whole crankshaft in its bearings: 81.1 Hz",
@@ -457,7 +457,8 @@ def test_numbers_are_written_for_reading(written, expected):
 AS_STORED = [
     ("verdict", "24.5 MPa at 498 1/min, 115 % of the permitted 21.2 MPa"),
     ("verdict", "en 1.29e-9 m/N"),
-    ("verdict", "error about 0.96 %"),
+    # A record of a release that did not correct its answers.
+    ("verdict", "too small by about 0.96 %"),
     ("verdict", "First axial frequency 76.8 Hz 76.5 to 76.8 Hz with what is uncertain"),
     ("verdict", "crankshaft in its bearings: 81.1 Hz"),
     ("verdict", "cylinder 4 - cylinder 5, 498 1/min 24.5 MPa 21.2 MPa 115 %"),
@@ -470,7 +471,7 @@ AS_STORED = [
     ("inputs", "27 of 37 values are assumed"),
     ("throw", "pinned 1.29 41.3 0.616 0.478 guided"),
     ("throw", "guided 0.258 25.7 0.0662 0.257"),
-    ("throw", "discretization error of en: 0.96 % (asked for: 1 %); the true"),
+    ("throw", "0.96 % (asked for: 1 %), not corrected: the true compliance is larger"),
     ("throw", "rigid, 15 597 unknowns."),
     ("throw", "axial 0.76, 0.63, 0.36, 0.36, 0.63, 0.76; torsional 0.91, 0.78, 0.91"),
     ("throw", "Mass of the throw 189 kg Center of mass, towards the pin 79.3 mm"),
@@ -592,7 +593,11 @@ CHANGED = [
     ),
     ("throw", "Mass of the throw 15600 kg"),
     ("reactions", "Z = 100 kN towards the shaft axis (a round value"),
-    ("throw", "0.96 % (asked for: 1 %, not met); the true"),
+    (
+        "throw",
+        "0.96 % (asked for: 1 %, not met), after a correction by 1.7 %: the true error is smaller",
+    ),
+    ("verdict", "within 0.96 % of the exact solution, in 95 of 100 throws"),
     ("fillets", "at most 27 % (asked for: 10 %, not met): enough"),
     ("verdict", "2450 MPa at 498 1/min, 11545 % of the permitted 21.2 MPa"),
     (
@@ -635,6 +640,7 @@ def changed(results):
         "statement": "Outside.",
     }
     results["throw"] |= {"mass": 15600.0, "radial_force": 1e5, "accuracy_met": False}
+    results["throw"]["axial_correction"] = 0.017
     results["engine"]["radial_force_from_gas"] = False
     results["fillets"] |= {"error_estimate": 0.27, "accuracy_met": False}
     vibration = results["vibration"]

@@ -55,6 +55,7 @@ DEPICTED_ELSEWHERE = {
     "OilHolePeak": "a part of FilletStresses",
     "ImportedThrow": "a solid of another program, known to us by its mesh, which has a plot",
     "InputError": "an error",
+    "LargestLoad": "a part of ThrowStrength",
     "Limit": "an input; the optimum draws how far it is used",
     "Lookup": "one number with its band; the model draws it over a factor",
     "MassProperties": "a mass, a point and a tensor",
@@ -71,6 +72,7 @@ DEPICTED_ELSEWHERE = {
     "RunResult": "its diagrams are the files of its folder; plot_run_formulas takes its results",
     "ShaftEnds": "a part of a crankshaft, which draws it",
     "SolveError": "an error",
+    "ThrowStrength": "a part of EngineStrength",
     "Unbalance": "two vectors",
     "Web": "a part of a throw, which draws it",
 }

@@ -219,6 +219,20 @@ def test_numbers_in_the_report_have_units(finished_run):
     assert "None" not in words
 
 
+def test_the_strength_of_the_crankshaft_comes_with_the_run(finished_run):
+    strength = finished_run.results["strength"]
+    places = [place for throw in strength["throws"] for place in throw["places"]]
+    assert len(places) == 18
+    least = min(places, key=lambda place: round(place["acceptability"], 9))
+    assert (
+        f"{least['acceptability']:.2f} at the {least['place']} of throw {least['throw']}"
+        in (strength["sentence"])
+    )
+    assert strength["passed"] == (least["acceptability"] >= 1.15)
+    words = " ".join(" ".join(Page(report_of(finished_run.folder)).words).split())
+    assert words.count(strength["sentence"]) == 2  # among the conclusions, and in its part
+
+
 def test_stresses_at_the_fillets_come_with_the_run(finished_run):
     fillets, pictures = finished_run.results["fillets"], finished_run.results["pictures"]
     assert finished_run.results["fillet_note"] is None

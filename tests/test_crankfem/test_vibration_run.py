@@ -341,8 +341,9 @@ def test_uncertain_values_widen_the_critical_speeds(coarse, tmp_path):
     given = engine_vibration(written(tmp_path, text), analysis=coarse)
     found, engine = given.assessment, given.engine_file.engine
     torsional = found.torsional
-    # Twice the estimated error of the finite elements is possible.
-    assert torsional.spreads[0].high == close(1.0 + 2.0 * coarse.error_estimate)
+    # The estimated error of the finite elements is possible either way.
+    one = torsional.spreads[0]
+    assert (one.low, one.high) == close((1.0 - coarse.error_estimate, 1.0 + coarse.error_estimate))
     assert found.axial.spreads[0].name == "error of the finite elements"
     assert "that of the axial compliance" in torsional.spreads[0].name
     assert any("excitation by torsion of the nominal chain" in text for text in found.remarks)

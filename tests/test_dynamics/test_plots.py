@@ -1144,16 +1144,17 @@ def test_results_show_themselves_briefly(name):
 # Public classes of dynamics that neither draw nor tabulate, by the reason.
 LEFT_OUT = {
     "input that is given, not found": """
-        AxialDamper AxialSupport BarredRangeRule Chain ConnectingRod Coupling CrossheadEngine Dashpot
+        AxialDamper AxialSupport BarredRangeRule Chain ConnectingRod Coupling CrankWeb CrossheadEngine Dashpot
         DrivenMachine EndBody EngineChain EngineCylinder EngineLayout EngineMagnifier GasCycle
         GasSpring Gear LimitCurve LoadStep MainBearings Propeller PropellerForces RigidBody
-        RotatingMass RubberDamper ShaftCone ShaftLine ShaftMaterial ShaftSurroundings ShaftThrow
-        SlavePin SliderCrank Spread TorsionalRing VibrationLimit ViscousDamper""",
+        RotatingMass RubberDamper ShaftCone ShaftLine ShaftMaterial ShaftSurroundings ShaftThrow ShrinkFit
+        SlavePin SliderCrank Spread SupportedThrow SurfaceTreatment TorsionalRing VibrationLimit
+        ViscousDamper""",
     "matrices in unknowns of its own; results have nodes and points with names": """
         AssembledShaft CrankshaftSystem DampedChain LinearSystem TurningChain
         ViscousSystem""",
     "a few numbers": """
-        AbsorberOptimum BestPressure FlywheelTilt FrequencyDifference MovingMasses RodModel
+        AbsorberOptimum BestPressure ConcentrationFactors FlywheelTilt FrequencyDifference MovingMasses RodModel
         TwoMassCheck""",
     "does not know the angles it belongs to; HingeMoment tabulates its reduced crank": """
         CylinderMotion PointMotion TurnMotion ReducedCrank""",

@@ -6,7 +6,12 @@ import pytest
 from comparing import close
 from crankbase.errors import InputError
 from dynamics.response.order_excitation import at_angles
-from dynamics.response.synthesis import PEAK_ERROR_BOUND, common_order, synthesis
+from dynamics.response.synthesis import (
+    PEAK_ERROR_BOUND,
+    common_order,
+    extreme_angles,
+    synthesis,
+)
 
 ONE = np.array([100.0])
 
@@ -73,3 +78,11 @@ def test_common_order():
         InputError, match=r"multiples of .* only, up to 90; allowed are up to 20000"
     ):
         common_order(np.array([1.0 / 997.0, 90.0]))
+
+
+def test_of_equal_peaks_the_first_is_told():
+    """Order 1 alone has two equal peaks in a cycle of two revolutions; round-off may raise either."""
+    orders = np.array([0.5, 1.0])
+    for noise in (-1e-13, 1e-13):
+        phasors = np.array([noise, np.exp(-0.5j)])
+        assert extreme_angles(orders, phasors) == close((0.5, 0.5 + np.pi), rel=1e-6)

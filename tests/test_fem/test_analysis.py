@@ -9,6 +9,7 @@ from crankbase.errors import InputError
 from crankbase.stopwatch import Stopwatch
 from fem.accuracy import Problem, solve_level, solve_to_accuracy
 from fem.analysis import analyze_axial, analyze_throw
+from fem.class_compliances import class_axial_compliances
 from fem.material import STEEL, Material
 from fem.refinement import refined_sizes
 from fem.supports import Neighbors
@@ -160,34 +161,26 @@ def test_times_are_told(analysis):
 @pytest.mark.parametrize(
     ("radius", "accuracies", "finest"),
     [
-        (None, (0.1, 0.02, 0.005), 0.002),
-        (0.040, (0.1, 0.02, 0.005), 0.002),
-        (0.0, (0.1, 0.02), 0.0025),
+        (None, (0.02, 0.005), 0.0012),
+        (0.040, (0.02, 0.005), 0.0012),
+        (0.0, (0.02, 0.006), 0.003),
     ],
     ids=["usual", "large", "sharp"],
 )
 def test_error_estimate_covers_the_true_error(dimensions, radius, accuracies, finest):
-    """The truth is extrapolated by energies from meshes finer than those that are judged.
-
-    It is off by 1.4e-5 with fillets and by 2.3e-4 with sharp corners, as still finer meshes say: by 1 % of
-    the least error that is judged at most.
-    """
+    """The truth is the corrected answer of a mesh with four times the unknowns."""
     throw = CrankThrow(**dimensions | ({} if radius is None else {"fillet_radius": radius}))
     problem = Problem(STEEL, "auto", "rigid", Stopwatch())
     judged = [solve_to_accuracy(throw, accuracy, problem) for accuracy in accuracies]
     sizes = refined_sizes(judged[-1].mesh, judged[-1].errors, finest)
-    coarser, finer = (
-        solve_level(mesh_throw(throw, factor, sizes=sizes), problem) for factor in (1.0, 0.75)
-    )
-    assert finer.error_estimate < 0.5 * judged[-1].error_estimate
-    shrunk = coarser.error_estimate / finer.error_estimate
-    truth = finer.axial + (finer.axial - coarser.axial) / (shrunk - 1.0)
+    factor = (sizes.expected_unknowns() / (5.2 * judged[-1].mesh.unknowns)) ** (1.0 / 3.0)
+    reference = solve_level(mesh_throw(throw, factor, sizes=sizes), problem)
+    assert reference.mesh.unknowns > 4 * judged[-1].mesh.unknowns
     for accuracy, found in zip(accuracies, judged, strict=True):
-        error = 1.0 - found.axial / truth
-        assert found.error_estimate <= accuracy
-        assert error <= 1.5 * found.error_estimate
-        assert found.error_estimate <= 2.0 * error
-        assert error <= accuracy
+        error = abs(found.axial / reference.axial - 1.0)
+        assert error <= found.error_estimate <= accuracy
+        plain = class_axial_compliances(found.axial_part.discrete, "pinned")[0]
+        assert error <= 0.4 * (1.0 - plain / reference.axial)
 
 
 def test_an_accuracy_that_cannot_be_met_is_told(throw, monkeypatch):

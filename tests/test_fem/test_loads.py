@@ -94,7 +94,7 @@ def test_unit_loads_on_pins_have_unit_resultants(part, throw):
     center = np.array([0.0, throw.crank_radius, throw.length / 2.0])
     found = resultants(part, loads, pin_surfaces(part)[0].center)
     assert found == close(np.eye(6), abs=ROUND_OFF)
-    assert pin_surfaces(part)[0].center == close(center, abs=1e-6)
+    assert pin_surfaces(part)[0].center == close(center, abs=5e-6)  # of a coarse mesh
 
 
 def test_unit_loads_on_ends_have_unit_resultants(part):

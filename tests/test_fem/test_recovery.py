@@ -181,7 +181,8 @@ def test_quadratic_stress_is_exact_at_inner_corners(cube, monkeypatch):
     of_elements = np.abs(raw - values @ expected[elements]).max() / np.abs(expected).max()
     assert of_elements > 0.01
     assert error() <= 1e-4
-    monkeypatch.setattr(fem.recovery, "HELD_BACK", np.zeros(10))
+    # So little that corners of the cube, with too few samples for a fit, have some solution.
+    monkeypatch.setattr(fem.recovery, "HELD_BACK", np.full(10, 1e-15))
     assert error() <= ROUND_OFF
 
 

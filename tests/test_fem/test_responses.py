@@ -87,16 +87,12 @@ def test_true_errors_are_those_estimated(throw, accuracy, reference):
             continue
         true = abs(value / coarse.values[name] - 1.0)
         estimate = coarse.errors[name]
-        # What is asked of the axial compliance (docs/accuracy.md): hardly ever above 1.5 estimates, and
-        # mostly above a fifth. The reference still misses a tenth of what the coarse mesh does.
-        assert true < 1.5 * estimate, name
-        if not name.startswith(("axial_reaction", "tilt")):
-            assert true > 0.2 * estimate, name
+        assert true < estimate, name
 
 
 @pytest.mark.slow
 def test_errors_fall_with_the_accuracy(coarse):
-    finer = evaluate_throw(PLAIN, accuracy=0.01)
+    finer = evaluate_throw(PLAIN, accuracy=0.004)
     for name, error in finer.errors.items():
         if name != "mass":
             assert 0.0 < error < coarse.errors[name], name

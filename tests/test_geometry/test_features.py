@@ -145,9 +145,9 @@ def test_oil_holes_are_cut_alike_out_of_quarter_half_and_full(build):
     areas = []
     for part, copies in PARTS.items():
         with gmsh_session("throw") as gmsh:
-            named = build_solid(gmsh, parts, part)
+            surfaces = build_solid(gmsh, parts, part)
             check_solid(parts, part, solid_properties(gmsh))
-            found = [gmsh.model.occ.getMass(2, tag) for tag in named.surfaces[OIL_HOLE]]
+            found = [gmsh.model.occ.getMass(2, tag) for tag in surfaces[OIL_HOLE]]
         areas.append(copies * sum(found))
     assert areas == close([areas[0]] * 3, rel=1e-3)
     # Walls and roundings, which are somewhat larger than the walls would be without them.

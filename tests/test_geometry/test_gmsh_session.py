@@ -130,3 +130,11 @@ def test_missing_package_is_reported():
         pytest.raises(MissingLibraryError, match="pip install gmsh"),
     ):
         load_gmsh()
+
+
+def test_meshing_without_the_package_names_it_too(dimensions):
+    with (
+        mock.patch.dict(sys.modules, {"gmsh": None}),
+        pytest.raises(MissingLibraryError, match="pip install gmsh"),
+    ):
+        mesh_throw(CrankThrow(**dimensions), 2.0)

@@ -711,7 +711,7 @@ def test_the_compliance_is_that_of_the_throw(dimensions, folder, change, order, 
         ratio = coarse.factor / fine.factor
         results.append((fine.value, (fine.value - coarse.value) / (ratio**order - 1.0)))
     (ours, our_error), (theirs, their_error) = results
-    assert 0.0 < our_error < 0.02 * ours
+    assert 0.0 < our_error < 0.025 * ours
     # Meshed to the same sizes, the two differ by less than their distance from the limit.
     nearer = 0.5 * max(our_error, their_error)
     assert ours == close(theirs, abs=nearer)

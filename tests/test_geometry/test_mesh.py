@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
-from skfem import ElementTetP2
+from skfem import ElementTetP2, ElementTriP2
 from skfem.quadrature import get_quadrature
 
 import geometry.mesh
@@ -15,7 +15,7 @@ from crankbase.errors import InputError, MeshError
 from geometry.mesh import MESHING_STRATEGIES, mesh_throw
 from geometry.mesh_checks import check_quality, check_volume
 from geometry.mesh_repair import EDGES, corner_quality, smallest_jacobians, straighten_elements
-from geometry.shapes import element_quadrature, element_volumes
+from geometry.shapes import element_quadrature, element_volumes, shapes_at, triangle_shapes_at
 from geometry.solid import (
     CRANK_PLANE,
     FILLET,
@@ -207,7 +207,27 @@ def test_volumes_of_straight_tetrahedra():
     assert volumes @ where / 0.5 == close(center, rel=1e-13)
 
 
-def test_mending_straightens_what_curving_turned_inside_out():
+@pytest.mark.parametrize(
+    ("element", "shapes", "order"),
+    [(ElementTetP2(), shapes_at, (2, 0, 1)), (ElementTriP2(), triangle_shapes_at, (0, 1, 2))],
+)
+def test_shape_functions_are_those_of_scikit_fem(element, shapes, order):
+    where = np.random.default_rng(1).random((element.refdom.dim(), 7))
+    values, gradients = shapes(where)
+    expected = [element.lbasis(where, node) for node in range(values.shape[1])]
+    assert values == close(np.array([value + np.zeros(7) for value, _ in expected]).T, abs=1e-14)
+    slopes = np.array([slope + np.zeros_like(where) for _, slope in expected])
+    assert gradients == close(slopes.transpose(order), abs=1e-14)
+
+
+def test_volumes_of_curved_tetrahedra_are_those_of_a_quadrature_that_is_more_than_exact():
+    draw = np.random.default_rng(2)
+    points, elements = draw.random((20, 3)), np.array([draw.permutation(20)[:10] for _ in "abc"])
+    exact = element_quadrature(points, elements, 6)[1].reshape(3, -1).sum(axis=1)
+    assert element_volumes(points, elements) == close(exact, abs=1e-15)
+
+
+def test_mending_straightens_what_curving_turned_inside_out_by_halves():
     points, elements = straight_tetrahedra(CORNERS, TWO)
     straight = points.copy()
     shared = elements[0, 5]  # the edge node between corners 1 and 2
@@ -218,8 +238,11 @@ def test_mending_straightens_what_curving_turned_inside_out():
     mended_points, mended = straighten_elements(points, elements)
     assert smallest_jacobians(mended_points, elements).min() > 0.05
     assert mended == np.count_nonzero(smallest_jacobians(points, elements) < 0.05)
-    assert np.array_equal(mended_points[shared], straight[shared])
-    assert not np.array_equal(points, mended_points)
+    bow, left = (where[shared] - straight[shared] for where in (points, mended_points))
+    halvings = np.log2(bow / left)
+    assert halvings == close(np.full(3, round(halvings[0])), rel=1e-12)
+    again = straight + 2.0 * (mended_points - straight)  # one halving less was not enough
+    assert smallest_jacobians(again, elements).min() < 0.05
 
 
 def test_mending_leaves_sound_meshes_alone():

@@ -7,7 +7,14 @@ from hypothesis import strategies as st
 
 from comparing import close
 from crankbase.errors import InputError
-from crankbase.units.quantity import format_quantity, parse_quantity, unit_registry
+from crankbase.units import quantity
+from crankbase.units.quantity import (
+    PLAIN_SIZES,
+    TURNING,
+    format_quantity,
+    parse_quantity,
+    unit_registry,
+)
 
 
 @pytest.mark.parametrize(
@@ -231,7 +238,7 @@ def test_a_failure_of_the_library_is_not_told_as_the_users(monkeypatch):
 
     monkeypatch.setattr(unit_registry(), "parse_units", fails)
     with pytest.raises(TypeError, match="of the library"):
-        parse_quantity("170 mm", "m", "field")
+        parse_quantity("7 in", "m", "field")
 
 
 @pytest.mark.parametrize(
@@ -240,3 +247,11 @@ def test_a_failure_of_the_library_is_not_told_as_the_users(monkeypatch):
 def test_numbers_too_large_for_a_float_are_refused(number):
     with pytest.raises(InputError, match="not finite"):
         parse_quantity(number, "", "field")
+
+
+@pytest.mark.parametrize(("name", "unit"), [*PLAIN_SIZES, TURNING])
+def test_what_is_known_without_pint_is_what_pint_says(monkeypatch, name, unit):
+    known = parse_quantity(f"3.7 {name}", unit, "field")
+    monkeypatch.setattr(quantity, "PLAIN_SIZES", {})
+    monkeypatch.setattr(quantity, "TURNING", None)
+    assert known == close(parse_quantity(f"3.7 {name}", unit, "field"), rel=1e-15)

@@ -7,6 +7,7 @@ import gmsh
 import numpy as np
 import pytest
 
+import geometry.mesh
 from comparing import close
 from crankbase.errors import InputError, MeshError
 from geometry.gmsh_session import gmsh_session
@@ -14,7 +15,8 @@ from geometry.isolated import IsolatedProcess
 from geometry.mesh import MESHING_STRATEGIES, mesh_throw
 from geometry.mesher import mesh_here, mesh_isolated
 from geometry.shapes import element_volumes
-from geometry.sizes import SizeMap, regular_volume, set_size_map
+from geometry.size_fields import set_size_map
+from geometry.sizes import SizeMap, regular_volume
 from geometry.throw import CrankThrow
 
 # Corners and edges of a regular tetrahedron with edges of 1 m.
@@ -146,17 +148,25 @@ def test_the_mesh_is_checked_as_others_are(throw, made):
     assert volume == close(made.solid.volume, rel=1e-3)
 
 
-def test_a_map_too_coarse_for_the_volume_climbs_the_ladder(throw, coarse_mesh):
-    """Elements as large as a journal's radius cut chords off it; smaller ones are tried."""
-    mesh = mesh_throw(throw, sizes=map_of(coarse_mesh, lambda points: np.full(len(points), 0.1)))
-    assert len(mesh.attempts) > 0
-    assert all("differ by more than 0.1 %" in attempt for attempt in mesh.attempts)
-    assert mesh.size_factor == MESHING_STRATEGIES[len(mesh.attempts)].share
-    volume = element_volumes(mesh.points, mesh.elements).sum()
-    assert volume == close(mesh.solid.volume, rel=1e-3)
-    hopeless = map_of(coarse_mesh, lambda points: np.full(len(points), 0.2))
-    with pytest.raises(MeshError, match="6 ways of meshing the throw failed"):
-        mesh_throw(throw, sizes=hopeless)
+def test_a_map_of_any_size_gives_a_mesh_of_the_volume(throw, coarse_mesh):
+    """Elements as large as a journal's radius would cut chords off it: they are smaller there."""
+    for size in (0.1, 0.5):
+        coarse = map_of(coarse_mesh, lambda points, size=size: np.full(len(points), size))
+        mesh = mesh_throw(throw, sizes=coarse)
+        assert mesh.attempts == ()
+        volume = element_volumes(mesh.points, mesh.elements).sum()
+        assert volume == close(mesh.solid.volume, rel=5e-4)
+
+
+def test_a_map_whose_mesh_is_refused_is_meshed_finer(throw, graded, monkeypatch):
+    def refuse(*_):
+        monkeypatch.undo()
+        raise MeshError("refused")
+
+    monkeypatch.setattr(geometry.mesh, "check_volume", refuse)
+    mesh = mesh_throw(throw, sizes=graded)
+    assert mesh.attempts == ("as planned: refused",)
+    assert mesh.size_factor == MESHING_STRATEGIES[1].share
 
 
 @pytest.mark.slow

@@ -108,7 +108,7 @@ def test_file_is_readable_by_people(tmp_path):
     MODEL.save(path)
     record = json.loads(path.read_text())
     assert record["format"] == "crankfem compliance model"
-    assert record["version"] == 3
+    assert record["version"] == 4
     assert record["provenance"]["study"] == "abc123"
     assert record["fixed"]["crank_radius"] == 0.170
     axial_record = record["responses"]["axial_compliance"]
@@ -251,9 +251,9 @@ def damaged(text, kind):
         case "empty":
             return ""
         case "newer":
-            return json.dumps(record | {"version": 4})
+            return json.dumps(record | {"version": 5})
         case "long number":
-            return text.replace('"version": 3', f'"version": {"9" * 5000}')
+            return text.replace('"version": 4', f'"version": {"9" * 5000}')
         case "no responses":
             del record["responses"]
             return json.dumps(record)
@@ -268,7 +268,7 @@ def damaged(text, kind):
         ("other kind", "given a file of another kind; allowed is a compliance model file"),
         ("list", "given a file of another kind"),
         ("empty", "not complete JSON"),
-        ("newer", "given format version 4; allowed are 1 to 3"),
+        ("newer", "given format version 5; allowed are 1 to 4"),
         ("long number", "given a number of thousands of digits"),
         ("no responses", "checksum does not fit"),
     ],

@@ -372,8 +372,16 @@ def test_a_new_model_version_uses_nothing_of_the_old_one(tmp_path, monkeypatch):
     ):
         read_study(store)
     puppets(monkeypatch, QUICK.replace('["web_width"]', '["web_width"] * 2'))
-    table = run_plan(replace(SMALL), store)  # as a later release plans it
+    told = []
+    table = run_plan(replace(SMALL), store, note=told.append)  # as a later release plans it
     assert table.computed == 5
+    assert told == [
+        f"{store}: 5 results are of model version {now}, not {now + 1} (before 5 they were not corrected for "
+        "discretization); results of different models must not be mixed, so designs are computed anew, and "
+        "the old results stay in the file."
+    ]
+    run_plan(replace(SMALL), store, note=told.append)
+    assert len(told) == 1  # nothing is left to compute
     assert table.responses["axial_compliance_pinned"].tolist() == (2 * table.values[:, 0]).tolist()
     assert stored_versions(store) == [now] * 5 + [now + 1] * 5
     # The store holds one study of this version: it needs no naming.

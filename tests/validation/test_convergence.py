@@ -25,7 +25,6 @@ bounds are twice the scatter that is then left, some 0.2.
 """
 
 import math
-from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -39,27 +38,9 @@ from fem.loads import unit_pin_loads
 from fem.material import STEEL
 from fem.symmetry import axial_class
 from geometry.mesh import mesh_throw
-from geometry.mesh_repair import EDGES
 from geometry.shapes import element_volumes
 from geometry.throw import CrankThrow
-
-# An element's ten nodes by their shares of its four corners.
-NODES = np.vstack([np.eye(4), [0.5 * (np.eye(4)[a] + np.eye(4)[b]) for a, b in EDGES]])
-# Corners of the eight parts of an element among its ten nodes, and of the four of a face among its six.
-PARTS = np.array(
-    [
-        [0, 4, 6, 7],
-        [4, 1, 5, 8],
-        [6, 5, 2, 9],
-        [7, 8, 9, 3],
-        [6, 8, 4, 5],
-        [6, 8, 5, 9],
-        [6, 8, 9, 7],
-        [6, 8, 7, 4],
-    ]
-)
-FACE_PARTS = np.array([[0, 3, 5], [3, 1, 4], [5, 4, 2], [3, 4, 5]])
-FACE_NODES = np.array([[4, 0, 0], [0, 4, 0], [0, 0, 4], [2, 2, 0], [0, 2, 2], [2, 0, 2]])
+from refined_mesh import refined
 
 
 def throw(fillet_radius):
@@ -90,42 +71,6 @@ def first_mesh(fillet_radius):
     return next(mesh for mesh in meshes if mesh.mended_elements == 0)
 
 
-def shape_functions(shares):
-    """Values (p, 10) of an element's shape functions at points given by shares (p, 4) of its corners."""
-    corners = shares * (2.0 * shares - 1.0)
-    edges = np.column_stack([4.0 * shares[:, a] * shares[:, b] for a, b in EDGES])
-    return np.hstack([corners, edges])
-
-
-def names(nodes, quarters):
-    """Names (..., k) of points by their quarters of nodes: the same from every element and face."""
-    return np.sort(np.where(quarters > 0, 5 * (nodes + 1) + quarters, 0), axis=-1)
-
-
-def refined(mesh):
-    """Divide each element into eight on its own curved shape."""
-    parts = NODES[PARTS]
-    middles = 0.5 * (parts[:, [a for a, _ in EDGES]] + parts[:, [b for _, b in EDGES]])
-    shares = np.concatenate([parts, middles], axis=1).reshape(-1, 4)
-    places = shape_functions(shares) @ mesh.points[mesh.elements]
-    named = names(mesh.elements[:, None, :4], np.rint(4.0 * shares).astype(int)).reshape(-1, 4)
-    kept, first, number = np.unique(named, axis=0, return_index=True, return_inverse=True)
-    numbered = {tuple(name): place for place, name in enumerate(kept.tolist())}
-
-    def divided(faces):
-        named = names(faces[:, None], FACE_NODES)
-        named = np.pad(named, ((0, 0), (0, 0), (1, 0))).reshape(-1, 4)
-        nodes = np.array([numbered[tuple(name)] for name in named.tolist()]).reshape(-1, 6)
-        return nodes[:, FACE_PARTS].reshape(-1, 3)
-
-    return replace(
-        mesh,
-        points=places.reshape(-1, 3)[first],
-        elements=number.reshape(-1, 10),
-        surfaces={name: divided(faces) for name, faces in mesh.surfaces.items()},
-    )
-
-
 def order(values):
     """Observed order of three values, each of meshes twice as fine as the one before."""
     coarse, middle, fine = values
@@ -153,7 +98,7 @@ def test_exponents(exponents, figure):
 
 def test_refined_mesh_is_the_same_solid():
     mesh = mesh_throw(throw(0.012), 6.0)
-    fine = refined(mesh)
+    fine, _ = refined(mesh)
     assert len(fine.elements) == 8 * len(mesh.elements)
     assert len(np.unique(fine.points.round(9), axis=0)) == len(fine.points)
     before, after = (element_volumes(part.points, part.elements) for part in (mesh, fine))
@@ -173,7 +118,7 @@ def test_nested_meshes(exponents, fillet_radius, corner, highest, figure):
     mesh = first_mesh(fillet_radius)
     values = [axial_compliance(mesh)]
     for _ in range(2):
-        mesh = refined(mesh)
+        mesh, _ = refined(mesh)
         values.append(axial_compliance(mesh))
     assert values[0] < values[1] < values[2]
     # Below the least order only by the little that quadrature and the last two terms' signs may do.

@@ -155,7 +155,7 @@ def drilled_bar(diameter, bore, fineness, exit_radius=0.0):
         gmsh.model.mesh.field.setAsBackgroundMesh(field)
         gmsh.model.mesh.generate(3)
         gmsh.model.mesh.setOrder(2)
-        points, elements, surfaces = read_mesh(gmsh, named.surfaces)
+        points, elements, surfaces = read_mesh(gmsh, named)
     points, mended = straighten_elements(points, elements)
     mesh = ThrowMesh("quarter", length, (), points, elements, surfaces, 1.0, mended, NOT_USED)
     return mesh, hole

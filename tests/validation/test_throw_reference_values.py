@@ -15,7 +15,8 @@ Sources and tolerances:
   stiff, so the converged value lies above both.
 - Study of the angle between cranks: whole throws with sharp corners, 23,000 to 38,000 unknowns, helical
   boundary conditions; e_n at 180, 120, 90 and 0 deg, and rho, the ratio of the stiffnesses against
-  tilting across and in the crank plane. Up to 6 % too stiff: coarse, with sharp corners.
+  tilting across and in the crank plane. Up to 6 % too stiff: coarse, with sharp corners. So they are
+  compared with answers of a mesh as coarse, which are not corrected for discretization.
 """
 
 import numpy as np
@@ -80,7 +81,8 @@ def test_fillets(figure):
 @pytest.mark.parametrize("thickness", ANGLE_STUDY)
 def test_angles_between_cranks(thickness, figure):
     *published, rho = ANGLE_STUDY[thickness]
-    found = analyze_throw(reference_throw(web_thickness=thickness / 1000.0), accuracy=0.05)
+    throw = reference_throw(web_thickness=thickness / 1000.0)
+    found = analyze_throw(throw, accuracy=0.05).discrete
     for gamma, value in zip((180, 120, 90, 0), published, strict=True):
         compliance = found.axial_compliance(Neighbors(gamma, gamma))
         what = f"coarse sharp throws: e_n, cranks at {gamma} deg"

@@ -1,10 +1,10 @@
 """How far the compliances of each source may be off: factors between which the true ones lie.
 
-Finite elements are too stiff by about their estimate. A regression has the band of its model. A formula is
+Finite elements may be off by their estimate, either way. A regression has the band of its model. A formula is
 held against finite elements for the throws of all shipped engines (those of one pin where the engine's are
 so), each put at the cranks of the engine in question, and for the engine's own: with r the sum of the
 formula's compliances along the shaft beside that of finite elements, and f the estimated error of these,
-the true sum is 1/r to (1 + 2 f)/r times the formula's. The least and the greatest of these are the range;
+the true sum is (1 - f)/r to (1 + f)/r times the formula's. The least and the greatest of these are the range;
 the value itself counts as possible.
 """
 
@@ -34,8 +34,6 @@ from geometry.throw import CrankThrow
 from regression.models.angle import between_values
 from regression.models.compliance_model import ComplianceModel
 
-# The estimate of the discretization error may be off by this factor.
-ERROR_FACTOR = 2.0
 TABLE = "throw_compliances.csv"
 
 
@@ -91,10 +89,12 @@ def source_spread(
         Of all throws together, with what it comes from.
     """
     estimates = (own.error_estimate for own in analyses_by_name(engine_file, analysis).values())
-    softer = 1.0 + ERROR_FACTOR * max(estimates)
+    error = max(estimates)
     if source in (FE, FE_PINNED):
         of = " (that of the axial compliance)" if kind == "torsional" else ""
-        return Spread("compliance", 1.0, softer, name=f"error of the finite elements{of}")
+        return Spread(
+            "compliance", 1.0 - error, 1.0 + error, name=f"error of the finite elements{of}"
+        )
     if source == REGRESSION:
         assert model is not None
         found = throw_lookups(engine_file, model, RESPONSES[kind]).values()
@@ -104,16 +104,16 @@ def source_spread(
             max(own.upper / own.value for own in found if own.upper is not None),
             name=f"error of the regression ({'; '.join(dict.fromkeys(own.band for own in found))})",
         )
-    return _formula_spread(engine_file, kind, source, getattr(shaft, kind), softer)
+    return _formula_spread(engine_file, kind, source, getattr(shaft, kind), error)
 
 
 def _formula_spread(
-    engine_file: EngineFile, kind: str, source: str, by_elements: Iterable[float], softer: float
+    engine_file: EngineFile, kind: str, source: str, by_elements: Iterable[float], error: float
 ) -> Spread:
     """Range of a formula: what it is beside finite elements for shipped throws, and for the engine's own."""
     throws = engine_file.crank_throws
     here = sum(_row(engine_file, kind, source, throws, engine_file.material)) / sum(by_elements)
-    found = [(here, softer)]
+    found = [(here, error)]
     single = all(_pins(throw) == 1 for throw in throws)
     for one in analyzed_throws():
         if single and _pins(one.throw) > 1:
@@ -121,12 +121,12 @@ def _formula_spread(
         row = _row(engine_file, kind, source, [one.throw] * len(throws), one.material)
         beside = sum(row) / sum(_elements(engine_file, kind, one))
         if beside > 0.0:
-            found.append((beside, 1.0 + ERROR_FACTOR * one.error_estimate))
+            found.append((beside, one.error_estimate))
     others = [beside for beside, _ in found[1:]]
     return Spread(
         "compliance",
-        min(1.0, *(1.0 / beside for beside, _ in found)),
-        max(1.0, *(soft / beside for beside, soft in found)),
+        min(1.0, *((1.0 - off) / beside for beside, off in found)),
+        max(1.0, *((1.0 + off) / beside for beside, off in found)),
         name=f"error of the formula {source} ({min(others):.2f} to {max(others):.2f} times finite elements "
         f"for the throws of {len(others)} shipped engines at the angles of these cranks, {here:.2f} times "
         "for the engine's own)",

@@ -297,6 +297,11 @@ def _remarks(first: ComplianceModel, second: ComplianceModel) -> tuple[str, ...]
         for name in dict.fromkeys((*materials[0], *materials[1]))
         if materials[0].get(name) != materials[1].get(name) and name != "name"
     ]
-    if not odd:
-        return ()
-    return (f"The models are of different materials: {', '.join(odd)} differ.",)
+    remarks = [f"The models are of different materials: {', '.join(odd)} differ."] if odd else []
+    if first.uncorrected != second.uncorrected:
+        old = "first" if first.uncorrected else "second"
+        remarks.append(
+            f"The {old} model was fitted to finite elements of an older release, not corrected for "
+            "discretization; the other's were: compliances differ by the error that was corrected."
+        )
+    return tuple(remarks)

@@ -1,5 +1,6 @@
 """Stresses at the fillets in a run, computed coarsely, pictured for the loads that matter."""
 
+from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 
@@ -51,6 +52,12 @@ def shown_loads(stresses: FilletStresses) -> FilletStresses:
         for place, load in enumerate(loaded.loads)
         if load.kind == kind and load.pin in (None, 0)
     ]
+    return of_loads(stresses, kept)
+
+
+def of_loads(stresses: FilletStresses, kept: Sequence[int]) -> FilletStresses:
+    """Return the stresses under some of the loads, by their places."""
+    loaded = stresses.loaded
     loads = tuple(loaded.loads[place] for place in kept)
     return replace(
         stresses,
@@ -58,7 +65,9 @@ def shown_loads(stresses: FilletStresses) -> FilletStresses:
         loaded=replace(
             loaded,
             loads=loads,
-            shares=tuple((symmetry, field[:, :, kept]) for symmetry, field in loaded.shares),
+            shares=tuple(
+                (symmetry, np.take(field, kept, axis=2)) for symmetry, field in loaded.shares
+            ),
         ),
         surface=replace(stresses.surface, stress=np.take(stresses.surface.stress, kept, axis=1)),
     )

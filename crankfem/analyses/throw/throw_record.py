@@ -13,6 +13,10 @@ from geometry.mesher import Throw
 from geometry.throw import CrankThrow
 
 SUPPORTS: tuple[Support, ...] = ("pinned", "guided")
+NOT_CORRECTED = (
+    "Not all answers are corrected for discretization: on so coarse a mesh it takes too much of them to be "
+    "told. Ask for a better accuracy."
+)
 
 
 def throw_record(
@@ -41,11 +45,16 @@ def throw_record(
     acting = (0.0, -radial_force, 0.0) if pin_force is None else tuple(pin_force)
     for name, support in named.items():
         answer = analysis.supported(support)
-        found = analysis.reactions(acting, support)
+        found, error = analysis.reactions(acting, support), analysis.error_bars(support)
         supports[name] = {
             "axial_compliance": answer.axial,
             "torsional_compliance": answer.torsional,
             "influence_coefficient": answer.influence,
+            "errors": {
+                "axial_compliance": error.axial,
+                "torsional_compliance": error.torsional,
+                "influence_coefficient": error.influence,
+            },
             "axial_force_per_radial": answer.influence / answer.axial,
             "axial_force": float(answer.stretches[0] @ acting) / answer.axial,
             "reactions": {
@@ -59,7 +68,7 @@ def throw_record(
         "supports": supports,
         "radial_force": -acting[1],
         "pin_force": list(acting),
-        **attributes(analysis, "mass", "center_of_mass", "inertia", "stiffness"),
+        **attributes(analysis, "mass", "center_of_mass", "inertia", "stiffness", "stiffness_error"),
         "stiffness_units": {
             "row": (["N"] * 3 + ["N m"] * 3) * 2,
             "per_column": (["m"] * 3 + ["rad"] * 3) * 2,
@@ -69,9 +78,12 @@ def throw_record(
             unbalance(analysis.masses, analysis.throw.length / 2.0), "static", "dynamic"
         ),
         **attributes(analysis, "error_estimate", "accuracy", "accuracy_met", "solver", "seconds"),
+        "corrected": analysis.corrected,
+        "axial_correction": 1.0
+        - analysis.discrete.axial_compliance() / analysis.axial_compliance(),
         "unknowns": mesh.unknowns,
         "model": f"{mesh.part}, second-order tetrahedra, end sections {analysis.end_sections}",
-        "remarks": list(analysis.throw.remarks),
+        "remarks": [*analysis.throw.remarks, *([] if analysis.corrected else [NOT_CORRECTED])],
         "meshing_attempts": list(mesh.attempts),
         "mended_elements": mesh.mended_elements,
     }
@@ -88,6 +100,7 @@ def reciprocity_record(analysis: ThrowAnalysis) -> Record:
         largest difference, of the supports, between c Z / e_n and the axial reaction by the end forces
         under a radial force Z on the first pin, beside Z.
     """
+    analysis = analysis.discrete
     elements = analysis.superelement
     by_forces = superelement_of_end_forces(analysis.classes, elements.radials)
     radial = elements.radials[0]

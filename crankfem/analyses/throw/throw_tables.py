@@ -4,6 +4,7 @@ from dataclasses import replace
 
 from crankbase.tables.output_units import SI, OutputUnits
 from crankbase.tables.table import Column, Table
+from crankbase.units.number_formats import percent
 from crankfem.analyses.record import Record
 
 # Of a throw on its supports, in the order of the columns.
@@ -15,10 +16,17 @@ ANSWERS = (
 )
 
 
+def error_words(record: Record) -> str:
+    """Say how far the axial compliance of a `throw_record` may be from the exact solution."""
+    error = f"{percent(record['error_estimate'])} %"
+    # Compliances of older versions were not corrected for discretization.
+    return f"within {error}" if record.get("axial_correction") else f"too small by about {error}"
+
+
 def support_table(record: Record) -> Table:
     """Return the compliances of a throw by support of its end sections."""
     return Table(
-        f"Throw by finite elements (error of e_n about {100.0 * record['error_estimate']:.2g} %)",
+        f"Throw by finite elements (e_n {error_words(record)})",
         [
             Column("support", words=True),
             Column("e_n", "1e-9 m/N"),

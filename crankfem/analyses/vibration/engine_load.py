@@ -144,7 +144,7 @@ def engine_load(engine_file: EngineFile, mechanism: MechanismFile) -> EngineLoad
             ),
         ]
     )
-    found = _pressures_at(engine_file, mechanism, speeds)
+    found = pressures_of_cylinders(engine_file, mechanism, speeds)
     indicated = [
         indicated_power(mechanism.layout, pressures, speed)
         for pressures, speed in zip(found, speeds.tolist(), strict=True)
@@ -173,7 +173,7 @@ def engine_load(engine_file: EngineFile, mechanism: MechanismFile) -> EngineLoad
     )
 
 
-def _pressures_at(
+def pressures_of_cylinders(
     engine_file: EngineFile, mechanism: MechanismFile, speeds: FloatArray
 ) -> Sequence[tuple[GasPressure, ...]]:
     """Return the pressure in each cylinder at each speed."""

@@ -1,6 +1,6 @@
 """Misfiring beside normal firing: the worst of all cylinders, by adding up answers of the chains."""
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -11,7 +11,7 @@ from crankbase.checks.arrays import FloatArray
 from crankbase.errors import InputError
 from crankbase.summaries import summarized
 from crankbase.tables.frames import table_of
-from crankfem.analyses.vibration.chain_answers import EngineChains
+from crankfem.analyses.vibration.chain_answers import ChainAnswer, EngineChains
 from crankfem.analyses.vibration.engine_excitation import (
     calculated_speeds,
     failing_harmonics,
@@ -29,6 +29,7 @@ from crankfem.analyses.vibration.firing_check import (
     weights,
     worst_of,
 )
+from crankfem.files.engine.engine_file import EngineFile
 from crankfem.files.engine.mechanism_file import MechanismFile
 from dynamics.assessment.largest_amplitude import speeds_above
 from dynamics.assessment.limit_sentences import shown_range
@@ -159,43 +160,58 @@ def misfiring_or_reason(
     engine = file.engine
     speeds = calculated_speeds(file, harmonics.orders, chains.damped)
     running = speeds[within(speeds, engine.lowest_speed, engine.highest_speed)]
-    return _misfiring(_Superposition(chains, harmonics, failing), running), ""
+    return _misfiring(Superposition(chains, harmonics, failing), running), ""
 
 
 @dataclass(frozen=True, eq=False)
-class _Superposition:
-    """Adds what missing combustion changes to normal firing, for chains are linear."""
+class Superposition:
+    """Adds what missing combustion changes to normal firing, for chains are linear.
+
+    Attributes
+    ----------
+    chains : EngineChains
+    firing, failing : CylinderHarmonics
+        Of cylinders that fire, and of such in which nothing burns.
+    series : callable, optional
+        What is added up: engine file, answers of the axial and of the torsional chain to series by key.
+    """
 
     chains: EngineChains
     firing: CylinderHarmonics
     failing: CylinderHarmonics
+    series: Callable[[EngineFile, ChainAnswer, ChainAnswer], Series] = compared_series
 
     def at(
         self, speeds: FloatArray, cases: Iterable[Cylinders]
     ) -> Iterator[tuple[Cylinders, Series]]:
-        """Return the compared quantities in each case; without a failing cylinder firing is normal."""
+        """Return the series in each case; without a failing cylinder firing is normal."""
         file = self.chains.engine_file
         share = 1.0 if file.misfire is None else file.misfire.missing_share
         forces = forces_over_speeds(file, self.firing, speeds)
         # There is no load to ask for: where nothing burns a single diagram serves, or none.
         cold = forces_at_speeds(self.failing, speeds)
-        normal = compared_series(file, *self.chains.answers(forces))
+        normal = self.series(file, *self.chains.answers(forces))
         for case in cases:
             if not case:
                 yield case, normal
                 continue
             missing = _difference(forces, cold, case, share)
-            change = compared_series(file, *self.chains.answers(missing, propeller=False))
+            change = self.series(file, *self.chains.answers(missing, propeller=False))
             yield case, {key: _sum(normal[key], own) for key, own in change.items()}
 
 
-def _misfiring(added: _Superposition, speeds: FloatArray) -> Misfiring:
+def misfiring_cases(engine_file: EngineFile) -> tuple[Cylinders, ...]:
+    """Return the cylinders that fail together in each case: those of the file, else each in turn."""
+    given = engine_file.misfire
+    if given is not None and given.cylinders is not None:
+        return (given.cylinders,)
+    return tuple((number + 1,) for number in range(engine_file.engine.cylinders))
+
+
+def _misfiring(added: Superposition, speeds: FloatArray) -> Misfiring:
     """Find the worst case of each quantity, and its speed closer than the grid."""
     file = added.chains.engine_file
-    given = file.misfire
-    cases: tuple[Cylinders, ...] = tuple((n + 1,) for n in range(file.engine.cylinders))
-    if given is not None and given.cylinders is not None:
-        cases = (given.cylinders,)
+    given, cases = file.misfire, misfiring_cases(file)
     quantities = compared_quantities(file)
     each: Found = {}
     exceeded = np.zeros(speeds.shape, dtype=bool)
@@ -232,7 +248,7 @@ def _misfiring(added: _Superposition, speeds: FloatArray) -> Misfiring:
 
 
 def _over_speed(
-    added: _Superposition, speeds: FloatArray, key: str, case: Cylinders, place: str
+    added: Superposition, speeds: FloatArray, key: str, case: Cylinders, place: str
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Return speeds, and the amplitude at a place in normal firing and in one case of misfiring."""
     normal, failing = (
@@ -253,7 +269,7 @@ def _ranges(speeds: FloatArray, flags: NDArray[np.bool_]) -> tuple[tuple[float, 
     )
 
 
-def _refine(added: _Superposition, speeds: FloatArray, each: Found) -> None:
+def _refine(added: Superposition, speeds: FloatArray, each: Found) -> None:
     """Look for the worst speeds of normal firing and of the worst cases between their neighbors."""
     quantities = compared_quantities(added.chains.engine_file)
     pairs = []

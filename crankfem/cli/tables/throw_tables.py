@@ -6,6 +6,7 @@ from crankbase.tables.output_units import SI, OutputUnits
 from crankbase.tables.table import Column, Table
 from crankfem.analyses.record import Record
 from crankfem.analyses.throw.stress import mirrored, stress_tables
+from crankfem.analyses.throw.throw_record import NOT_CORRECTED
 from crankfem.analyses.throw.throw_tables import loaded_table, reaction_table
 from crankfem.cli.console import print_line, print_notes, print_table
 
@@ -28,6 +29,8 @@ def print_throw(record: Record, units: OutputUnits = SI) -> None:
     print_line(
         f"Model: {record['model']}, {record['unknowns']:,} unknowns, solver {record['solver']}{met}."
     )
+    if not record.get("corrected", True):
+        print_notes([NOT_CORRECTED], units)
 
 
 def print_free_modes(modes: list[Record], units: OutputUnits = SI) -> None:

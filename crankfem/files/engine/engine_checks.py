@@ -8,6 +8,8 @@ from crankfem.files.sections.engine_sections import Engine, ThrustBearing, Vibra
 from crankfem.files.sections.excitation_sections import GasMap, Misfire
 from crankfem.files.sections.load_section import LoadSection
 from crankfem.files.sections.mechanism_sections import Gas
+from crankfem.files.sections.strength_section import StrengthSection
+from geometry.throw import CrankThrow
 from regression.formulas.catalogue import AXIAL_FORMULA_NAMES
 from regression.formulas.torsional_formulas import TORSIONAL_FORMULA_NAMES
 from regression.plans.plan import StudyPlan
@@ -144,3 +146,42 @@ def check_thrust_bearing(thrust: ThrustBearing, throws: int) -> None:
             f"thrust_bearing.main_bearing: given {thrust.main_bearing}; allowed is 1 (at the free end) to "
             f"{throws + 1} (at the flywheel), because {throws} throws have {throws + 1} main bearings."
         )
+
+
+def check_strength(
+    strength: StrengthSection | None,
+    throws: Sequence[CrankThrow],
+    gas: Gas | GasMap | None,
+) -> None:
+    """Refuse strength without forces, or of throws that the rule does not know.
+
+    Raises
+    ------
+    InputError
+    """
+    if strength is None:
+        return
+    if gas is None:
+        raise InputError(
+            "strength: given without gas pressure; allowed are both, because stresses need what loads the "
+            "throws: a section [gas] or [gas_map]."
+        )
+    for number, throw in enumerate(throws, start=1):
+        if throw.further_pins:
+            raise InputError(
+                f"strength: given for throw {number} with several pins; allowed are throws with one pin "
+                "between main bearings, because UR M53 holds for these."
+            )
+        if strength.pin_recess >= throw.web_thickness:
+            raise InputError(
+                f"strength.pin_recess: given {format_quantity(strength.pin_recess, 'm')}; allowed is less "
+                f"than the web_thickness of throw {number}, {format_quantity(throw.web_thickness, 'm')}, "
+                "because the recess is cut into the web."
+            )
+        fit = strength.shrink_fit
+        if fit is not None and fit.shrink_diameter <= throw.main_journal_bore:
+            raise InputError(
+                f"strength.shrink_fit.shrink_diameter: given {format_quantity(fit.shrink_diameter, 'm')}; "
+                f"allowed is more than the main_journal_bore of throw {number}, "
+                f"{format_quantity(throw.main_journal_bore, 'm')}, because the journal has a wall."
+            )

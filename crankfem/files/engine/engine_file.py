@@ -16,16 +16,16 @@ from crankfem.files.engine.engine_checks import (
     check_load,
     check_misfire,
     check_sources,
+    check_strength,
     check_thrust_bearing,
 )
-from crankfem.files.engine.file_kinds import engine_sections, file_kind
+from crankfem.files.engine.file_kinds import engine_sections, file_kind, torque_table_path
 from crankfem.files.engine.mechanism_cylinders import (
     angles_of_throws,
     check_sizes,
     pins_of,
     throws_of,
 )
-from crankfem.files.reading.data_files import find_table
 from crankfem.files.reading.section_changes import (
     Change,
     changed_section,
@@ -58,6 +58,7 @@ from crankfem.files.sections.excitation_sections import GasMap, Misfire, Propell
 from crankfem.files.sections.limits_sections import LimitsInput, RangesInput
 from crankfem.files.sections.load_section import LoadSection
 from crankfem.files.sections.mechanism_sections import Gas, HingedRods, Piston, Rod
+from crankfem.files.sections.strength_section import StrengthSection
 from crankfem.files.sections.study_section import StudySection
 from crankfem.files.sections.vibration_sections import (
     Bearings,
@@ -112,6 +113,7 @@ SECTIONS = {
     "propeller_forces": EngineSection(PropellerForcesSection),
     "limits": EngineSection(LimitsInput),
     "ranges": EngineSection(RangesInput),
+    "strength": EngineSection(StrengthSection),
     "vibration": EngineSection(VibrationSettings),
     "torque": EngineSection(TorqueTable),
     "two_mass_check": EngineSection(TwoMassInput),
@@ -134,7 +136,7 @@ class EngineFile:
     shaft_lines : dict
         Kind, "torsional" or "axial", to the chain of what follows the flywheel, where given.
     shaft, hinged_rods, free_end, damping, torsional_damper, axial_damper, driven, bearings, gas, \
-load, gas_map, misfire, propeller_forces, limits, ranges, torque_table, two_mass, study
+load, gas_map, misfire, propeller_forces, limits, ranges, strength, torque_table, two_mass, study
         Optional sections; None where the file lacks them.
     records : tuple of InputRecord
         Every value with its source.
@@ -178,6 +180,7 @@ load, gas_map, misfire, propeller_forces, limits, ranges, torque_table, two_mass
     propeller_forces: PropellerForcesSection | None
     limits: LimitsInput | None
     ranges: RangesInput | None
+    strength: StrengthSection | None
     two_mass: TwoMassInput | None
     study: StudyPlan | None
     records: tuple[InputRecord, ...]
@@ -202,6 +205,7 @@ load, gas_map, misfire, propeller_forces, limits, ranges, torque_table, two_mass
         check_load(self.load, self.gas, self.gas_map, self.engine)
         check_sources(self.vibration, self.study)
         check_highest_order(self.vibration, self.engine)
+        check_strength(self.strength, self.crank_throws, self.gas or self.gas_map)
 
     @property
     def throws(self) -> tuple[int, ...]:
@@ -392,9 +396,3 @@ def _read_engine(content: TomlFile) -> EngineFile:
         sources=content.sources,
         throws_by_name={} if PLAIN in throws else throws,
     )
-
-
-def torque_table_path(content: TomlFile) -> Path | None:
-    """Return the torque table that a file names, if it names one."""
-    given = content.model("torque", TorqueTable)
-    return None if given is None else find_table("torque.table", content.path, given.table)

@@ -1,12 +1,13 @@
-"""What a file of quantities describes, from its sections: a throw, a mechanism, a whole engine."""
+"""What a file of quantities describes, from its sections: a throw, a mechanism, an engine; its torques."""
 
 from dataclasses import replace
 from pathlib import Path
 from typing import Literal
 
 from crankbase.errors import InputError
-from crankfem.files.reading.data_files import InputKind, input_path, shipped_names
+from crankfem.files.reading.data_files import InputKind, find_table, input_path, shipped_names
 from crankfem.files.reading.toml_file import TomlFile, read_toml
+from crankfem.files.sections.engine_sections import TorqueTable
 
 FileKind = Literal["engine", "mechanism", "throw", "hinge", "chain"]
 # A file with none of these is not meant as a whole engine.
@@ -68,3 +69,9 @@ def any_sections(given: str) -> TomlFile | None:
     kinds = [kind for kind in others if name in shipped_names(kind)]
     path = input_path(given, *kinds[:1])
     return read_toml(path) if path.suffix.lower() == ".toml" else None
+
+
+def torque_table_path(content: TomlFile) -> Path | None:
+    """Return the torque table that a file names, if it names one."""
+    given = content.model("torque", TorqueTable)
+    return None if given is None else find_table("torque.table", content.path, given.table)

@@ -19,7 +19,9 @@ class TorsionalDamperSection(InputModel):
     section: ClassVar[str] = "torsional_damper"
 
     kind: TorsionalKind = Field(description="viscous or rubber")
-    ring_inertia: float = quantity_field("inertia of the ring", "kg m^2", minimum=1e-6, maximum=1e6)
+    ring_inertia: float = quantity_field(
+        "inertia of the ring", "kg m^2", minimum=1e-10, maximum=1e6
+    )
     damping: float | None = quantity_field(
         "torque per relative speed of ring and hub, of kind viscous",
         "N m s/rad",

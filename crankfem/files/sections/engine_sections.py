@@ -31,15 +31,15 @@ class Engine(InputModel):
     name: str = Field(description="what to call the engine")
     cylinders: int = quantity_field("number of cylinders", "", 1, 24)
     strokes: int = quantity_field("strokes per cycle, 2 or 4", "", 2, 4)
-    bore: float = quantity_field("cylinder bore", "m", 0.01, 2.0)
-    stroke: float = quantity_field("piston stroke", "m", 0.01, 5.0)
+    bore: float = quantity_field("cylinder bore", "m", 0.002, 2.0)
+    stroke: float = quantity_field("piston stroke", "m", 0.001, 5.0)
     rated_speed: float = quantity_field(
         "rated speed", "rad/s", 5.0 * PER_MINUTE, 30_000.0 * PER_MINUTE
     )
     rated_power: float | None = quantity_field(
         "power at the flywheel at rated speed, to which the gas pressure must fit",
         "W",
-        minimum=10.0,
+        minimum=0.1,
         maximum=2e8,
         default=None,
     )
@@ -253,13 +253,13 @@ class Flywheel(InputModel):
 
     section: ClassVar[str] = "flywheel"
 
-    inertia: float = quantity_field("flywheel inertia", "kg m^2", 1e-5, 1e7)
-    mass: float = quantity_field("flywheel mass", "kg", 1e-2, 1e6)
+    inertia: float = quantity_field("flywheel inertia", "kg m^2", 1e-9, 1e7)
+    mass: float = quantity_field("flywheel mass", "kg", 1e-4, 1e6)
     diametral_inertia: float | None = quantity_field(
         "inertia about a diameter through its center of mass, for the whole crankshaft; half of inertia, "
         "that of a thin disc, if not given",
         "kg m^2",
-        minimum=1e-6,
+        minimum=1e-10,
         maximum=1e7,
         default=None,
     )
@@ -278,7 +278,7 @@ class FreeEnd(InputModel):
 
     section: ClassVar[str] = "free_end"
 
-    inertia: float = quantity_field("inertia at the free end", "kg m^2", 1e-7, 1e6)
+    inertia: float = quantity_field("inertia at the free end", "kg m^2", 1e-11, 1e6)
     mass: float = quantity_field(
         "mass of what has this inertia, in axial vibration and in the whole crankshaft",
         "kg",
@@ -290,7 +290,7 @@ class FreeEnd(InputModel):
         "its inertia about a diameter, for the whole crankshaft; half of inertia, that of a thin disc, if "
         "not given",
         "kg m^2",
-        minimum=1e-8,
+        minimum=1e-12,
         maximum=1e6,
         default=None,
     )

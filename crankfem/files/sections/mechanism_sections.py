@@ -22,7 +22,7 @@ def _inertia_field() -> Any:
     return quantity_field(
         "inertia about its center of mass; if not given, that of the two masses at its pins",
         "kg m^2",
-        minimum=1e-9,
+        minimum=1e-13,
         maximum=1e6,
         default=None,
     )
@@ -33,8 +33,8 @@ class Rod(InputModel):
 
     section: ClassVar[str] = "rod"
 
-    length: float = quantity_field("connecting-rod length", "m", 0.02, 10.0)
-    mass: float = quantity_field("connecting-rod mass", "kg", 1e-3, 2e4)
+    length: float = quantity_field("connecting-rod length", "m", 0.003, 10.0)
+    mass: float = quantity_field("connecting-rod mass", "kg", 1e-6, 2e4)
     rotating_mass: float = quantity_field(
         "share of the rod's mass that turns with the crankpin, found by weighing: it places the center "
         "of mass",
@@ -71,7 +71,7 @@ class Piston(InputModel):
 
     section: ClassVar[str] = "piston"
 
-    mass: float = quantity_field("mass of the piston set", "kg", 1e-3, 2e4)
+    mass: float = quantity_field("mass of the piston set", "kg", 1e-6, 2e4)
     pin_offset: float = quantity_field(
         "how far the piston pin's line passes aside of the shaft, positive to the side to which the "
         "crankpin moves as it passes the top",
@@ -94,7 +94,7 @@ class HingedRods(InputModel):
         "numbers of the cylinders whose rods carry them, one for each", ""
     )
     pin_radius: float = quantity_field(
-        "distance of the slave pin from the crankpin's center", "m", 0.001, 5.0, symbol="R_1"
+        "distance of the slave pin from the crankpin's center", "m", 0.0005, 5.0, symbol="R_1"
     )
     pin_angle: float | None = quantity_field(
         "angle of the slave pin from the main rod's axis, counted as bank_angles; if not given, the "
@@ -102,8 +102,8 @@ class HingedRods(InputModel):
         "rad",
         default=None,
     )
-    length: float = quantity_field("length of the hinged rod between its pins", "m", 0.02, 10.0)
-    mass: float = quantity_field("mass of the hinged rod", "kg", 1e-3, 2e4)
+    length: float = quantity_field("length of the hinged rod between its pins", "m", 0.003, 10.0)
+    mass: float = quantity_field("mass of the hinged rod", "kg", 1e-6, 2e4)
     rotating_mass: float = quantity_field(
         "share of its mass at the slave pin, found by weighing", "kg", 0.0, 2e4
     )

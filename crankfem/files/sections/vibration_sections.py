@@ -57,10 +57,10 @@ class Driven(InputModel):
     section: ClassVar[str] = "driven"
 
     inertia: float = quantity_field(
-        "inertia of the driven machine, referred to the crankshaft", "kg m^2", 1e-5, 1e8
+        "inertia of the driven machine, referred to the crankshaft", "kg m^2", 1e-9, 1e8
     )
     coupling_stiffness: float = quantity_field(
-        "torsional stiffness of the coupling", "N m/rad", 1.0, 1e12
+        "torsional stiffness of the coupling", "N m/rad", 1e-4, 1e12
     )
     coupling_loss_factor: float = quantity_field(
         "loss factor of the coupling", "", 0.0, 2.0, default=0.0

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from crankbase.units.units import UNITS
+from crankfem.analyses.throw.fillets import of_loads
 from crankfem.analyses.throw.pictures.scene import eye_at
 from crankfem.analyses.throw.pictures.stress_picture import STRESS_SHOWN, load_title
 from crankfem.analyses.throw.pictures.stress_rendering import COLORS
@@ -227,19 +228,18 @@ def _mesh_text(analysis: ThrowAnalysis) -> str:
 
 def _stress_views(stresses: FilletStresses, place: int) -> tuple[Part, list[_View]]:
     """Return the surface of the mesh that was made for the fillets, and a view for each load."""
-    given = stressed_surface(stresses)
+    # The radial force first.
+    loads = stresses.loaded.loads
+    chosen = [
+        column for kind in STRESS_LOADS for column, load in enumerate(loads) if load.kind == kind
+    ]
+    given = stressed_surface(of_loads(stresses, chosen))
     # Elements are small here: straight edges do.
     corners = given.facets[:, :3]
     points, equivalent = MILLI * given.points, given.values
     size = float(np.ptp(points, axis=0).max())
-    chosen = [
-        (column, load)
-        for column, load in enumerate(stresses.loaded.loads)
-        if load.kind in STRESS_LOADS
-    ]
     # What is largest under any of the loads shall stay.
-    relative = equivalent[:, [column for column, _ in chosen]]
-    relative = (relative / relative.max(axis=0)).max(axis=1)
+    relative = (equivalent / equivalent.max(axis=0)).max(axis=1)
     surface = decimate_triangles(TriangleSurface(points, corners), relative, MOST_STRESSED)
     sources, triangles = surface.split_at_sharp_edges()
     trace = _solid(
@@ -252,8 +252,7 @@ def _stress_views(stresses: FilletStresses, place: int) -> tuple[Part, list[_Vie
     shares = np.linspace(0.0, 1.0, len(COLORS)).tolist()
     trace["colorscale"] = [list(pair) for pair in zip(shares, COLORS, strict=True)]
     views = []
-    # The radial force first.
-    for column, load in sorted(chosen, key=lambda pair: STRESS_LOADS.index(pair[1].kind)):
+    for column, load in enumerate(loads[one] for one in chosen):
         largest = max(peak.von_mises for peak in stresses.under(load)) * STRESS_SHOWN
         shown = STRESS_SHOWN * equivalent[sources, column]
         views.append(

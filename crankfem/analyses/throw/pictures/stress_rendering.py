@@ -27,7 +27,7 @@ OTHER_SIDE = ((1.0, 0.45, 0.6), (1.0, -0.5, 0.6), (1.0, -0.5, -0.6))
 PIXELS = 900  # along the longer side of each view
 VIEWS_HEIGHT, DOTS = 6.0, 110  # of the sheet [inch, 1/inch]
 # A curved facet is drawn as four to this power flat ones; where there are many, the smaller number does.
-SUBDIVISIONS, MANY = (2, 1), 20_000
+SUBDIVISIONS, MANY = (2, 1), 4_000
 HIDDEN_BY = 0.01  # what covers a mark is nearer to the eye by this share of the throw's size
 
 

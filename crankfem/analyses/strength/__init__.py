@@ -1,0 +1,1 @@
+"""Strength of an engine's crankshaft."""

@@ -1,0 +1,177 @@
+"""Largest alternating torque and axial force in each throw, of normal firing and of misfiring."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from crankbase.checks.arrays import FloatArray
+from crankbase.summaries import summarized
+from crankfem.analyses.vibration.chain_answers import ChainAnswer, EngineChains
+from crankfem.analyses.vibration.engine_excitation import engine_harmonics, failing_harmonics
+from crankfem.analyses.vibration.firing_check import Cylinders
+from crankfem.analyses.vibration.misfiring import Series, Superposition, misfiring_cases
+from crankfem.analyses.vibration.run import EngineVibration
+from crankfem.files.engine.engine_file import EngineFile
+from crankfem.files.engine.mechanism_file import MechanismFile
+from dynamics.chains.engine_chains import EngineChain
+from dynamics.response.series import OrderSeries
+from dynamics.response.synthesis import synthesis
+from dynamics.running_limits import within
+
+# Highest order that the rule asks for, by strokes.
+HIGHEST_ORDER = {2: 15.0, 4: 12.0}
+
+
+@summarized("value", "speed [rad/s]", "cylinders")
+@dataclass(frozen=True)
+class LargestLoad:
+    """The largest alternating load of a throw at the speeds that count.
+
+    Attributes
+    ----------
+    value : float
+        Half of the distance from lowest to highest over the cycle [N m or N]; inf where unbounded.
+    speed : float
+        [rad/s]
+    cylinders : tuple of int
+        That misfire then; none in normal firing.
+    """
+
+    value: float
+    speed: float
+    cylinders: Cylinders
+
+
+@dataclass(frozen=True, eq=False)
+class ShaftLoads:
+    """Largest alternating loads of every throw, from the free end.
+
+    Attributes
+    ----------
+    normal, misfiring : tuple of LargestLoad
+        Torque beside each throw; misfiring in the worst case, empty where it was not calculated.
+    axial : tuple of LargestLoad
+        Axial force through each throw in normal firing, without what its own pin's forces only lengthen.
+    passed_on : tuple of float
+        Largest sum of the engine's mean torque and a throw's alternating one [N m].
+    barred : tuple of pairs of float
+        Ranges that are left out [rad/s].
+    """
+
+    normal: tuple[LargestLoad, ...]
+    misfiring: tuple[LargestLoad, ...]
+    axial: tuple[LargestLoad, ...]
+    passed_on: tuple[float, ...]
+    barred: tuple[tuple[float, float], ...]
+
+    def torque(self, throw: int) -> LargestLoad:
+        """Return the largest torque of a throw, from 0, whatever fires."""
+        both = (self.normal, self.misfiring)
+        return max((own[throw] for own in both if own), key=lambda load: load.value)
+
+
+def shaft_loads(vibration: EngineVibration, mechanism: MechanismFile) -> ShaftLoads:
+    """Find the largest alternating loads at running speeds outside barred ranges.
+
+    Parameters
+    ----------
+    vibration : EngineVibration
+        With forced vibration: its speeds catch every resonance, its verdict says what is barred.
+    mechanism : MechanismFile
+        Of the same engine.
+
+    Notes
+    -----
+    Orders up to 15 (two-stroke) and 12 (four-stroke) are summed over the cycle. A throw has the larger
+    torque of the shaft's elements on its two sides.
+    """
+    file, forced = vibration.engine_file, vibration.forced_torsional
+    assert forced is not None
+    assert vibration.assessment is not None  # of an engine with gas pressure
+    barred = tuple(vibration.assessment.verdict.ranges_to_bar)
+    speeds = forced.response.speeds
+    kept = within(speeds, file.engine.lowest_speed, file.engine.highest_speed)
+    for low, high in barred:
+        kept &= (speeds <= low) | (speeds >= high)
+    chains = EngineChains.of(file, vibration.axial, vibration.torsional, vibration.shaft)
+    largest = dict(_cases(vibration, chains, mechanism, speeds[kept]))
+    normal, axial = largest.pop(())
+    mean = np.abs(forced.forces.mean_torque[kept])[:, np.newaxis]
+    worst: list[LargestLoad] = []
+    passed_on = np.max(mean + normal, axis=0)
+    for throw in range(normal.shape[1] if largest else 0):
+        each = {case: own[:, throw] for case, (own, _) in largest.items()}
+        worst.append(
+            max((_largest(own, speeds[kept], case) for case, own in each.items()), key=_value)
+        )
+    for own, _ in largest.values():
+        passed_on = np.maximum(passed_on, np.max(mean + own, axis=0))
+    return ShaftLoads(
+        normal=tuple(_largest(own, speeds[kept], ()) for own in normal.T),
+        misfiring=tuple(worst),
+        axial=tuple(_largest(own, speeds[kept], ()) for own in axial.T),
+        passed_on=tuple(passed_on.tolist()),
+        barred=barred,
+    )
+
+
+def _cases(
+    vibration: EngineVibration, chains: EngineChains, mechanism: MechanismFile, speeds: FloatArray
+) -> Iterator[tuple[Cylinders, tuple[FloatArray, FloatArray]]]:
+    """Return amplitudes of torque and axial force of each throw (S, n) in normal firing and each case."""
+    file = vibration.engine_file
+    firing = engine_harmonics(file, mechanism)
+    failing, cases = firing, list[Cylinders]()
+    if vibration.misfiring is not None:
+        failing, cases = failing_harmonics(file, mechanism, firing), [*misfiring_cases(file)]
+    for case, series in Superposition(chains, firing, failing, _loads).at(speeds, [(), *cases]):
+        yield (
+            case,
+            (
+                _beside_throws(_amplitude(file, series["torsional"]), chains.cranks),
+                _amplitude(file, series["axial"]),
+            ),
+        )
+
+
+def _loads(_: EngineFile, axial: ChainAnswer, torsional: ChainAnswer) -> Series:
+    return {"axial": _through_throws(axial), "torsional": torsional.loads.elastic}
+
+
+def _through_throws(axial: ChainAnswer) -> OrderSeries:
+    """Return the axial force through each throw.
+
+    In the chain the forces on a throw's pin press its ends apart with P; the spring between them carries P
+    even where the ends are free and no force passes through the throw. So P is taken off.
+    """
+    throws, elastic = axial.engine_chain.throws, axial.loads.elastic
+    before = list(axial.engine_chain.sections[:throws])
+    pressing = -np.cumsum(axial.response.excitation.forces[:, :, before], axis=2)
+    return replace(
+        elastic, values=elastic.values[:, :, :throws] - pressing, names=elastic.names[:throws]
+    )
+
+
+def _amplitude(file: EngineFile, series: OrderSeries) -> FloatArray:
+    """Sum the orders that the rule counts, (S, p)."""
+    counted = series.orders <= HIGHEST_ORDER[file.engine.strokes]
+    return synthesis(
+        series.orders[counted], series.speeds, series.values[counted], series.unbounded[counted]
+    ).amplitude
+
+
+def _beside_throws(amplitude: FloatArray, cranks: EngineChain) -> FloatArray:
+    """Return the larger amplitude of the elements beside each throw, (S, n), from those of all (S, e)."""
+    ends = cranks.chain.connections[: cranks.crank_elements]
+    beside = [[e for e, own in enumerate(ends) if node in own] for node in cranks.throw_nodes]
+    return np.stack([np.max(amplitude[:, places], axis=1) for places in beside], axis=1)
+
+
+def _largest(values: FloatArray, speeds: FloatArray, case: Cylinders) -> LargestLoad:
+    place = int(np.argmax(values))
+    return LargestLoad(float(values[place]), float(speeds[place]), case)
+
+
+def _value(load: LargestLoad) -> float:
+    return load.value

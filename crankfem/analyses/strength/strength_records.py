@@ -1,0 +1,129 @@
+"""Strength of a crankshaft as plain numbers in SI units, and the tables made from them."""
+
+from dataclasses import asdict
+
+from crankbase.errors import InputError
+from crankbase.tables.output_units import SI, OutputUnits
+from crankbase.tables.table import Column, Table
+from crankbase.units.number_formats import UNBOUNDED
+from crankbase.units.units import RPM
+from crankfem.analyses.record import Record, attributes, plain
+from crankfem.analyses.strength.engine_strength import EngineStrength, ThrowStrength
+from dynamics.strength.concentration import FACTORS, ConcentrationFactors
+from dynamics.strength.crank_web import RANGES
+from dynamics.strength.fatigue import REQUIRED
+
+
+def strength_record(found: EngineStrength) -> Record:
+    """Return what is told of a crankshaft's strength; null where an equivalent stress is unbounded."""
+    return {
+        **attributes(found, "sentence", "passed", "source", "left_out", "remarks"),
+        "required_factor": REQUIRED,
+        "throws": [_throw(own) for own in found.throws],
+    }
+
+
+def _throw(own: ThrowStrength) -> Record:
+    torque, fit = own.torque, own.fit
+    return {
+        "throw": own.number,
+        "alternating_torque": plain({"torque": torque.value})["torque"],
+        "torque_speed_rpm": torque.speed * RPM,
+        "misfiring": list(torque.cylinders),
+        "places": [
+            plain(asdict(one) | attributes(one, "acceptability", "passed")) for one in own.places
+        ],
+        "webs": {name: _factors(factors) for name, factors in own.factors.items()},
+        "shrink_fit": None
+        if fit is None
+        else asdict(fit)
+        | attributes(fit, "largest_bore", "least_shrinkage", "most_shrinkage")
+        | attributes(fit, "passed", "refusals", "remarks"),
+    }
+
+
+def _factors(factors: ConcentrationFactors) -> Record:
+    """Return ratios and factors of a web; None for factors that the rule has not."""
+    found: Record = {"ratios": {name: factors.web.ratio(name) for name in RANGES}, "factors": {}}
+    for name in FACTORS:
+        try:
+            found["factors"][name] = getattr(factors, name)
+        except InputError:
+            found["factors"][name] = None
+    return found
+
+
+def strength_table(record: Record, units: OutputUnits = SI) -> Table:
+    """Return the least acceptability factor of each place of each throw, from the `strength_record`."""
+    places = [one for throw in record["throws"] for one in throw["places"]]
+    hardened = any(one["depth"] for one in places)
+    deep = [Column("depth", units.of("mm"), missing="surface")] if hardened else []
+    return Table(
+        "Alternating stresses by UR M53",
+        [
+            Column("throw"),
+            Column("place", words=True),
+            *deep,
+            *(Column(f"nominal {name}", "MPa") for name in ("bending", "torsion")),
+            *(Column(name, "MPa") for name in ("bending", "torsion", "added", "equivalent")),
+            Column("fatigue strength", "MPa"),
+            Column("factor Q", decimals=3),
+        ],
+        [
+            [
+                one["throw"],
+                " ".join(filter(None, (one["place"], one["web"].removesuffix(" web")))),
+                *([one["depth"] or None] if hardened else []),
+                *(one[f"nominal_{name}"] for name in ("bending", "torsion")),
+                *(one[name] for name in ("bending", "torsion")),
+                one["added"] or None,
+                *(one[name] for name in ("equivalent", "strength", "acceptability")),
+            ]
+            for one in places
+        ],
+        marks=["" if one["passed"] else "over" for one in places],
+    )
+
+
+def torque_table(record: Record) -> Table:
+    """Return the largest alternating torque of each throw, with its speed and misfiring cylinders."""
+    return Table(
+        "Largest alternating torque",
+        [
+            Column("throw"),
+            Column("torque", "kN m", missing=UNBOUNDED),
+            Column("at", "1/min"),
+            Column("misfiring cylinder"),
+        ],
+        [
+            [
+                one["throw"],
+                one["alternating_torque"],
+                one["torque_speed_rpm"] / RPM,
+                one["misfiring"] or None,
+            ]
+            for one in record["throws"]
+        ],
+    )
+
+
+def factor_table(record: Record) -> Table:
+    """Return the factors of stress concentration of each web, those of equal webs once."""
+    rows: dict[tuple[float | None, ...], list[str]] = {}
+    for throw in record["throws"]:
+        for name, own in throw["webs"].items():
+            values = tuple(own["factors"][one] for one in FACTORS)
+            rows.setdefault(values, []).append(f"{throw['throw']} {name.removesuffix(' web')}")
+    return Table(
+        "Factors of stress concentration",
+        [
+            Column("webs", words=True),
+            *(Column(_symbol(name), decimals=3) for name in FACTORS),
+        ],
+        [["all" if len(rows) == 1 else ", ".join(webs), *values] for values, webs in rows.items()],
+    )
+
+
+def _symbol(name: str) -> str:
+    greek, kind = name.split("_")
+    return f"{greek}_{ {'bending': 'B', 'shear': 'Q', 'torsion': 'T'}[kind] }"

@@ -1,0 +1,1 @@
+"""Strength of crankshafts by IACS unified requirement M53."""

@@ -1,0 +1,256 @@
+"""Factors of stress concentration at fillets and oil hole, by the formulas of UR M53."""
+
+import math
+from dataclasses import dataclass
+from typing import Literal, get_args
+
+from crankbase.checks.choices import check_choice
+from crankbase.errors import InputError
+from crankbase.summaries import summarized
+from dynamics.strength.crank_web import CrankWeb, check_ranges, check_ratio
+
+Coefficients = Literal["printed", "suspected"]
+COEFFICIENTS: tuple[Coefficients, ...] = get_args(Coefficients)
+# Of b^3 in alpha_T and beta_T, and of w^2 in beta_B: as the Korean Register prints them, and as a misprint
+# would have come from. No text at hand confirms the second; the printed ones are on the safe side.
+DOUBTFUL: dict[Coefficients, tuple[float, float]] = {
+    "printed": (0.85, 1.527),
+    "suspected": (0.857, 1.5276),
+}
+# Below this overlap some parts of the formulas stay as they are there, and beta_Q ends: it falls to zero.
+LEAST_OVERLAP, LEAST_OVERLAP_OF_SHEAR = -0.5, -0.6
+FACTORS = (
+    *("alpha_bending", "alpha_torsion", "beta_bending", "beta_shear", "beta_torsion"),
+    *("gamma_bending", "gamma_torsion"),
+)
+
+
+@summarized("alpha_bending", "alpha_torsion", "beta_bending", "beta_torsion", "coefficients")
+@dataclass(frozen=True)
+class ConcentrationFactors:
+    """Factors on the nominal stresses of a web's pin and journal, each calculated when asked for.
+
+    Parameters
+    ----------
+    web : CrankWeb
+    coefficients : {"printed", "suspected"}, optional
+        Two coefficients of the rule are doubtful: 0.85 of b^3 in alpha_T and beta_T (suspected is 0.857)
+        and 1.527 of w^2 in beta_B (1.5276). The printed ones give larger factors.
+
+    Raises
+    ------
+    InputError
+        If a ratio of the web lies outside the range of the formulas.
+
+    Notes
+    -----
+    Lengths over the pin's diameter: s overlap, w web thickness, b web width, r fillet radius, d_G and d_H
+    bores of journal and pin, t_G and t_H recesses, d_O oil hole; u = 1 - s, s no less than -0.5. Source:
+    `M53_SOURCE`. With r of the pin's fillet in alpha, of the journal's in beta::
+
+        alpha_B = 2.6914 f(s,w) 2.1790 w^0.7171 (0.6840 - 0.0077 b + 0.1473 b^2) 0.2081 r^-0.5231
+                  (0.9993 + 0.27 d_G - 1.0211 d_G^2 + 0.5306 d_G^3)
+                  (0.9978 + 0.3145 d_H - 1.5241 d_H^2 + 2.4147 d_H^3) f
+        f(s,w)  = -4.1883 + 29.2004 w - 77.5925 w^2 + 91.9454 w^3 - 40.0416 w^4
+                  + u (9.5440 - 58.3480 w + 159.3415 w^2 - 192.5846 w^3 + 85.2916 w^4)
+                  + u^2 (-3.8399 + 25.0444 w - 70.5571 w^2 + 87.0328 w^3 - 39.1832 w^4)
+        alpha_T = 0.8 r^(-0.322 + 0.1015 u) (7.8955 - 10.654 b + 5.3482 b^2 - 0.85 b^3) w^-0.145
+        beta_B  = 2.7146 g(s,w) 2.2422 w^0.7548 (0.5616 + 0.1197 b + 0.1176 b^2) 0.1908 r^-0.5568
+                  (1.0012 - 0.6441 d_G + 1.2265 d_G^2) (1.0022 - 0.1903 d_H + 0.0073 d_H^2) f
+        g(s,w)  = -1.7625 + 2.9821 w - 1.527 w^2 + u (5.1169 - 5.8089 w + 3.1391 w^2)
+                  + u^2 (-2.1567 + 2.3297 w - 1.2952 w^2)
+        beta_Q  = 3.0128 (0.4368 + 2.1630 u - 1.5212 u^2) w / (0.0637 + 0.9369 w) (b - 0.5)
+                  0.5331 r^-0.2038 (0.9937 - 1.1949 d_H + 1.7373 d_H^2) f, here u = 1 - s at any s
+        beta_T  = alpha_T with the journal's fillet over the journal's diameter for r
+        gamma_B = 3 - 5.88 d_O + 34.6 d_O^2, gamma_T = 4 - 6 d_O + 30 d_O^2
+        f       = 1 + (t_H + t_G) (1.8 + 3.2 s), no less than 1
+
+    alpha and beta in bending and shear are by von Mises, in torsion by the largest shear, gamma by the
+    largest principal stress.
+    """
+
+    web: CrankWeb
+    coefficients: Coefficients = "printed"
+
+    def __post_init__(self) -> None:
+        check_choice("coefficients", self.coefficients, COEFFICIENTS, "two are doubtful")
+        check_ranges(self.web)
+
+    @property
+    def alpha_bending(self) -> float:
+        """alpha_B of the pin's fillet, on the bending stress of the web."""
+        u, w, b, d_g, d_h = self._u, self._w, self._b, self._d_g, self._d_h
+        r = self.web.ratio("pin_fillet_radius")
+        of_web = (
+            _polynomial(w, -4.1883, 29.2004, -77.5925, 91.9454, -40.0416)
+            + u * _polynomial(w, 9.5440, -58.3480, 159.3415, -192.5846, 85.2916)
+            + u**2 * _polynomial(w, -3.8399, 25.0444, -70.5571, 87.0328, -39.1832)
+        )
+        return (
+            2.6914
+            * of_web
+            * _power(w, 2.1790, 0.7171)
+            * _polynomial(b, 0.6840, -0.0077, 0.1473)
+            * _power(r, 0.2081, -0.5231)
+            * _polynomial(d_g, 0.9993, 0.27, -1.0211, 0.5306)
+            * _polynomial(d_h, 0.9978, 0.3145, -1.5241, 2.4147)
+            * self._recess
+        )
+
+    @property
+    def alpha_torsion(self) -> float:
+        """alpha_T of the pin's fillet, on the torsional stress of the pin."""
+        return self._torsion(self.web.ratio("pin_fillet_radius"))
+
+    @property
+    def beta_bending(self) -> float:
+        """beta_B of the journal's fillet, on the bending stress of the web."""
+        u, w, b, d_g, d_h = self._u, self._w, self._b, self._d_g, self._d_h
+        r = self._journal_fillet
+        of_web = (
+            _polynomial(w, -1.7625, 2.9821, -DOUBTFUL[self.coefficients][1])
+            + u * _polynomial(w, 5.1169, -5.8089, 3.1391)
+            + u**2 * _polynomial(w, -2.1567, 2.3297, -1.2952)
+        )
+        return (
+            2.7146
+            * of_web
+            * _power(w, 2.2422, 0.7548)
+            * _polynomial(b, 0.5616, 0.1197, 0.1176)
+            * _power(r, 0.1908, -0.5568)
+            * _polynomial(d_g, 1.0012, -0.6441, 1.2265)
+            * _polynomial(d_h, 1.0022, -0.1903, 0.0073)
+            * self._recess
+        )
+
+    @property
+    def beta_shear(self) -> float:
+        """beta_Q of the journal's fillet, on the shear stress of the web.
+
+        Raises
+        ------
+        InputError
+            If pin and journal are apart by more than 0.6 pin diameters: the formula falls to zero there.
+        """
+        s = self.web.ratio("overlap")
+        what = "overlap over pin_diameter, of the shear factor beta_Q"
+        check_ratio(what, "overlap", s, LEAST_OVERLAP_OF_SHEAR)
+        w, r = self._w, self._journal_fillet
+        return (
+            3.0128
+            * _polynomial(1.0 - s, 0.4368, 2.1630, -1.5212)
+            * (w / (0.0637 + 0.9369 * w))
+            * (self._b - 0.5)
+            * _power(r, 0.5331, -0.2038)
+            * _polynomial(self._d_h, 0.9937, -1.1949, 1.7373)
+            * self._recess
+        )
+
+    @property
+    def beta_torsion(self) -> float:
+        """beta_T of the journal's fillet, on the torsional stress of the journal."""
+        _ = self._journal_fillet
+        return self._torsion(self.web.journal_fillet_radius / self.web.journal_diameter)
+
+    @property
+    def gamma_bending(self) -> float:
+        """gamma_B of a radial oil hole in the pin, on the bending stress of the pin."""
+        return _polynomial(self._oil_hole, 3.0, -5.88, 34.6)
+
+    @property
+    def gamma_torsion(self) -> float:
+        """gamma_T of a radial oil hole in the pin, on the torsional stress of the pin."""
+        return _polynomial(self._oil_hole, 4.0, -6.0, 30.0)
+
+    def at(self, place: str) -> tuple[float, float, float]:
+        """Return the factors on bending, shear and torsion at a place; 0 where shear is left out.
+
+        Raises
+        ------
+        InputError
+            If the web has no such place, or the rule no factor.
+        """
+        if place == "pin fillet":
+            return self.alpha_bending, 0.0, self.alpha_torsion
+        if place == "journal fillet":
+            return self.beta_bending, self.beta_shear, self.beta_torsion
+        return self.gamma_bending, 0.0, self.gamma_torsion
+
+    @property
+    def _u(self) -> float:
+        return 1.0 - max(self.web.ratio("overlap"), LEAST_OVERLAP)
+
+    @property
+    def _w(self) -> float:
+        return self.web.ratio("web_thickness")
+
+    @property
+    def _b(self) -> float:
+        return self.web.ratio("web_width")
+
+    @property
+    def _d_g(self) -> float:
+        return self.web.ratio("journal_bore")
+
+    @property
+    def _d_h(self) -> float:
+        return self.web.ratio("pin_bore")
+
+    @property
+    def _recess(self) -> float:
+        deep = self.web.ratio("pin_recess") + self.web.ratio("journal_recess")
+        return max(1.0 + deep * (1.8 + 3.2 * self.web.ratio("overlap")), 1.0)
+
+    @property
+    def _journal_fillet(self) -> float:
+        if self.web.semi_built:
+            raise InputError(
+                "semi_built: given true; allowed is false for factors of the journal's fillet, because a "
+                "shrunk journal has none."
+            )
+        return self.web.ratio("journal_fillet_radius")
+
+    @property
+    def _oil_hole(self) -> float:
+        if not self.web.oil_hole_diameter:
+            raise InputError(
+                "oil_hole_diameter: not given; allowed is that of a radial hole in the pin, because the "
+                "factors of its outlet depend on it."
+            )
+        return self.web.ratio("oil_hole_diameter")
+
+    def _torsion(self, r: float) -> float:
+        cubic = DOUBTFUL[self.coefficients][0]
+        return (
+            0.8
+            * _power(r, 1.0, -0.322 + 0.1015 * self._u)
+            * _polynomial(self._b, 7.8955, -10.654, 5.3482, -cubic)
+            * _power(self._w, 1.0, -0.145)
+        )
+
+
+def coefficient_differences(web: CrankWeb) -> dict[str, float]:
+    """Return by what share the suspected coefficients change a web's factors from the printed ones.
+
+    Raises
+    ------
+    InputError
+        If a ratio of the web lies outside the range of the formulas.
+    """
+    printed, suspected = (ConcentrationFactors(web, one) for one in COEFFICIENTS)
+    doubted = {"alpha_T": "alpha_torsion"}
+    if not web.semi_built:
+        doubted |= {"beta_B": "beta_bending", "beta_T": "beta_torsion"}
+    return {
+        symbol: getattr(suspected, name) / getattr(printed, name) - 1.0
+        for symbol, name in doubted.items()
+    }
+
+
+def _polynomial(x: float, *coefficients: float) -> float:
+    """Sum the powers of x from the zeroth on."""
+    return sum(factor * x**power for power, factor in enumerate(coefficients))
+
+
+def _power(x: float, factor: float, exponent: float) -> float:
+    return factor * math.pow(x, exponent)

@@ -1,0 +1,44 @@
+"""Estimated errors of a throw's corrected answers, from those that its mesh gives."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fem.correction import error_bars
+from fem.superelement import Superelement
+from fem.supports import Support, SupportedThrow, support_throw
+
+# An entry so small beside those on the diagonal is round-off.
+VANISHING = 1e-9
+
+
+def axial_correction(corrected: Superelement, discrete: Superelement) -> float:
+    """Share of the axial compliance, pinned, that is correction: how coarse the mesh is."""
+    axial = (support_throw(one, "pinned").axial for one in (discrete, corrected))
+    return 1.0 - next(axial) / next(axial)
+
+
+def supported_errors(
+    corrected: Superelement, discrete: Superelement, support: Support
+) -> SupportedThrow:
+    """Estimated errors of the compliances under a support, in their units; see `error_bars`."""
+    here, mesh = support_throw(corrected, support), support_throw(discrete, support)
+    coarse = axial_correction(corrected, discrete)
+    return SupportedThrow(
+        axial=float(error_bars(here.axial, mesh.axial, coarse)),
+        torsional=float(error_bars(here.torsional, mesh.torsional, coarse)),
+        stretches=error_bars(here.stretches, mesh.stretches, coarse),
+        influences=error_bars(here.influences, mesh.influences, coarse),
+    )
+
+
+def stiffness_errors(corrected: Superelement, discrete: Superelement) -> NDArray[np.float64]:
+    """Estimated errors (12, 12) of the entries of the stiffness [SI]; see `error_bars`.
+
+    The size of an entry is half of the geometric mean of those on the diagonal beside it; what vanishes by
+    symmetry has no error.
+    """
+    stiffness, coarse = corrected.stiffness, axial_correction(corrected, discrete)
+    diagonal = np.sqrt(np.diag(stiffness))
+    sizes = 0.5 * np.outer(diagonal, diagonal)
+    bars = error_bars(stiffness, discrete.stiffness, coarse, sizes)
+    return np.where(np.abs(stiffness) > VANISHING * sizes, bars, 0.0)

@@ -1,0 +1,391 @@
+import math
+
+import numpy as np
+import pytest
+
+from comparing import close
+from crankbase.errors import InputError
+from dynamics.strength.concentration import FACTORS, ConcentrationFactors, coefficient_differences
+from dynamics.strength.crank_web import RANGES, CrankWeb
+from dynamics.strength.fatigue import (
+    PlaceStrength,
+    added_bending,
+    fatigue_strength,
+    fillet_equivalent,
+    hole_equivalent,
+)
+from dynamics.strength.nominal import SupportedThrow, alternating, hole_stress, web_stresses
+from dynamics.strength.shrink_fit import ShrinkFit
+from dynamics.strength.surface_treatment import (
+    SurfaceTreatment,
+    factors_below,
+    strength_near_end,
+)
+
+USUAL = {
+    "overlap": 0.15,
+    "journal": 1.2,
+    "web_thickness": 0.4,
+    "web_width": 1.6,
+    "pin_fillet_radius": 0.06,
+    "journal_fillet_radius": 0.06,
+    "pin_bore": 0.0,
+    "journal_bore": 0.0,
+    "pin_recess": 0.0,
+    "journal_recess": 0.0,
+    "oil_hole_diameter": 0.08,
+}
+
+
+def web(size=0.2, semi_built=False, **ratios):
+    """A web by its ratios to the pin's diameter, which is the size [m]."""
+    own = USUAL | ratios
+    overlap, journal = own.pop("overlap"), own.pop("journal")
+    radius = 0.5 * (1.0 + journal) - overlap
+    lengths = {name: size * value for name, value in own.items()}
+    return CrankWeb(
+        pin_diameter=size,
+        journal_diameter=size * journal,
+        crank_radius=size * radius,
+        semi_built=semi_built,
+        **lengths,
+    )
+
+
+def random_ratios(count, seed=53):
+    """Cranks spread over the ranges of the rule, that of beta_Q included."""
+    rng = np.random.default_rng(seed)
+    ends = {name: (low, high) for name, (_, low, high) in RANGES.items()}
+    ends |= {"overlap": (-0.6, 0.5), "oil_hole_diameter": (1e-3, 0.2), "journal": (0.9, 1.1)}
+    ends |= {"pin_recess": (0.0, 0.03), "journal_recess": (0.0, 0.1)}  # no deeper than the fillet
+    ends |= {"journal_fillet_radius": (0.034, 0.115)}  # over the journal's diameter in range too
+    drawn = {name: rng.uniform(*own, count) for name, own in ends.items()}
+    return [{name: own[k] for name, own in drawn.items()} for k in range(count)]
+
+
+def values(ratios, size=0.2):
+    factors = ConcentrationFactors(web(size, **ratios))
+    return np.array([getattr(factors, name) for name in FACTORS])
+
+
+@pytest.mark.slow
+def test_factors_are_positive_over_ten_thousand_cranks():
+    found = np.array([values(own) for own in random_ratios(10_000)])
+    assert found.shape == (10_000, 7)
+    assert np.all(found > 0.0)
+    assert np.all(np.isfinite(found))
+
+
+def test_factors_are_continuous_and_do_not_depend_on_the_size():
+    """Also where an overlap ends to count, and where a recess begins to."""
+    step = 1e-8  # beta_Q, which falls to zero, is compared by its size
+    cranks = random_ratios(150)
+    cranks[50:60] = [own | {"overlap": -0.5} for own in cranks[50:60]]
+    cranks[60:70] = [own | {"overlap": -1.8 / 3.2} for own in cranks[60:70]]
+    for own in cranks:
+        before = values(own)
+        assert values(own, size=1.7) == close(before)
+        for name in ("overlap", "web_thickness", "web_width", "pin_fillet_radius", "pin_bore"):
+            _, low, high = RANGES[name]
+            least = -0.6 if name == "overlap" else low
+            near = own | {name: own[name] + (step if own[name] < 0.5 * (least + high) else -step)}
+            assert values(near) == close(before, 3e-6, 1e-6), name
+
+
+@pytest.mark.parametrize(
+    ("name", "value", "allowed"),
+    [
+        ("overlap", 0.55, r"overlap over pin_diameter \(s\): given 0.55; allowed is up to 0.5,"),
+        (
+            "web_thickness",
+            0.15,
+            r"web_thickness over pin_diameter \(w\): given 0.15; allowed is 0.2 to 0.8",
+        ),
+        ("web_width", 2.3, r"web_width over pin_diameter \(b\): given 2.3; allowed is 1.1 to 2.2"),
+        (
+            "pin_fillet_radius",
+            0.02,
+            r"pin_fillet_radius over pin_diameter \(r\): given 0.02; allowed is 0.03",
+        ),
+        (
+            "journal_fillet_radius",
+            0.031,
+            r"over journal_diameter \(r\): given 0.02583; allowed is 0.03 to",
+        ),
+        ("pin_bore", 0.85, r"pin_bore over pin_diameter \(d_H\): given 0.85; allowed is 0 to 0.8"),
+        (
+            "journal_bore",
+            0.85,
+            r"journal_bore over pin_diameter \(d_G\): given 0.85; allowed is 0 to 0.8",
+        ),
+        (
+            "oil_hole_diameter",
+            0.25,
+            r"\(d_O\): given 0.25; allowed is 0 to 0.2, .* use finite elements",
+        ),
+    ],
+)
+def test_ratios_outside_are_refused(name, value, allowed):
+    with pytest.raises(InputError, match=allowed):
+        ConcentrationFactors(web(**{name: value}))
+
+
+def test_a_shrunk_journal_has_no_fillet_and_a_pin_without_hole_no_outlet():
+    factors = ConcentrationFactors(
+        web(semi_built=True, journal_fillet_radius=0.0, oil_hole_diameter=0.0)
+    )
+    assert factors.alpha_bending > 1.0
+    with pytest.raises(InputError, match="semi_built: given true"):
+        _ = factors.beta_bending
+    with pytest.raises(InputError, match="semi_built: given true"):
+        _ = factors.beta_torsion
+    with pytest.raises(InputError, match="oil_hole_diameter: not given"):
+        _ = factors.gamma_torsion
+    assert set(coefficient_differences(factors.web)) == {"alpha_T"}
+
+
+def test_a_deep_recess_thins_the_web_of_a_shaft_without_overlap():
+    deep = {"pin_recess": 0.1}
+    assert web(**deep).section_thickness == close(0.4 * 0.2)
+    assert web(**deep, overlap=-0.1).section_thickness == close((0.4 - 0.04) * 0.2)
+    assert web(**deep, semi_built=True).section_thickness == close((0.4 - 0.04) * 0.2)
+    with pytest.raises(InputError, match="pin_recess: given"):
+        web(pin_recess=0.5, semi_built=True)
+
+
+def test_wrong_lengths_are_refused():
+    with pytest.raises(
+        InputError, match=r"pin_bore: given 0.3 m; allowed is less than the diameter"
+    ):
+        web(pin_bore=1.5)
+    with pytest.raises(InputError, match="web_width: given 0 m"):
+        web(web_width=0.0)
+
+
+def test_a_throw_with_a_rod_in_the_middle_shares_its_force():
+    force = np.array([[0.0, 100e3, -20e3]])
+    throw = SupportedThrow(0.4, [0.2], force, np.zeros((1, 3)))
+    assert throw.moment(0.1, force) == close(0.5 * force[0] * 0.1)
+    assert throw.moment(0.3, force) == close(0.5 * force[0] * 0.1)
+    assert throw.shear(0.3, force) == close(-0.5 * force[0])
+    own = web()
+    bending, shear = web_stresses(throw, own, 0.1, strokes=4)
+    area = own.web_width * own.web_thickness
+    assert bending == close(0.5 * 60e3 * 0.1 / (area * own.web_thickness / 6.0))
+    assert shear == close(0.5 * 60e3 / area)
+    assert web_stresses(throw, own, 0.1, strokes=2) == close([0.8 * bending, 0.8 * shear])
+
+
+def test_two_rods_superpose_with_their_phase():
+    """In turn at thirds of the span: each reaction is two thirds of the near and a third of the far force."""
+    radial = np.array([[90.0, 0.0, 0.0], [0.0, 90.0, 0.0]])
+    throw = SupportedThrow(0.3, [0.1, 0.2], radial, radial)
+    assert throw.moment(0.05, radial) == close([60.0 * 0.05, 30.0 * 0.05, 0.0])
+    assert throw.moment(0.15, radial) == close([60.0 * 0.15 - 90.0 * 0.05, 30.0 * 0.15, 0.0])
+    assert throw.shear(0.25, radial) == close([-30.0, -60.0, 0.0])
+
+
+def test_an_oil_hole_is_bent_in_its_own_direction():
+    angle = np.linspace(0.0, 2.0 * math.pi, 361)
+    radial, tangential = 3e4 * np.cos(angle)[np.newaxis], 1e4 * np.sin(angle)[np.newaxis]
+    throw, own = SupportedThrow(0.4, [0.2], radial, tangential), web()
+    modulus = math.pi / 32.0 * own.pin_diameter**3
+    assert hole_stress(throw, own, 0.2, 0.0) == close(0.5 * 1e4 * 0.2 / modulus)
+    assert hole_stress(throw, own, 0.2, 90.0) == close(0.5 * 3e4 * 0.2 / modulus)
+    assert hole_stress(throw, own, 0.2) == close(0.5 * 3e4 * 0.2 / modulus)
+    # Forces in phase towards +t and -r, the radial one towards the shaft, bend most where they point.
+    both = SupportedThrow(0.4, [0.2], tangential, tangential)
+    assert hole_stress(both, own, 0.2, -45.0) == close(hole_stress(both, own, 0.2))
+    assert hole_stress(both, own, 0.2, 45.0) < 1e-6 * hole_stress(both, own, 0.2)
+
+
+def test_what_cannot_load_a_throw_is_refused():
+    one = np.ones((1, 2))
+    with pytest.raises(
+        InputError, match=r"rods: given \[0.5\] m; allowed are places above 0 and below 0.4 m"
+    ):
+        SupportedThrow(0.4, [0.5], one, one)
+    with pytest.raises(
+        InputError, match=r"radial: given an array of shape \(1, 2\); allowed is \(2, m\)"
+    ):
+        SupportedThrow(0.4, [0.1, 0.2], one, one)
+    with pytest.raises(InputError, match="strokes"):
+        web_stresses(SupportedThrow(0.4, [0.1], one, one), web(), 0.1, strokes=3)
+    assert alternating([[1.0, -3.0], [2.0, 2.0]]) == close([2.0, 0.0])
+
+
+def test_equivalent_stresses():
+    assert fillet_equivalent(90.0, 0.0, 10.0) == close(100.0)
+    assert fillet_equivalent(0.0, 10.0, 0.0) == close(math.sqrt(300.0))
+    assert hole_equivalent(90.0, 0.0) == close(90.0)
+    assert hole_equivalent(0.0, 90.0) == close(90.0)
+    bending, torsion = 60.0, 80.0
+    printed = bending / 3.0 * (1.0 + 2.0 * math.sqrt(1.0 + 9.0 / 4.0 * (torsion / bending) ** 2))
+    assert hole_equivalent(bending, torsion) == close(printed)
+
+
+def test_additional_stress():
+    assert [added_bending("trunk"), added_bending("crosshead")] == close([10e6, 30e6])
+    assert added_bending("crosshead", 6e6) == close(16e6)
+    assert added_bending("crosshead", 25e6) == close(35e6)
+    assert added_bending("trunk", 6e6) == close(10e6)
+    with pytest.raises(InputError, match="piston: given 'opposed'"):
+        added_bending("opposed")
+    with pytest.raises(InputError, match="axial_vibration"):
+        added_bending("crosshead", -1.0)
+
+
+def test_small_radii_do_not_raise_the_strength():
+    assert fatigue_strength(8e8, 0.1, 1e-3) == close(fatigue_strength(8e8, 0.1, 2e-3))
+    assert fatigue_strength(8e8, 0.1, 1e-2) < fatigue_strength(8e8, 0.1, 2e-3)
+    with pytest.raises(InputError, match="tensile_strength"):
+        fatigue_strength(0.0, 0.1, 1e-2)
+
+
+def test_a_place_is_acceptable_from_1_15_on():
+    def place(equivalent):
+        return PlaceStrength(1, "pin fillet", "left web", 0.0, *[0.0] * 6, equivalent, 230e6)
+
+    assert place(200e6).passed
+    assert not place(200.1e6).passed
+    assert place(0.0).acceptability == math.inf
+    assert place(math.inf).acceptability == 0.0
+
+
+def test_factors_fall_below_the_surface():
+    factors = ConcentrationFactors(web(0.2))
+    assert factors_below(factors, "pin fillet", 0.0) == close(
+        [factors.alpha_bending, factors.alpha_torsion]
+    )
+    assert factors_below(factors, "oil hole", 0.0) == close(
+        [factors.gamma_bending, factors.gamma_torsion]
+    )
+    # 4 mm below a fillet of 12 mm and a hole of 16 mm, with W 80 mm, S 30 mm, D 200 mm.
+    bending, torsion = factors.alpha_bending, factors.alpha_torsion
+    across = (8.0 / math.hypot(80.0, 30.0)) ** (0.6 / math.sqrt(bending))
+    through = (8.0 / 200.0) ** (1.0 / math.sqrt(torsion))
+    assert factors_below(factors, "pin fillet", 4e-3) == close(
+        [
+            (bending - 1.0) * math.exp(-8.0 / 12.0) + 1.0 - across,
+            (torsion - 1.0) * math.exp(-4.0 / 12.0) + 1.0 - through,
+        ]
+    )
+    assert factors_below(factors, "oil hole", 4e-3) == close(
+        [
+            (factors.gamma_bending - 1.0) * math.exp(-1.0) + 1.0,
+            (factors.gamma_torsion - 1.0) * math.exp(-0.5) + 1.0,
+        ]
+    )
+    for place, depth, why in (
+        ("journal fillet", 1e-3, "place: given 'journal fillet'"),
+        ("pin fillet", -1e-3, "depth: given -0.001 m"),
+        ("pin fillet", 0.1, "depth: given 0.1 m; allowed is less than half"),
+    ):
+        with pytest.raises(InputError, match=why):
+            factors_below(factors, place, depth)
+
+
+def test_hardened_surfaces():
+    induction = SurfaceTreatment("induction", 4e-3, 550.0)
+    assert induction.surface_strength == close(475e6)
+    assert induction.transition == close(4e-3)
+    assert induction.transition_strength(300e6) == close(240e6)
+    nitrided = SurfaceTreatment("nitriding", 0.5e-3, 700.0)
+    assert nitrided.surface_strength == close(450e6)
+    assert nitrided.transition == close(0.6e-3)
+    assert nitrided.transition_strength(300e6) == close(300e6)
+    # The layer ends where the steel is 50 HV harder than its core.
+    assert nitrided.hardness([0.0, 0.5e-3, 5e-3], 300.0) == close([700.0, 350.0, 300.0])
+    for depths, shares in (
+        ((2.0, 4.0), 0.8),
+        ((4.1, 8.0), 0.88),
+        ((8.1, 12.0), 0.94),
+        ((12.1, 50.0), 1.0),
+    ):
+        assert [strength_near_end(1e-3 * one, 4e-3) for one in depths] == [shares] * 2
+
+
+@pytest.mark.parametrize(
+    ("given", "why"),
+    [
+        (("peening", 1e-3, 500.0), "process: given 'peening'"),
+        (("induction", 0.0, 500.0), "depth: given 0 m"),
+        (("induction", 1e-3, 390.0), "given 390 HV; allowed is 400 HV or more for induction"),
+        (("nitriding", 1e-3, 590.0), "given 590 HV; allowed is 600 HV or more for nitriding"),
+    ],
+)
+def test_wrong_hardening_is_refused(given, why):
+    with pytest.raises(InputError, match=why):
+        SurfaceTreatment(*given)
+
+
+def test_only_nitriding_has_a_hardness_over_the_depth():
+    with pytest.raises(InputError, match="process: given induction"):
+        SurfaceTreatment("induction", 1e-3, 500.0).hardness(0.0, 250.0)
+    with pytest.raises(InputError, match="core_hardness: given 660 HV; allowed is below 650 HV"):
+        SurfaceTreatment("nitriding", 1e-3, 700.0).hardness(0.0, 660.0)
+
+
+FIT = {
+    "shrink_diameter": 0.7,
+    "shrink_length": 0.32,
+    "web_diameter": 1.3,
+    "journal_diameter": 0.68,
+    "fillet_radius": 0.02,
+    "distance": 0.1,
+    "web_yield": 3.5e8,
+    "journal_yield": 3e8,
+    "torque": 1.2e6,
+}
+
+
+def test_a_shrink_fit_by_hand():
+    """In N and mm: 4000 S_R M / (mu pi D_S^2 L_S s_SP) and so on."""
+    fit = ShrinkFit(**FIT, journal_bore=0.1)
+    slip = 4000.0 * 2.0 * 1.2e6 / (0.2 * math.pi)
+    assert fit.largest_bore == close(0.7 * math.sqrt(1.0 - slip / (700.0**2 * 320.0 * 300.0)))
+    q_a, q_s = 700.0 / 1300.0, 100.0 / 700.0
+    thin = (1.0 - (q_a * q_s) ** 2) / ((1.0 - q_a**2) * (1.0 - q_s**2))
+    held = slip / (2.05e5 * 700.0 * 320.0) * thin
+    assert fit.least_shrinkage == close(1e-3 * max(350.0 * 700.0 / 2.05e5, held))
+    assert fit.most_shrinkage == close(1e-3 * 700.0 * (350.0 / 2.05e5 + 0.8e-3))
+    assert (fit.passed, fit.refusals, fit.remarks) == (True, (), ())
+    # With a torque so large that it, not the web's yield, sets the least shrinkage.
+    more = ShrinkFit(**FIT | {"torque": 2.6e6, "web_yield": 2e8}, journal_bore=0.1)
+    assert more.least_shrinkage == close(1e-3 * held * 2.6 / 1.2)
+
+
+@pytest.mark.parametrize(
+    ("change", "said"),
+    [
+        ({"distance": 0.03}, "30 mm apart at the fit, 0.05 shrink diameters or 35 mm are needed"),
+        ({"fillet_radius": 0.01}, "fillet has a radius of 10 mm, 10.2 mm are needed"),
+        ({"journal_diameter": 0.6, "fillet_radius": 0.04}, "radius of 40 mm, 50 mm are needed"),
+        ({"torque": 8e6}, "no bore is small enough"),
+        ({"journal_bore": 0.69}, "bore of 690 mm is above"),
+        ({"torque": 6e6, "web_yield": 1e8}, "the torque needs a shrinkage of"),
+    ],
+)
+def test_a_shrink_fit_that_is_not_allowed(change, said):
+    fit = ShrinkFit(**FIT | change)
+    assert not fit.passed
+    assert any(said in one for one in fit.refusals), fit.refusals
+
+
+def test_a_near_pin_asks_for_special_consideration():
+    (said,) = ShrinkFit(**FIT | {"distance": 0.06}).remarks
+    assert "special consideration is asked for below 70 mm" in said
+
+
+@pytest.mark.parametrize(
+    ("change", "why"),
+    [
+        ({"friction": 0.25}, "friction: given 0.25; allowed is up to 0.2"),
+        ({"safety": 1.5}, "safety: given 1.5; allowed is 2 or more"),
+        ({"web_diameter": 0.65}, "shrink_diameter: given 0.7 m; allowed is above"),
+        ({"torque": 0.0}, "torque: given 0 N m"),
+    ],
+)
+def test_wrong_fits_are_refused(change, why):
+    with pytest.raises(InputError, match=why):
+        ShrinkFit(**FIT | change)

@@ -1,0 +1,296 @@
+"""Corrected answers: what must hold of them on any mesh, exactly, and what their error bars promise."""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+import pytest
+
+from comparing import close
+from crankfem.analyses.record_units import units_of
+from crankfem.analyses.throw.throw_record import NOT_CORRECTED, throw_record
+from crankfem.cli.tables.throw_tables import print_throw
+from fem import correction
+from fem.analysis import analyze_axial, analyze_throw
+from fem.assembly import assemble_stiffness, symmetric_product
+from fem.condensation import condense
+from fem.correction import corrected_class
+from fem.loads import NodalLoads, unit_pin_loads
+from fem.material import STEEL
+from fem.supports import Neighbors
+from fem.symmetry import symmetry_classes
+from geometry.mesh import mesh_throw
+from geometry.mesh_repair import EDGES
+from geometry.solid import LEFT_END, RIGHT_END
+from geometry.throw import CrankThrow
+from refined_mesh import refined
+
+# Of motions of like size: rotations are counted by the crank radius.
+ROUND_OFF = 1e-9
+SUPPORTS = ("pinned", "guided", Neighbors(120.0, 120.0))
+
+
+def on(mesh):
+    """Mesher that has this mesh for everything."""
+    return lambda *_: mesh
+
+
+@pytest.fixture(scope="module")
+def analysis(throw, mesh):
+    """On a coarse mesh, on which every identity must hold as on a fine one."""
+    return analyze_throw(throw, accuracy=0.1, mesher=on(mesh))
+
+
+@pytest.fixture(scope="module")
+def unequal(dimensions):
+    return CrankThrow(
+        **dimensions | {"left_web": {"thickness": 0.055}, "further_pins": [{"angle": 0.7}]}
+    )
+
+
+@pytest.fixture(scope="module")
+def skewed(unequal):
+    """A throw of two pins without any symmetry, whole."""
+    return analyze_throw(unequal, accuracy=0.1, mesher=on(mesh_throw(unequal, 5.0)))
+
+
+@pytest.fixture(params=["quarter", "full"])
+def any_part(request, analysis, skewed):
+    found = {"quarter": analysis, "full": skewed}[request.param]
+    assert found.mesh.part == request.param
+    assert found.corrected
+    assert found.axial_compliance() > 1.01 * found.discrete.axial_compliance()
+    return found
+
+
+def rigid_motions(throw):
+    """End motions (12, 6) of translations, and of rotations about the left end's center."""
+    motions = np.vstack([np.eye(6), np.eye(6)])
+    motions[7, 3], motions[6, 4] = -throw.length, throw.length
+    return motions
+
+
+def scaled(analysis):
+    """Stiffness of motions of like size, beside its largest entry, and the rigid motions (12, 6)."""
+    sizes = np.repeat([1.0, 1.0 / analysis.throw.crank_radius] * 2, 3)
+    stiffness = analysis.stiffness * np.outer(sizes, sizes)
+    rigid = rigid_motions(analysis.throw) / sizes[:, None] * sizes[:6]
+    return stiffness / np.abs(stiffness).max(), rigid
+
+
+def test_corrected_stiffness_is_symmetric_and_holds_all_but_rigid_motions(any_part):
+    stiffness, rigid = scaled(any_part)
+    assert np.abs(stiffness - stiffness.T).max() < ROUND_OFF
+    assert np.abs(stiffness @ rigid).max() < ROUND_OFF
+    values = np.linalg.eigvalsh(stiffness)
+    assert np.abs(values[:6]).max() < ROUND_OFF
+    assert values[6] > 1e3 * ROUND_OFF
+
+
+def test_pin_loads_are_in_equilibrium(any_part):
+    """Their work on rigid motions is what that of the mesh is: of forces and moments on the pin's center."""
+    rigid = rigid_motions(any_part.throw)
+    discrete = any_part.discrete.superelement.pin_loads
+    for loads, of_mesh in zip(any_part.superelement.pin_loads, discrete, strict=True):
+        assert loads.T @ rigid == close(of_mesh.T @ rigid, abs=ROUND_OFF)
+        assert (loads.T @ rigid)[:3, :3] == close(np.eye(3), abs=ROUND_OFF)
+        assert np.abs(loads - of_mesh).max() > 1e-5  # but they are others
+    force = np.array([3e4, -1e5, 2e4])
+    for support in SUPPORTS:
+        found = any_part.reactions(force, support)
+        total = found.left.force + found.right.force + force
+        assert np.abs(total).max() < 1e-8 * np.abs(force).max()
+
+
+@pytest.mark.parametrize("support", SUPPORTS, ids=str)
+def test_corrected_answers_are_reciprocal(any_part, support):
+    """Lengthening under a force on the pin is motion of the pin under a pull; P = c Z / e_n."""
+    c, e_n = any_part.influence_coefficient(support), any_part.axial_compliance(support)
+    element = any_part.superelement
+    held = any_part.pin_response(force=1e5 * element.radials[0], support=support)
+    assert held.lengthening == close(1e5 * c, rel=1e-9)
+    reaction = any_part.reactions(1e5 * element.radials[0], support).right.force[2]
+    assert -reaction == close(1e5 * c / e_n, rel=1e-8)
+    pin = any_part.pin_compliance(support)
+    assert pin == close(pin.T, rel=1e-9, abs=1e-10 * np.abs(pin).max())
+    assert np.linalg.eigvalsh(pin).min() > 0.0
+
+
+def test_lengths_doubled_halve_the_compliance(dimensions, mesh, analysis):
+    """The same mesh, twice as large; compliances of moments fall with the third power."""
+    large = CrankThrow(**{name: 2.0 * value for name, value in dimensions.items()})
+    twice = replace(mesh, points=2.0 * mesh.points, length=2.0 * mesh.length)
+    found = analyze_throw(large, accuracy=0.1, mesher=on(twice))
+    assert found.axial_compliance() == close(0.5 * analysis.axial_compliance(), rel=1e-9)
+    assert found.influence_coefficient() == close(0.5 * analysis.influence_coefficient(), rel=1e-9)
+    assert found.torsional_compliance() == close(0.125 * analysis.torsional_compliance(), rel=1e-9)
+    assert found.error_estimate == close(analysis.error_estimate, rel=1e-8)
+    stiffness, large_stiffness = scaled(analysis)[0], scaled(found)[0]
+    assert large_stiffness == close(stiffness, abs=ROUND_OFF)
+
+
+def test_a_mirrored_throw_has_mirrored_answers(dimensions):
+    """Left and right web exchanged, on the mirrored mesh."""
+    throw = CrankThrow(**dimensions | {"left_web": {"thickness": 0.055}})
+    other = CrankThrow(**dimensions | {"right_web": {"thickness": 0.055}})
+    mesh = mesh_throw(throw, 5.0)
+    mirrored = mirror_along_the_shaft(mesh)
+    found, back = (
+        analyze_throw(one, accuracy=0.1, mesher=on(own))
+        for one, own in ((throw, mesh), (other, mirrored))
+    )
+    assert found.corrected
+    assert back.corrected
+    turned = np.kron([[0.0, 1.0], [1.0, 0.0]], np.diag([1.0, 1.0, -1.0, -1.0, -1.0, 1.0]))
+    expected = turned @ found.stiffness @ turned.T
+    assert back.stiffness == close(expected, abs=1e-8 * np.abs(expected).max())
+    assert back.influence_coefficient() == close(found.influence_coefficient(), rel=1e-7)
+    assert back.torsional_compliance() == close(found.torsional_compliance(), rel=1e-7)
+    assert back.error_estimate == close(found.error_estimate, rel=1e-6)
+
+
+def mirror_along_the_shaft(mesh):
+    """The same elements seen in a mirror across the shaft."""
+    points = mesh.points * (1.0, 1.0, -1.0) + (0.0, 0.0, mesh.length)
+    names = {LEFT_END: RIGHT_END, RIGHT_END: LEFT_END}
+    surfaces = {names.get(name, name): facets[:, ::-1] for name, facets in mesh.surfaces.items()}
+    elements = mesh.elements[:, [1, 0, 2, 3, 4, 6, 5, 8, 7, 9]]
+    return replace(mesh, points=points, elements=elements, surfaces=surfaces)
+
+
+# ------------------------------------------------------------------------------ against true errors
+
+
+@dataclass(frozen=True)
+class Known:
+    """Errors whose energies are known."""
+
+    energies: np.ndarray
+
+    def products(self):
+        return self.energies
+
+
+def test_true_errors_give_the_true_answers():
+    """With energies of the differences to a mesh refined in place its answers come out, to round-off."""
+    throw = CrankThrow(
+        crank_radius=0.170,
+        main_journal_diameter=0.220,
+        pin_diameter=0.180,
+        main_journal_length=0.120,
+        pin_length=0.139,
+        web_width=0.300,
+        web_thickness=0.068,
+        fillet_radius=0.0,
+    )
+    coarse = straightened(mesh_throw(throw, 8.0))  # whose integrals are exact
+    fine, taken = refined(coarse)
+    matrices = [assemble_stiffness(one.points, one.elements, STEEL) for one in (coarse, fine)]
+    loads = unit_pin_loads(fine)
+    on_coarse = [same_work(load, taken, len(coarse.points)) for load in loads]
+    for symmetry in symmetry_classes("quarter"):
+        part = condense(coarse, matrices[0], on_coarse, symmetry)
+        true = condense(fine, matrices[1], loads, symmetry)
+        errors = np.concatenate(
+            [true.fields - taken(part.fields), true.pin_fields - taken(part.pin_fields)], axis=2
+        ).reshape(3 * len(fine.points), -1)
+        energies = errors.T @ symmetric_product(matrices[1], errors)
+        found = corrected_class(part, Known(energies), 1.0)
+        assert found.discrete is part
+        for name in ("stiffness", "pin_loads", "pin_flexibility"):
+            expected, before = getattr(true, name), getattr(part, name)
+            size = np.abs(expected).max()
+            assert getattr(found, name) == close(expected, abs=1e-9 * size), name
+            assert np.abs(before - expected).max() > 1e-3 * size, name
+
+
+def straightened(mesh):
+    """The mesh with straight edges."""
+    points = mesh.points.copy()
+    for place, (a, b) in enumerate(EDGES, start=4):
+        points[mesh.elements[:, place]] = points[mesh.elements[:, [a, b]]].mean(axis=1)
+    return replace(mesh, points=points)
+
+
+def same_work(load, taken, count):
+    """The load whose work on coarse displacements is that of a load on the fine mesh."""
+    shapes = taken(np.eye(count))[load.nodes]
+    values = np.einsum("sc,ks...->kc...", shapes, load.values)
+    return NodalLoads(np.arange(count), load.images, values)
+
+
+# ------------------------------------------------------------------------ plain answers, and the bars
+
+
+def test_answers_stay_plain_where_too_much_is_short(throw, mesh, analysis, monkeypatch, capsys):
+    monkeypatch.setattr(correction, "LARGEST_SHARE", 0.01)
+    plain = analyze_throw(throw, accuracy=0.1, mesher=on(mesh))
+    assert not plain.corrected
+    assert np.array_equal(plain.stiffness, analysis.discrete.stiffness)
+    assert plain.axial_compliance() == analysis.discrete.axial_compliance()
+    # The estimate is that of all that the mesh takes.
+    short = 1.0 - plain.axial_compliance() / analysis.axial_compliance()
+    assert plain.error_estimate == close(short, rel=0.2)
+    assert analyze_axial(throw, accuracy=0.1, mesher=on(mesh)).error_estimate == close(
+        plain.error_estimate, rel=1e-9
+    )
+    record = throw_record(plain, 1e5)
+    assert (record["corrected"], record["axial_correction"]) == (False, 0.0)
+    assert record["remarks"] == [*throw.remarks, NOT_CORRECTED]
+    print_throw(record)
+    told = capsys.readouterr().out
+    assert f"(e_n too small by about {100 * plain.error_estimate:.2g} %)" in told
+    assert "Note: Not all answers are corrected for discretization" in told.replace("\n", " ")
+
+
+def test_corrected_answers_are_told_as_such(throw, analysis, capsys):
+    record = throw_record(analysis, 1e5)
+    assert record["corrected"]
+    discrete = analysis.discrete
+    assert record["axial_correction"] == close(
+        1.0 - discrete.axial_compliance() / analysis.axial_compliance(), rel=1e-9
+    )
+    assert record["remarks"] == list(throw.remarks)
+    bars = analysis.error_bars("guided")
+    own = record["supports"]["guided"]["errors"]
+    assert own == {
+        "axial_compliance": bars.axial,
+        "torsional_compliance": bars.torsional,
+        "influence_coefficient": bars.influence,
+    }
+    units = units_of(record)
+    assert {name: units[f"errors.{name}"] for name in own} == {name: units[name] for name in own}
+    print_throw(record)
+    told = capsys.readouterr().out
+    assert f"(e_n within {100 * analysis.error_estimate:.2g} %)" in told
+    assert "corrected" not in told
+    # The discrete answers lack the correction.
+    assert not discrete.corrected
+    assert discrete.error_estimate == close(record["axial_correction"], rel=1e-9)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("changed", "finest"),
+    [({}, 0.002), ({"fillet_radius": 0.0, "web_thickness": 0.085}, 0.006)],
+    ids=["filleted", "sharp"],
+)
+def test_bars_cover_the_difference_to_a_finer_mesh(dimensions, changed, finest):
+    throw = CrankThrow(**dimensions | changed)
+    found, finer = (analyze_throw(throw, accuracy=accuracy) for accuracy in (0.03, finest))
+    assert finer.mesh.unknowns > 4 * found.mesh.unknowns
+    for support in SUPPORTS:
+        here, there, bars = (
+            found.supported(support),
+            finer.supported(support),
+            found.error_bars(support),
+        )
+        for name in ("axial", "torsional", "influence"):
+            off = abs(getattr(here, name) - getattr(there, name))
+            assert off < getattr(bars, name) < 0.03 * abs(getattr(here, name)), (support, name)
+    assert found.error_estimate == close(
+        found.error_bars().axial / found.axial_compliance(), rel=1e-9
+    )
+    off = np.abs(found.stiffness - finer.stiffness)
+    size = np.sqrt(np.diag(found.stiffness))
+    counted = np.abs(found.stiffness) > 1e-3 * np.outer(size, size)
+    assert np.mean((off < found.stiffness_error)[counted]) >= 0.95
