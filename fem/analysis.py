@@ -65,7 +65,7 @@ def analyze_throw(
     ... )
     >>> analysis = cf.analyze_throw(throw, accuracy=0.02)
     >>> print(f"{analysis.axial_compliance():.2e} m/N")
-    1.26e-09 m/N
+    1.29e-09 m/N
     """
     problem = Problem(material, solver, end_sections, Stopwatch())
     level = solve_to_accuracy(throw, accuracy, problem, mesher or mesh_isolated)

@@ -22,12 +22,12 @@ def supported_errors(
 ) -> SupportedThrow:
     """Estimated errors of the compliances under a support, in their units; see `error_bars`."""
     here, mesh = support_throw(corrected, support), support_throw(discrete, support)
-    coarse = axial_correction(corrected, discrete)
+    coarse, missing = axial_correction(corrected, discrete), corrected.missing
     return SupportedThrow(
-        axial=float(error_bars(here.axial, mesh.axial, coarse)),
-        torsional=float(error_bars(here.torsional, mesh.torsional, coarse)),
-        stretches=error_bars(here.stretches, mesh.stretches, coarse),
-        influences=error_bars(here.influences, mesh.influences, coarse),
+        axial=float(error_bars(here.axial, mesh.axial, coarse, missing=missing)),
+        torsional=float(error_bars(here.torsional, mesh.torsional, coarse, missing=missing)),
+        stretches=error_bars(here.stretches, mesh.stretches, coarse, missing=missing),
+        influences=error_bars(here.influences, mesh.influences, coarse, missing=missing),
     )
 
 
@@ -40,5 +40,5 @@ def stiffness_errors(corrected: Superelement, discrete: Superelement) -> NDArray
     stiffness, coarse = corrected.stiffness, axial_correction(corrected, discrete)
     diagonal = np.sqrt(np.diag(stiffness))
     sizes = 0.5 * np.outer(diagonal, diagonal)
-    bars = error_bars(stiffness, discrete.stiffness, coarse, sizes)
+    bars = error_bars(stiffness, discrete.stiffness, coarse, sizes, corrected.missing)
     return np.where(np.abs(stiffness) > VANISHING * sizes, bars, 0.0)

@@ -63,6 +63,9 @@ class CondensedClass:
     discrete : CondensedClass or None
         The class as the mesh gives it, if `stiffness`, `pin_loads` and `pin_flexibility` are corrected
         (`fem.correction`).
+    missing : float
+        Of a class as the mesh gives it: the largest share of any motion's energy that discretization is
+        estimated to take; no answer is off by more.
     """
 
     symmetry: SymmetryClass
@@ -77,6 +80,7 @@ class CondensedClass:
     end_forces: Array
     pin_reactions: Array
     discrete: "CondensedClass | None" = None
+    missing: float = 0.0
 
 
 def condense(

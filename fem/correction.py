@@ -80,7 +80,9 @@ def corrected_class(part: CondensedClass, errors: StressErrors, factor: float) -
     """
     count = len(part.stiffness)
     energies = factor * errors.products()
-    if _largest_share(part.stiffness, energies[:count, :count]) > LARGEST_SHARE:
+    missing = _largest_share(part.stiffness, energies[:count, :count])
+    part = replace(part, missing=missing)
+    if missing > LARGEST_SHARE:
         return part
     pins, components = part.pin_components.T
     pin_loads = part.pin_loads.copy()
@@ -91,6 +93,7 @@ def corrected_class(part: CondensedClass, errors: StressErrors, factor: float) -
         pin_loads=pin_loads,
         pin_flexibility=part.pin_flexibility + part.symmetry.copies * energies[count:, count:],
         discrete=part,
+        missing=0.0,
     )
 
 
@@ -99,6 +102,7 @@ def error_bars(
     discrete: ArrayLike,
     axial_correction: float,
     sizes: ArrayLike | None = None,
+    missing: float = 0.0,
 ) -> Array:
     """Estimated errors of corrected answers from those of the mesh beside them, in their units.
 
@@ -109,9 +113,11 @@ def error_bars(
         Of the axial compliance, pinned, as a share of it: how coarse the mesh is.
     sizes : (...) array_like, optional
         What of an answer counts as its size; by default itself.
+    missing : float
+        Where answers are those of the mesh: the share that they are short of at most.
     """
     answers, plain = np.asarray(corrected, dtype=float), np.asarray(discrete, dtype=float)
-    floor = MESH_UNCERTAINTY * axial_correction + MESH_NOISE
+    floor = MESH_UNCERTAINTY * axial_correction + MESH_NOISE + missing
     size = np.abs(answers if sizes is None else np.asarray(sizes, dtype=float))
     return np.asarray(UNCERTAINTY * np.abs(answers - plain) + floor * size)
 

@@ -204,9 +204,8 @@ def _class_responses(
     """Solve a class under its end load, under the radial force on the pin and the tilting moments."""
     values = _class_values(part, load, tilt)
     plain = _class_values(part.discrete or part, load, tilt)
-    errors = error_bars(values, plain, level.axial_correction) / np.where(
-        values == 0.0, 1.0, np.abs(values)
-    )
+    bars = error_bars(values, plain, level.axial_correction, missing=part.missing)
+    errors = bars / np.where(values == 0.0, 1.0, np.abs(values))
     found = list(zip(values.tolist(), errors.tolist(), strict=True))
     return _ClassResponses(found[:2], found[2:4], found[4])
 

@@ -33,12 +33,15 @@ class Superelement:
         ``pin_loads[k].T @ q``.
     radials : (pins, 3) array
         Direction of a radial force on each pin, towards the shaft.
+    missing : float
+        Where answers are those of a mesh, not corrected: what they are short of at most, as a share.
     """
 
     stiffness: Array
     pin_loads: Array
     pin_flexibility: Array
     radials: Array
+    missing: float = 0.0
 
     @property
     def pin_load(self) -> Array:
@@ -102,7 +105,8 @@ def combine_classes(
         pin_loads += shares.T @ part.pin_loads
         carried = part.pin_components @ (6, 1)
         pin_flexibility[np.ix_(carried, carried)] += part.pin_flexibility
-    return Superelement(stiffness, pin_loads, pin_flexibility, radials)
+    missing = max(part.missing for part in classes)
+    return Superelement(stiffness, pin_loads, pin_flexibility, radials, missing)
 
 
 def superelement_of_end_forces(classes: Sequence[CondensedClass], radials: Array) -> Superelement:

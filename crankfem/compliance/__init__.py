@@ -6,7 +6,7 @@
 >>> throw, _ = cf.load_throw("6chn25-34")
 >>> found = cf.compliance.analyze_axial(throw, accuracy=0.05)
 >>> print(f"{found.axial_compliance('guided'):.1e} m/N")
-2.5e-10 m/N
+2.6e-10 m/N
 """
 
 from crankbase.public_names import lazy_exports

@@ -271,7 +271,7 @@ def test_corrected_answers_are_told_as_such(throw, analysis, capsys):
 @pytest.mark.slow
 @pytest.mark.parametrize(
     ("changed", "finest"),
-    [({}, 0.002), ({"fillet_radius": 0.0, "web_thickness": 0.085}, 0.006)],
+    [({}, 0.002), ({"fillet_radius": 0.0, "web_thickness": 0.085}, 0.005)],
     ids=["filleted", "sharp"],
 )
 def test_bars_cover_the_difference_to_a_finer_mesh(dimensions, changed, finest):

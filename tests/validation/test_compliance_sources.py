@@ -203,11 +203,11 @@ def test_a_study_of_other_throws_is_told_before_it_runs(plain):
 # docs/formulas.md, "Beside finite elements": least and greatest at 180 deg; the torsional ones of throws
 # with one pin stand below the table.
 PRINTED = {
-    ("axial", "Draminsky (1)"): (1.23, 3.64),
-    ("axial", "Anderson"): (0.98, 1.71),
-    ("axial", "Guglielmotti-Macchiotta"): (0.46, 0.70),
-    ("torsional", "Carter"): (0.84, 1.20),
-    ("torsional", "Ker Wilson"): (0.95, 1.12),
+    ("axial", "Draminsky (1)"): (1.22, 3.60),
+    ("axial", "Anderson"): (0.97, 1.69),
+    ("axial", "Guglielmotti-Macchiotta"): (0.46, 0.69),
+    ("torsional", "Carter"): (0.83, 1.19),
+    ("torsional", "Ker Wilson"): (0.94, 1.10),
 }
 
 
@@ -228,8 +228,8 @@ def test_a_formulas_error_is_its_spread_beside_finite_elements(figure, named, pr
     found = source_spread(engine, kind, formula, analyses, shaft, None)
     least, greatest = printed
     figure("softest", found.low, min(1.0, 1.0 / greatest), 0.011)
-    # Finite elements are too stiff by up to twice their estimate, at most 1.7 % of these throws.
-    assert max(1.0, 0.99 / least) <= found.high <= max(1.0, 1.045 / least)
+    # Finite elements may be off by their estimate, at most 1 % of these throws.
+    assert max(1.0, 0.99 / least) <= found.high <= max(1.0, 1.02 / least)
 
 
 def test_the_table_of_throws_is_that_of_finite_elements(figure):

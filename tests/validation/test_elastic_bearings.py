@@ -87,6 +87,8 @@ def test_one_stiffness_serves_chains_and_whole_crankshaft(engine, analysis):
 
 
 def test_first_torsional_frequency_over_the_bearings(engine, analysis, figure):
+    # Found on a mesh with an error of about 0.9 %, whose compliances were not corrected.
+    analysis = cf.analyze_throw(engine.throw, engine.material, accuracy=0.005).discrete
     for bearing, published in (
         (math.inf, 86.97),
         (2.2e10, 86.7),
