@@ -275,7 +275,7 @@ def test_corrected_answers_are_told_as_such(throw, analysis, capsys):
     [
         ({}, 0.002),
         ({"fillet_radius": 0.0, "web_thickness": 0.085}, 0.005),
-        ({"oil_holes": (OilHole(part="pin", diameter=0.04),)}, 0.0015),
+        ({"oil_holes": (OilHole(part="pin", diameter=0.04),)}, 0.002),
     ],
     ids=["filleted", "sharp", "drilled"],
 )
