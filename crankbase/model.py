@@ -356,6 +356,7 @@ _KINDS = {
     "tuple_type": "a list",
     "dict_type": "a table",
     "bool_type": "true or false",
+    "bool_parsing": "true or false",
 }
 # And about the numbers in them; a field with a unit tells its range.
 _BOUNDS = {

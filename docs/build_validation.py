@@ -59,6 +59,7 @@ GROUPS: dict[str, tuple[str, dict[str, str]]] = {
             "test_formula_limits": "the frame of thin beams",
             "test_convergence": "Williams's exponents of corners",
             "test_stress_concentration": "Neuber's notch, Peterson's and Tipton's fillets",
+            "test_oil_holes": "pierced cylinders; Peterson's and UR M53's factors",
             "test_dynamic_shaft": "bars in tension, torsion and bending",
             "test_chain_closed_forms": "chains of equal masses, the uniform rod",
             "test_damper_optimum": "Den Hartog's optima",

@@ -1,4 +1,4 @@
-"""The largest stresses at a throw's fillets, as `fillet_stresses` returns them."""
+"""The largest stresses at a throw's fillets and oil holes, as `fillet_stresses` returns them."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -16,6 +16,7 @@ from crankbase.tables.frames import grid, table
 from fem.fillet_surface import FilletSurface
 from fem.fillets import Fillet
 from fem.unit_loads import LoadedThrow, UnitLoad
+from geometry.drilling import DrillingExit
 from geometry.throw import CrankThrow
 
 if TYPE_CHECKING:
@@ -29,11 +30,35 @@ LABELS: Mapping[Criterion, str] = {
 }
 
 
+@dataclass(frozen=True, kw_only=True)
+class _Peak:
+    """The largest stresses at one place under one unit load, as `FilletPeak` describes them."""
+
+    load: UnitLoad
+    principal: float
+    principal_place: Array
+    principals: Array
+    von_mises: float
+    von_mises_place: Array
+    nominal: float
+    error_estimate: float
+
+    @property
+    def factor(self) -> float:
+        """Stress concentration factor: size of the largest principal stress by the nominal one."""
+        return abs(self.principal) / self.nominal
+
+    @property
+    def von_mises_factor(self) -> float:
+        """Largest equivalent stress by von Mises divided by the nominal stress."""
+        return self.von_mises / self.nominal
+
+
 @summarized(
     "fillet: fillet.name", "load: load.kind", "factor", "von_mises_factor", "error_estimate"
 )
-@dataclass(frozen=True)
-class FilletPeak:
+@dataclass(frozen=True, kw_only=True)
+class FilletPeak(_Peak):
     """The largest stresses at one fillet under one unit load.
 
     Where a throw is symmetric about the crank plane, the place with x >= 0 is given; its mirror image
@@ -58,31 +83,42 @@ class FilletPeak:
         Estimated relative error of the two largest values.
     """
 
-    load: UnitLoad
     fillet: Fillet
-    principal: float
-    principal_place: Array
-    principals: Array
-    von_mises: float
-    von_mises_place: Array
-    nominal: float
-    error_estimate: float
 
     @property
-    def factor(self) -> float:
-        """Stress concentration factor: size of the largest principal stress by the nominal one."""
-        return abs(self.principal) / self.nominal
+    def name(self) -> str:
+        """Name of the fillet."""
+        return self.fillet.name
+
+
+@summarized("exit: outlet.name", "load: load.kind", "factor", "von_mises_factor", "error_estimate")
+@dataclass(frozen=True, kw_only=True)
+class OilHolePeak(_Peak):
+    """The largest stresses at one exit of an oil hole under one unit load.
+
+    The exit is its rounding and the hole's wall to a depth of one diameter. The nominal stress is that of
+    the pin or main journal without the hole.
+
+    Attributes
+    ----------
+    outlet : DrillingExit
+        Which exit.
+    load, principal, principal_place, principals, von_mises, von_mises_place, nominal, error_estimate
+        As in `FilletPeak`.
+    """
+
+    outlet: DrillingExit
 
     @property
-    def von_mises_factor(self) -> float:
-        """Largest equivalent stress by von Mises divided by the nominal stress."""
-        return self.von_mises / self.nominal
+    def name(self) -> str:
+        """Such as "pin, oil hole 1 at 45 deg"."""
+        return self.outlet.name
 
 
 @summarized("peaks", "error_estimate", "accuracy", "sharp_corners")
 @dataclass(frozen=True)
 class FilletStresses:
-    """Stresses at the fillets of a throw.
+    """Stresses at the fillets and at the exits of the oil holes of a throw.
 
     Attributes
     ----------
@@ -94,11 +130,13 @@ class FilletStresses:
     loaded : LoadedThrow
         The last mesh with its displacements.
     surface : FilletSurface
-        Stresses all over the fillets.
+        Stresses all over the fillets and oil holes.
     fineness : float
         Elements across the quarter circle of a fillet where it was refined last.
     accuracy : float
         The accuracy that was asked for.
+    hole_peaks : tuple of OilHolePeak
+        For each load, the exits of the oil holes in their order.
     """
 
     throw: CrankThrow
@@ -108,11 +146,12 @@ class FilletStresses:
     surface: FilletSurface = field(repr=False)
     fineness: float
     accuracy: float
+    hole_peaks: tuple[OilHolePeak, ...] = ()
 
     @property
     def error_estimate(self) -> float:
         """Largest of the error estimates."""
-        return max(peak.error_estimate for peak in self.peaks)
+        return max(peak.error_estimate for peak in (*self.peaks, *self.hole_peaks))
 
     @property
     def accuracy_met(self) -> bool:
@@ -123,8 +162,21 @@ class FilletStresses:
         """Peaks under one load, the fillets from left to right."""
         return tuple(peak for peak in self.peaks if peak.load is load)
 
+    def at_oil_holes(self, load: UnitLoad) -> tuple[OilHolePeak, ...]:
+        """Peaks at the exits of oil holes under one load."""
+        return tuple(peak for peak in self.hole_peaks if peak.load is load)
+
+    @property
+    def _all(self) -> list[FilletPeak | OilHolePeak]:
+        """For each load, the fillets from left to right, then the exits of oil holes."""
+        every: tuple[FilletPeak | OilHolePeak, ...] = (*self.peaks, *self.hole_peaks)
+        loads = list({id(peak.load): None for peak in every})
+        return sorted(every, key=lambda peak: loads.index(id(peak.load)))
+
     def plot(self, axes: "Axes | None" = None, *, criterion: Criterion = "principal") -> "Axes":
-        """Draw the stress concentration factors, a group of bars for each fillet, a color for each load.
+        """Draw the stress concentration factors, a color for each load.
+
+        There is a group of bars for each fillet and for each exit of an oil hole.
 
         Parameters
         ----------
@@ -147,11 +199,12 @@ class FilletStresses:
         factors = self._array("factor" if criterion == "principal" else "von_mises_factor")
         axes = new_axes(axes, width=8.6)
         draw_groups(axes, fillets, dict(zip(loads, factors, strict=True)), LABELS[criterion])
-        write_title(axes, "Stress concentration at the fillets")
+        holes = " and oil holes" if self.hole_peaks else ""
+        write_title(axes, f"Stress concentration at the fillets{holes}")
         return axes
 
     def to_pandas(self) -> Any:
-        """Return a table with a row for each load and fillet, the fillets from left to right.
+        """Return a table with a row for each load and fillet, from left to right, and each oil hole's exit.
 
         Returns
         -------
@@ -163,7 +216,7 @@ class FilletStresses:
         MissingLibraryError
             If pandas is not installed.
         """
-        peaks = self.peaks
+        peaks = self._all
         stress = "Pa/N or Pa/(N m), as the load's unit says"
         places = np.array([peak.principal_place for peak in peaks])
         units = dict.fromkeys(("factor", "von_mises_factor"), "1")
@@ -173,7 +226,7 @@ class FilletStresses:
             {
                 "load": ([peak.load.name for peak in peaks], ""),
                 "load_unit": ([peak.load.unit for peak in peaks], ""),
-                "fillet": ([peak.fillet.name for peak in peaks], ""),
+                "fillet": ([peak.name for peak in peaks], ""),
             }
             | {
                 name: ([getattr(peak, name) for peak in peaks], unit)
@@ -183,7 +236,7 @@ class FilletStresses:
         )
 
     def to_xarray(self) -> Any:
-        """Return factors and their errors over loads and fillets.
+        """Return factors and their errors over loads and fillets, the exits of oil holes among these.
 
         Returns
         -------
@@ -212,10 +265,10 @@ class FilletStresses:
     @property
     def _names(self) -> tuple[list[str], list[str]]:
         """Names of loads and fillets, in the order of the peaks."""
-        loads = dict.fromkeys(peak.load.name for peak in self.peaks)
-        return list(loads), list(dict.fromkeys(peak.fillet.name for peak in self.peaks))
+        loads = dict.fromkeys(peak.load.name for peak in self._all)
+        return list(loads), list(dict.fromkeys(peak.name for peak in self._all))
 
     def _array(self, name: str) -> Array:
         """An attribute of the peaks (loads, fillets)."""
-        values = np.array([getattr(peak, name) for peak in self.peaks], dtype=np.float64)
+        values = np.array([getattr(peak, name) for peak in self._all], dtype=np.float64)
         return values.reshape(len(self._names[0]), -1)

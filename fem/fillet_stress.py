@@ -1,12 +1,13 @@
-"""Stresses at the fillets of a throw under unit loads, with stress concentration factors.
+"""Stresses at a throw's fillets and oil holes under unit loads, with stress concentration factors.
 
-The throw is meshed with a few elements across all fillets, solved, meshed again with more where the
-fillets turned out to be stressed, and solved again. The change from one mesh to the next measures the
-error. The ends are pinned, so that the forces in every section follow from the loads alone.
+The throw is meshed with a few elements across all fillets and exits of oil holes, solved, meshed again with
+more where these turned out to be stressed, and solved again. The change from one mesh to the next measures
+the error. The ends are pinned, so that the forces in every section follow from the loads alone.
 """
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,15 +17,16 @@ from crankbase.units.quantity import format_quantity
 from fem.accuracy import Mesher
 from fem.condensation import EndSections
 from fem.fillet_mesh import fillet_element, measured_sizes, refine_at
-from fem.fillet_peaks import FilletPeak, FilletStresses
+from fem.fillet_peaks import FilletPeak, FilletStresses, OilHolePeak
 from fem.fillet_surface import FilletSurface, fillet_points, fillet_surface
 from fem.fillets import Fillet, sharp_corners, throw_fillets
 from fem.loads import radial_directions
 from fem.material import STEEL, Material
-from fem.nominal_stress import nominal_stress
+from fem.nominal_stress import nominal_hole_stress, nominal_stress
 from fem.principal import largest_principal, principal_stresses, von_mises
-from fem.unit_loads import LoadedThrow, UnitLoad, solve_unit_loads, unit_loads
+from fem.unit_loads import LoadedThrow, solve_unit_loads, unit_loads
 from fem.wished_accuracy import STRESS_ACCURACY
+from geometry.drilling import DrillingExit
 from geometry.mesher import mesh_isolated
 from geometry.sizes import SizeMap
 from geometry.throw import CrankThrow
@@ -32,6 +34,7 @@ from geometry.throw import CrankThrow
 Array = NDArray[np.float64]
 
 Integers = NDArray[np.int64]
+Site = Fillet | DrillingExit
 
 # Size factor of the mesh that element sizes away from the fillets are taken from.
 BULK = 1.2
@@ -60,7 +63,7 @@ def fillet_stresses(
     end_sections: EndSections = "rigid",
     mesher: Mesher | None = None,
 ) -> FilletStresses:
-    """Compute the stresses at a throw's fillets under unit loads by finite elements.
+    """Compute the stresses at a throw's fillets and oil holes under unit loads by finite elements.
 
     The ends are pinned. The loads are an axial force, a torque, equal and opposite bending moments on
     the ends in the crank plane and across it, and a radial force on each pin, spread evenly over it.
@@ -87,7 +90,7 @@ def fillet_stresses(
     Raises
     ------
     InputError
-        If the throw has no fillet, or too small ones, or a parameter is out of range.
+        If the throw has no fillet and no oil hole, or too small ones, or a parameter is out of range.
     MeshError, SolveError
         If the throw cannot be meshed or solved.
 
@@ -107,21 +110,23 @@ def fillet_stresses(
     _check(throw, material, accuracy)
     mesh_with = mesher or mesh_isolated
     fillets = throw_fillets(throw.parts)
+    outlets = [outlet for hole in throw.parts.drillings for outlet in hole.exits]
+    sites: tuple[Site, ...] = (*fillets, *outlets)
     loads = unit_loads(radial_directions(throw))
 
     def solved(sizes: SizeMap, fineness: float) -> _FilletRefinementLevel:
         mesh = mesh_with(throw, 1.0, "auto", sizes)
         loaded = solve_unit_loads(mesh, loads, material, solver, end_sections)
-        return _FilletRefinementLevel.judged(loaded, fillets, fineness)
+        return _FilletRefinementLevel.judged(loaded, sites, fineness)
 
-    level = solved(*_first_sizes(throw, fillets, mesh_with))
-    errors = np.full((len(fillets), len(loads)), np.inf)
+    level = solved(*_first_sizes(throw, sites, mesh_with))
+    errors = np.full((len(sites), len(loads)), np.inf)
     wanted = max(FINE, (1.0 + 1e-9) * SCATTER / accuracy)
     for _ in range(MOST_MESHES - 1):
         unsettled = errors > accuracy
         if not unsettled.any():
             break
-        sizes, fineness = level.finer_sizes(fillets, unsettled, wanted)
+        sizes, fineness = level.finer_sizes(sites, unsettled, wanted)
         if fineness < LEAST_REFINEMENT * level.fineness:
             break
         coarse, level = level, solved(sizes, fineness)
@@ -129,13 +134,26 @@ def fillet_stresses(
         errors = np.where(unsettled, _errors(coarse, level), errors)
         wanted = REFINEMENT * fineness
     if not np.all(np.isfinite(errors)):
-        raise _too_small(fillets)
+        raise _too_small(sites)
     return FilletStresses(
         throw=throw,
         peaks=tuple(
-            level.peak(throw, (number, fillet), (column, load), float(errors[number, column]))
+            FilletPeak(
+                fillet=fillet,
+                nominal=nominal_stress(throw.parts, fillet, load),
+                **level.peak(number, column, errors),
+            )
             for column, load in enumerate(loads)
             for number, fillet in enumerate(fillets)
+        ),
+        hole_peaks=tuple(
+            OilHolePeak(
+                outlet=outlet,
+                nominal=nominal_hole_stress(throw.parts, outlet, load),
+                **level.peak(number, column, errors),
+            )
+            for column, load in enumerate(loads)
+            for number, outlet in enumerate(outlets, start=len(fillets))
         ),
         sharp_corners=sharp_corners(throw.parts),
         loaded=level.loaded,
@@ -152,13 +170,13 @@ class _FilletRefinementLevel:
     loaded: LoadedThrow
     surface: FilletSurface
     fineness: float
-    on: tuple[Integers, ...]  # nodes of each fillet
+    on: tuple[Integers, ...]  # nodes of each fillet or exit
     equivalent: Array  # (s, k)
     principals: Array  # (s, k, 3)
 
     @classmethod
     def judged(
-        cls, loaded: LoadedThrow, fillets: Sequence[Fillet], fineness: float
+        cls, loaded: LoadedThrow, sites: Sequence[Site], fineness: float
     ) -> "_FilletRefinementLevel":
         surface = fillet_surface(loaded)
         points = surface.points
@@ -169,14 +187,14 @@ class _FilletRefinementLevel:
             loaded,
             surface,
             fineness,
-            tuple(np.flatnonzero(fillet.holds(points) & side) for fillet in fillets),
+            tuple(_chosen(site.holds(points), side) for site in sites),
             von_mises(surface.stress),
             principal_stresses(surface.stress),
         )
 
     @property
     def largest(self) -> Array:
-        """Largest equivalent and principal stresses (2, fillets, k), without signs."""
+        """Largest equivalent and principal stresses (2, sites, k), without signs."""
         sizes = (self.equivalent, np.abs(largest_principal(self.principals)))
         return np.array([[size[nodes].max(axis=0) for nodes in self.on] for size in sizes])
 
@@ -186,11 +204,11 @@ class _FilletRefinementLevel:
         return np.where(np.abs(place) < CUT_TOLERANCE * self.loaded.mesh.length, 0.0, place)
 
     def finer_sizes(
-        self, fillets: Sequence[Fillet], loads: NDArray[np.bool_], fineness: float
+        self, sites: Sequence[Site], loads: NDArray[np.bool_], fineness: float
     ) -> tuple[SizeMap, float]:
-        """Sizes of a mesh that is finer where the fillets are stressed, and how fine it can be.
+        """Sizes of a mesh that is finer where the sites are stressed, and how fine it can be.
 
-        `loads` (fillets, k) says under which loads.
+        `loads` (sites, k) says under which loads.
         """
         stressed = []
         for nodes, chosen in zip(self.on, loads, strict=True):
@@ -198,63 +216,58 @@ class _FilletRefinementLevel:
             share = self.equivalent[here] / self.equivalent[nodes].max(axis=0)
             stressed.append(self.surface.points[here[(share > STRESSED)[:, chosen].any(axis=1)]])
         measured = measured_sizes(self.loaded.mesh)
-        return _sizes_within_budget(measured, fillets, stressed, fineness)
+        return _sizes_within_budget(measured, sites, stressed, fineness)
 
-    def peak(
-        self,
-        throw: CrankThrow,
-        fillet: tuple[int, Fillet],
-        load: tuple[int, UnitLoad],
-        error: float,
-    ) -> FilletPeak:
-        """Largest stresses at a fillet under a load, both given with their numbers."""
-        nodes, column = self.on[fillet[0]], load[0]
+    def peak(self, number: int, column: int, errors: Array) -> dict[str, Any]:
+        """Largest stresses at a site under a load, both given by their numbers; errors (sites, k)."""
+        nodes = self.on[number]
         principals = self.principals[nodes, column]
         signed = largest_principal(principals)
         first = int(np.argmax(np.abs(signed)))
         second = int(np.argmax(self.equivalent[nodes, column]))
-        return FilletPeak(
-            load=load[1],
-            fillet=fillet[1],
-            principal=float(signed[first]),
-            principal_place=self._place(nodes[first]),
-            principals=principals[first],
-            von_mises=float(self.equivalent[nodes[second], column]),
-            von_mises_place=self._place(nodes[second]),
-            nominal=nominal_stress(throw.parts, fillet[1], load[1]),
-            error_estimate=error,
-        )
+        return {
+            "load": self.loaded.loads[column],
+            "principal": float(signed[first]),
+            "principal_place": self._place(nodes[first]),
+            "principals": principals[first],
+            "von_mises": float(self.equivalent[nodes[second], column]),
+            "von_mises_place": self._place(nodes[second]),
+            "error_estimate": float(errors[number, column]),
+        }
+
+
+def _chosen(nodes: NDArray[np.bool_], side: NDArray[np.bool_]) -> Integers:
+    """Of nodes those on one side; all where there are none, as at a hole that points away from it."""
+    return np.flatnonzero(nodes & side if np.any(nodes & side) else nodes)
 
 
 def _errors(coarse: _FilletRefinementLevel, fine: _FilletRefinementLevel) -> Array:
-    """Estimated relative errors (fillets, k) of the largest stresses."""
+    """Estimated relative errors (sites, k) of the largest stresses."""
     change = np.abs(fine.largest - coarse.largest) / fine.largest
     ratio = fine.fineness / coarse.fineness
     estimate = SAFETY * change.max(axis=0) / (ratio**ORDER - 1.0)
     return np.asarray(np.maximum(estimate, SCATTER / fine.fineness))
 
 
-def _first_sizes(
-    throw: CrankThrow, fillets: Sequence[Fillet], mesher: Mesher
-) -> tuple[SizeMap, float]:
-    """Sizes of a mesh that is a little finer than usual at all fillets, and how fine it is there."""
+def _first_sizes(throw: CrankThrow, sites: Sequence[Site], mesher: Mesher) -> tuple[SizeMap, float]:
+    """Sizes of a mesh that is a little finer than usual at all sites, and how fine it is there."""
     usual = mesher(throw, BULK, "auto", None)
     points = fillet_points(usual)
-    places = [points[fillet.holds(points)] for fillet in fillets]
-    sizes, fineness = _sizes_within_budget(measured_sizes(usual), fillets, places, COARSE)
+    places = [points[site.holds(points)] for site in sites]
+    sizes, fineness = _sizes_within_budget(measured_sizes(usual), sites, places, COARSE)
     if fineness < COARSEST:
-        raise _too_small(fillets)
+        raise _too_small(sites)
     return sizes, fineness
 
 
 def _sizes_within_budget(
-    sizes: SizeMap, fillets: Sequence[Fillet], places: Sequence[Array], fineness: float
+    sizes: SizeMap, sites: Sequence[Site], places: Sequence[Array], fineness: float
 ) -> tuple[SizeMap, float]:
-    """Sizes with so many elements across the fillets at some places, or with as many as may be."""
+    """Sizes with so many elements across the sites at some places, or with as many as may be."""
     while True:
         wished = [
-            (points, fillet_element(fillet.radius, fineness))
-            for points, fillet in zip(places, fillets, strict=True)
+            (points, fillet_element(site.radius, fineness))
+            for points, site in zip(places, sites, strict=True)
         ]
         finer = refine_at(sizes, wished)
         if finer.expected_unknowns() <= MOST_UNKNOWNS or fineness < COARSEST:
@@ -262,10 +275,15 @@ def _sizes_within_budget(
         fineness *= 0.9
 
 
-def _too_small(fillets: Sequence[Fillet]) -> InputError:
-    smallest = min(fillet.radius for fillet in fillets)
+def _too_small(sites: Sequence[Site]) -> InputError:
+    smallest = min(sites, key=lambda site: site.radius)
+    field = "fillet_radius"
+    if isinstance(smallest, DrillingExit):
+        hole = smallest.drilling
+        kind, what = ("exit_radius", "") if hole.exit_radius else ("diameter", " (its radius)")
+        field = f"oil_holes[{hole.number - 1}].{kind}{what}"
     return InputError(
-        f"fillet_radius: given {format_quantity(smallest, 'm')}; allowed are larger ones, because elements "
+        f"{field}: given {format_quantity(smallest.radius, 'm')}; allowed are larger ones, because elements "
         f"small enough for its stress would make more than {MOST_UNKNOWNS:,} unknowns."
     )
 
@@ -279,7 +297,7 @@ def _check(throw: CrankThrow, material: Material, accuracy: float) -> None:
     if not isinstance(material, Material):
         raise InputError(f"material: given {material!r}; allowed is a Material, like STEEL.")
     STRESS_ACCURACY.checked("accuracy", accuracy)
-    if not throw_fillets(throw.parts):
+    if not throw_fillets(throw.parts) and not throw.oil_holes:
         raise InputError(
             "fillet_radius: given 0 at all main journals and pins; allowed is at least one fillet, because "
             "the elastic stress at a sharp corner has no bound."

@@ -1,4 +1,4 @@
-"""Stresses all over the fillets of a whole throw."""
+"""Stresses all over the fillets and oil holes of a whole throw."""
 
 from dataclasses import dataclass
 
@@ -9,18 +9,19 @@ from fem.surface_stress import surface_stress
 from fem.unit_loads import LoadedThrow, whole_facets, whole_nodes
 from geometry.facets import six_node_triangles
 from geometry.mesh import ThrowMesh
-from geometry.solid import CRANK_PLANE, FILLET, LEFT_END, MIDDLE_PLANE, RIGHT_END
+from geometry.solid import CRANK_PLANE, FILLET, LEFT_END, MIDDLE_PLANE, OIL_HOLE, RIGHT_END
 
 Array = NDArray[np.float64]
 Integers = NDArray[np.int64]
 
-# Surfaces that are not free.
+# Surfaces where stresses are asked for, and those that are not free.
+STRESSED = (FILLET, OIL_HOLE)
 CUTS_AND_ENDS = (CRANK_PLANE, MIDDLE_PLANE, LEFT_END, RIGHT_END)
 
 
 @dataclass(frozen=True)
 class FilletSurface:
-    """Nodes on the fillets of a whole throw with their stresses.
+    """Nodes on the fillets and in the oil holes of a whole throw with their stresses.
 
     Attributes
     ----------
@@ -41,7 +42,7 @@ class FilletSurface:
 
 
 def fillet_surface(loaded: LoadedThrow) -> FilletSurface:
-    """Recover the stresses at the fillets of a loaded throw from how their surface stretches.
+    """Recover the stresses at fillets and oil holes of a loaded throw from how their surface stretches.
 
     The facets of the whole throw are taken, so that there is no difference between a place on a cut and
     any other.
@@ -63,15 +64,16 @@ def fillet_surface(loaded: LoadedThrow) -> FilletSurface:
 
 
 def fillet_points(mesh: ThrowMesh) -> Array:
-    """Nodes (p, 3) on the fillets of a meshed part [m]."""
-    return np.asarray(mesh.points[np.unique(six_node_triangles(mesh, mesh.surfaces[FILLET]))])
+    """Nodes (p, 3) on the fillets and in the oil holes of a meshed part [m]."""
+    corners = np.concatenate([mesh.surfaces[name] for name in STRESSED if name in mesh.surfaces])
+    return np.asarray(mesh.points[np.unique(six_node_triangles(mesh, corners))])
 
 
 def _facets_at_fillets(mesh: ThrowMesh) -> tuple[Integers, NDArray[np.bool_]]:
-    """Facets (t, 6) on fillets and beside them, and which are on fillets."""
+    """Facets (t, 6) on fillets and oil holes and beside them, and which are on them."""
     free = [name for name in mesh.surfaces if name not in CUTS_AND_ENDS]
     corners = np.concatenate([mesh.surfaces[name] for name in free])
-    kinds = [np.full(len(mesh.surfaces[name]), name == FILLET) for name in free]
+    kinds = [np.full(len(mesh.surfaces[name]), name in STRESSED) for name in free]
     on_fillet = np.concatenate(kinds)
     near = np.isin(corners, corners[on_fillet]).any(axis=1)
     return six_node_triangles(mesh, corners[near]), on_fillet[near]

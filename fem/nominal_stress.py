@@ -24,6 +24,11 @@ radial force Z       Z l1 l2 / L / (B h^2 / 6)         the simply supported thro
                                                        of the force from the other bearing
 ==================== ================================= ==================================
 
+At the exits of oil holes all of them refer to the section of the pin or main journal, as if there were no
+hole: a torque to pi (D^4 - d^4) / (16 D), moments to half of it (UR M53, W_P and W_e of the factors gamma_T
+and gamma_B), whichever way the hole points. The moment of an axial force is P a at a pin; in a main journal
+it gives P / (pi (D^2 - d^2) / 4). That of a radial force is the simply supported throw's at the hole.
+
 The first, the fourth and the choice of section for webs between pins are ours; the rules know neither an
 axial force nor bending across the crank plane.
 """
@@ -35,7 +40,46 @@ import numpy as np
 
 from fem.fillets import Fillet
 from fem.unit_loads import UnitLoad
+from geometry.drilling import DrillingExit
 from geometry.parts import Cylinder, ThrowParts, WebPlate
+
+
+def nominal_hole_stress(parts: ThrowParts, outlet: DrillingExit, load: UnitLoad) -> float:
+    """Nominal stress at an exit of an oil hole under a unit load.
+
+    Parameters
+    ----------
+    parts : ThrowParts
+    outlet : DrillingExit
+        Of one of the throw's oil holes.
+    load : UnitLoad
+
+    Returns
+    -------
+    float
+        [Pa/N] or [Pa/(N m)]; under a torque a shear stress.
+    """
+    hole = outlet.drilling
+    journal = next(one for one in parts.cylinders if one.name == hole.journal)
+    modulus = torsion_modulus(journal)
+    if load.kind == "torsion":
+        return 1.0 / modulus
+    moment = 1.0
+    if load.kind == "axial":
+        if not journal.is_pin:
+            return 1.0 / (math.pi * (journal.radius**2 - journal.bore_radius**2))
+        moment = math.hypot(*journal.axis)
+    elif load.kind == "radial":
+        moment = _simply_supported(parts, hole.place, load)
+    return moment / (0.5 * modulus)
+
+
+def _simply_supported(parts: ThrowParts, place: float, load: UnitLoad) -> float:
+    """Moment [N m/N] at z = `place` of a radial force on the throw simply supported at its ends."""
+    assert load.pin is not None
+    loaded = parts.pins[load.pin]
+    force = 0.5 * (loaded.start + loaded.end)
+    return min(place, force) * (parts.length - max(place, force)) / parts.length
 
 
 @dataclass(frozen=True)
@@ -101,8 +145,4 @@ def nominal_stress(parts: ThrowParts, fillet: Fillet, load: UnitLoad) -> float:
         return 1.0 / modulus
     if load.kind == "axial":
         return max(math.hypot(*web.foot), math.hypot(*web.tip)) / modulus
-    assert load.pin is not None
-    loaded = parts.pins[load.pin]
-    force, middle = 0.5 * (loaded.start + loaded.end), 0.5 * (web.start + web.end)
-    near, far = min(middle, force), parts.length - max(middle, force)
-    return near * far / parts.length / modulus
+    return _simply_supported(parts, 0.5 * (web.start + web.end), load) / modulus

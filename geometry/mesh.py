@@ -272,7 +272,7 @@ def _mesh_once(
         if sizes is None:
             set_sizes(built.gmsh, built.parts, size_plan(built.parts, factor), built.last)
         else:
-            set_size_map(built.gmsh, sizes, factor, built.parts.cylinders, built.unit)
+            set_size_map(built.gmsh, sizes, factor, built.parts, built.unit)
         return checked_mesh(
             built.gmsh,
             built.surfaces,

@@ -6,17 +6,19 @@ Everything that draws, builds, checks or weighs a throw reads these, never the i
 import math
 from dataclasses import dataclass, fields, is_dataclass, replace
 from functools import cached_property
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
+from geometry.drilling import Drilling, alike
 from geometry.outline import Outline
 
 Array = NDArray[np.float64]
 Point = tuple[float, float]
-# Numbers of `Slope` and `Sector` that are no lengths.
-NOT_LENGTHS = ("inward", "towards", "half_angle")
+Part = TypeVar("Part")
+# Numbers of `Slope`, `Sector` and `Drilling` that are no lengths.
+NOT_LENGTHS = ("inward", "towards", "half_angle", "angle", "tilt")
 LEFT_JOURNAL, RIGHT_JOURNAL = "left main journal", "right main journal"
 
 
@@ -156,10 +158,13 @@ class ThrowParts:
         Left main journal, pins, right main journal.
     webs : tuple of WebPlate
         One between each two cylinders; of no thickness between the halves of a split pin.
+    drillings : tuple of Drilling
+        Oil holes.
     """
 
     cylinders: tuple[Cylinder, ...]
     webs: tuple[WebPlate, ...]
+    drillings: tuple[Drilling, ...] = ()
 
     @property
     def pins(self) -> tuple[Cylinder, ...]:
@@ -175,20 +180,29 @@ class ThrowParts:
     def planar(self) -> bool:
         """Whether the crank plane x = 0 is a plane of symmetry."""
         reach = max(abs(pin.axis[1]) for pin in self.pins)
-        return all(abs(pin.axis[0]) <= 1e-9 * reach for pin in self.pins)
+        flipped = tuple(replace(hole, angle=-hole.angle) for hole in self.drillings)
+        return all(abs(pin.axis[0]) <= 1e-9 * reach for pin in self.pins) and alike(
+            flipped, self.drillings
+        )
 
     @cached_property
     def mirrored(self) -> bool:
         """Whether the middle z = length / 2 is a plane of symmetry."""
-        return _equal_to_round_off(_signature(self, False), _signature(self, True))
+        flipped = tuple(
+            replace(hole, place=self.length - hole.place, tilt=-hole.tilt)
+            for hole in self.drillings
+        )
+        return _equal_to_round_off(_signature(self, False), _signature(self, True)) and alike(
+            flipped, self.drillings
+        )
 
 
-def scaled_parts(parts: ThrowParts, factor: float) -> ThrowParts:
+def scaled_parts(parts: Part, factor: float) -> Part:
     """Scale all lengths of a throw's parts, to 12 decimals: parts that differ in size alone become equal.
 
     Parameters
     ----------
-    parts : ThrowParts
+    parts : ThrowParts, or one of them
     factor : float
     """
 
@@ -202,7 +216,7 @@ def scaled_parts(parts: ThrowParts, factor: float) -> ThrowParts:
         names = [field.name for field in fields(item) if field.name not in NOT_LENGTHS]
         return replace(item, **{name: scaled(getattr(item, name)) for name in names})
 
-    made: ThrowParts = scaled(parts)
+    made: Part = scaled(parts)
     return made
 
 

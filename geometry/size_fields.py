@@ -1,17 +1,19 @@
 """Element sizes told to gmsh: by the distance from where elements are small, or by a size map."""
 
 import math
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
 
+from geometry.drilling_distances import distance_from_exits, distance_from_wall
 from geometry.parts import Cylinder, ThrowParts
-from geometry.sizes import GROWTH, LARGEST_ON_ROUND, ROUND, SizeMap, SizePlan, SizeZone
-from geometry.solid import BORE, Zone
+from geometry.sizes import EXITS, GROWTH, LARGEST_ON_ROUND, ROUND, SizeMap, SizePlan, SizeZone
+from geometry.solid import BORE, OIL_HOLE, Zone
 
 # Elements are as small as at a fillet up to this share of its radius from the circle through its middle.
 NEAR_FILLET = 0.5
+FROM_OIL_HOLE = {OIL_HOLE: distance_from_wall, EXITS: distance_from_exits}
 
 
 def set_sizes(gmsh: Any, parts: ThrowParts, plan: SizePlan, last: float) -> None:
@@ -28,7 +30,12 @@ def set_sizes(gmsh: Any, parts: ThrowParts, plan: SizePlan, last: float) -> None
     """
     fields = []
     for zone in plan.zones:
-        cylinder, place = parts.cylinders[zone.zone[0]], zone.zone[1]
+        number, place = zone.zone
+        if place in FROM_OIL_HOLE:
+            distance = _formula(gmsh, FROM_OIL_HOLE[place](parts.drillings[number]))
+            fields.append(_growing(gmsh, distance, zone.size, plan.bulk))
+            continue
+        cylinder = parts.cylinders[number]
         if place in (BORE, ROUND):
             fields.append(_beside_cylinder(gmsh, *_surface(cylinder, place), zone.size, plan.bulk))
         elif (cylinder.start if place == "start" else cylinder.end) < last:
@@ -77,7 +84,7 @@ def set_size_map(
     gmsh: Any,
     sizes: SizeMap,
     factor: float,
-    cylinders: Iterable[Cylinder] = (),
+    parts: ThrowParts | None = None,
     unit: float = 1.0,
 ) -> None:
     """Let a size map rule the current model.
@@ -88,8 +95,8 @@ def set_size_map(
     sizes : SizeMap
     factor : float
         Scales all sizes.
-    cylinders : iterable of Cylinder
-        On whose surfaces and bores elements stay small beside the radius, whatever the map says.
+    parts : ThrowParts, optional
+        On whose journals, bores and oil holes elements stay small beside the radius, whatever the map says.
     unit : float
         Length of 1 in the model [m].
     """
@@ -104,14 +111,18 @@ def set_size_map(
     gmsh.model.mesh.field.setNumber(field, "UseClosest", 1)
     fields = [field]
     x, y, z = points.T
-    for cylinder in cylinders:
+    bulk = float(wished.max())
+    for hole in parts.drillings if parts else ():
+        if (largest := LARGEST_ON_ROUND * hole.radius) < bulk:
+            distance = _formula(gmsh, distance_from_wall(hole))
+            fields.append(_growing(gmsh, distance, largest, bulk))
+    for cylinder in parts.cylinders if parts else ():
         for place in (ROUND, BORE):
             axis, radius, start, end = _surface(cylinder, place)
             largest = LARGEST_ON_ROUND * radius
             beyond = np.maximum(np.abs(z - 0.5 * (start + end)) - 0.5 * (end - start), 0.0)
-            distance = np.hypot(np.hypot(x - axis[0], y - axis[1]) - radius, beyond)
-            if radius > 0.0 and np.any(wished > largest + GROWTH * distance):
-                bulk = float(wished.max())
+            off = np.hypot(np.hypot(x - axis[0], y - axis[1]) - radius, beyond)
+            if radius > 0.0 and np.any(wished > largest + GROWTH * off):
                 fields.append(_beside_cylinder(gmsh, axis, radius, start, end, largest, bulk))
     _set_least(gmsh, fields)
 

@@ -10,9 +10,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from geometry.drilling import Drilling
 from geometry.parts import Cylinder, ThrowParts, WebPlate
 from geometry.shapes import outer_facets
-from geometry.solid import BORE, Zone
+from geometry.solid import BORE, OIL_HOLE, Zone
 from geometry.volume import throw_volume
 
 Array = NDArray[np.float64]
@@ -29,7 +30,7 @@ SIZE_PER_BORE = 0.9
 SIZE_PER_WALL = 1.5
 # At journals, pins and bores beside their radius at any factor: larger ones cut chords off a cylinder.
 LARGEST_ON_ROUND = 0.8
-ROUND = "round"
+ROUND, EXITS = "round", "exits"
 # Nodes per item of `node_counts`, fitted to meshes of mixed throws (tests/campaigns/random_throws.py).
 NODES_PER_COUNT = np.array([7.5, 7.5, 9.3, 3.9, 9.6])
 LAYERS = 100
@@ -106,6 +107,11 @@ def size_plan(parts: ThrowParts, factor: float) -> SizePlan:
             zones.append(
                 SizeZone((number, ROUND), False, LARGEST_ON_ROUND * cylinder.radius, length, area)
             )
+    for number, hole in enumerate(parts.drillings):
+        # A hole is small: even on coarse meshes it has some six elements round it.
+        wall = min(bulk, min(factor * SIZE_PER_BORE, LARGEST_ON_ROUND) * hole.radius)
+        outlet = min(wall, min(factor * ROOT_PER_FILLET, 1.0) * (hole.exit_radius or hole.radius))
+        zones += drilling_zones(number, hole, wall, outlet)
     return SizePlan(bulk, tuple(zones))
 
 
@@ -127,6 +133,18 @@ def bore_zone(number: int, cylinder: Cylinder, size: float) -> SizeZone:
     length = 2.0 * math.pi * cylinder.bore_radius
     area = length * (cylinder.bore_end - cylinder.bore_start)
     return SizeZone((number, BORE), False, size, length, area)
+
+
+def drilling_zones(number: int, hole: Drilling, wall: float, outlet: float) -> list[SizeZone]:
+    """Zones of an oil hole: of its wall, and of its exits where these are finer."""
+    length = 2.0 * math.pi * hole.radius
+    area = 2.0 * hole.volume / hole.radius
+    zones = [SizeZone((number, OIL_HOLE), False, wall, length, area)]
+    if outlet < wall:
+        rounding = math.pi**2 * hole.exit_radius * (hole.radius + 0.36 * hole.exit_radius)
+        exits = len(hole.exits)
+        zones.append(SizeZone((number, EXITS), False, outlet, exits * length, exits * rounding))
+    return zones
 
 
 def _ends(parts: ThrowParts, number: int) -> list[tuple[str, float, WebPlate]]:
@@ -182,7 +200,8 @@ def node_counts(parts: ThrowParts, factor: float) -> Array:
     for zone in plan.zones:
         reach = plan.reach(zone)
         distance = reach * share
-        edges = 0.0 if zone.zone[1] in (BORE, ROUND) else 1.5 * math.pi * zone.length * distance
+        flat = zone.zone[1] in (BORE, ROUND, OIL_HOLE)
+        edges = 0.0 if flat else 1.5 * math.pi * zone.length * distance
         layers = (zone.area + edges) * reach / LAYERS
         cells = float(np.sum(layers / (zone.size + GROWTH * distance) ** 3))
         counts[0 if zone.sharp else 1] += cells

@@ -12,6 +12,7 @@ from typing import Any
 
 import numpy as np
 
+from geometry.drilled_solid import drilled_journal, on_drilling
 from geometry.gmsh_session import middle_point
 from geometry.outline import Arc, Line
 from geometry.parts import Cylinder, Sector, Slope, ThrowParts, WebPlate
@@ -26,6 +27,7 @@ MAIN_JOURNAL = "main journal"
 FILLET = "fillet"
 WEB = "web"
 BORE = "bore"
+OIL_HOLE = "oil hole"
 COUNTERWEIGHT = "counterweight"
 
 Entity = tuple[int, int]
@@ -81,7 +83,9 @@ def make_solid(gmsh: Any, parts: ThrowParts, part: str) -> Entity:
     limit = part_end(parts, part)
     cylinders = [_cut(cylinder, limit) for cylinder in parts.cylinders if cylinder.start < limit]
     webs = [_cut_web(web, limit) for web in parts.webs if web.start < min(limit, web.end)]
-    pieces = [_revolved(gmsh, cylinder, whole) for cylinder in cylinders]
+    pieces = [
+        drilled_journal(gmsh, one, parts.drillings, limit, _revolved, whole) for one in cylinders
+    ]
     for web in webs:
         pieces.append(_plate(gmsh, web, whole))
         if web.sector is not None:
@@ -296,8 +300,12 @@ def _name(gmsh: Any, parts: ThrowParts, part: str) -> dict[str, list[int]]:
                 name = MIDDLE_PLANE if part == "quarter" else RIGHT_END
             elif part != "full" and x_high < tolerance:
                 name = CRANK_PLANE
+            elif on_drilling(gmsh, parts, kind, tag, point):
+                name = OIL_HOLE
             else:
                 name = _web_or_counterweight(parts, point)
+        elif on_drilling(gmsh, parts, kind, tag, point):
+            name = OIL_HOLE
         else:
             name = _round_surface(parts, kind, point, tolerance)
         surfaces.setdefault(name, []).append(tag)

@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Literal, Self
 
 from pydantic import model_validator
 
-from geometry.parts import ThrowParts
+from geometry.parts import LEFT_JOURNAL, RIGHT_JOURNAL, ThrowParts
 from geometry.throw_checks import check_throw, throw_remarks
 from geometry.throw_dimensions import ThrowDimensions
 from geometry.throw_layout import pin_tables, throw_parts
@@ -13,6 +13,8 @@ from geometry.volume import throw_volume
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
+
+_REVERSED = {LEFT_JOURNAL: RIGHT_JOURNAL, RIGHT_JOURNAL: LEFT_JOURNAL}
 
 
 class CrankThrow(ThrowDimensions):
@@ -56,6 +58,8 @@ class CrankThrow(ThrowDimensions):
         What one web has of its own.
     further_pins : tuple of FurtherPin, optional
         Pins that follow the first where a bearing is missing, or the other half of a split pin.
+    oil_holes : tuple of OilHole, optional
+        Straight drillings across pins and main journals.
 
     Raises
     ------
@@ -178,6 +182,7 @@ class CrankThrow(ThrowDimensions):
             for pin, after in zip(pins[-2::-1], pins[:0:-1], strict=True)
         ]
         first = pins[-1]
+        names = [pin.name for pin in self.parts.pins]
         values = {name: getattr(self, name) for name in type(self).model_fields}
         return CrankThrow(
             **values
@@ -191,6 +196,15 @@ class CrankThrow(ThrowDimensions):
                 "pin_bore": first.bore,
                 "pin_bore_offset": first.bore_offset,
                 "further_pins": tuple(turned),
+                "oil_holes": tuple(
+                    hole.changed(
+                        part=_REVERSED.get(hole.part) or names[-1 - names.index(hole.part)],
+                        position=-hole.position,
+                        angle=_whole_turn(last - hole.angle),
+                        tilt=-hole.tilt,
+                    )
+                    for hole in self.oil_holes
+                ),
             }
         )
 

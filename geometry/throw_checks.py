@@ -5,6 +5,7 @@ import math
 from crankbase.errors import InputError
 from crankbase.units.quantity import format_quantity
 from geometry.counterweight_checks import check_counterweight
+from geometry.drilling_checks import check_drillings
 from geometry.outline import OUTLINE_DIMENSIONS, OUTLINES
 from geometry.parts import Cylinder, ThrowParts, WebPlate
 from geometry.throw_dimensions import ThrowDimensions, web_dimension
@@ -83,6 +84,7 @@ def check_throw(throw: ThrowDimensions, parts: ThrowParts) -> None:
     _check_fillets(throw, parts)
     for cylinder in parts.cylinders:
         _check_bore(throw, parts, cylinder)
+    check_drillings(parts)
 
 
 def throw_remarks(parts: ThrowParts) -> tuple[str, ...]:

@@ -17,6 +17,8 @@ WIDTH, THICKNESS, THINNED = (0.001, 4.0), (0.0002, 1.5), (0.0001, 1.5)
 FILLET_RADIUS = (0.0, 0.3)
 BORE, BORE_OFFSET = (0.0, 2.0), (-1.0, 1.0)
 WEB_END, CORNER = (0.0005, 4.0), (0.0, 2.0)
+HOLE, EXIT_RADIUS = (0.00002, 0.5), (0.0, 0.2)
+STEEPEST_TILT = 0.6981317007977318  # 40 deg: sharper lips have no stress that can be told
 OUTLINE_NAMES = " or ".join(OUTLINES)
 
 
@@ -176,6 +178,75 @@ class FurtherPin(InputModel):
     )
 
 
+class OilHole(InputModel):
+    """A straight oil hole across a crankpin or a main journal.
+
+    It runs right through, or from the surface to the axis, or to the bore where there is one.
+
+    Parameters
+    ----------
+    part : str
+        "pin" (of several: "pin 2" and so on), "left main journal" or "right main journal".
+    diameter : float
+        [m]
+    position : float, optional
+        Where its axis crosses that of the part: distance from the middle of the pin or of the whole main
+        journal, positive towards the flywheel [m].
+    angle : float, optional
+        Its direction from the axis of the part outward, counted from the crank (+y) about the shaft,
+        +z [rad].
+    tilt : float, optional
+        Inclination of that direction from the plane across the shaft, towards the flywheel [rad].
+    exit_radius : float, optional
+        Radius of its rounded exits; 0 for sharp ones [m].
+    through : bool, optional
+        Whether it runs right through, and comes out opposite as well.
+
+    Raises
+    ------
+    InputError
+        If a dimension is missing or out of range.
+    """
+
+    section: ClassVar[str] = "oil_hole"
+
+    part: str = Field(
+        description="what it is drilled into: pin, pin 2 ..., left main journal, right main journal"
+    )
+    diameter: float = length_field("diameter of the hole", HOLE, symbol="d_o")
+    position: float = length_field(
+        "where its axis crosses the part's, from the middle of the pin or the whole main journal, positive "
+        "towards the flywheel",
+        BORE_OFFSET,
+        default=0.0,
+        feature=True,
+    )
+    angle: float = quantity_field(
+        "direction from the part's axis outward, from the crank (+y) about the shaft (+z)",
+        "rad",
+        minimum=-6.283185307179586,
+        maximum=6.283185307179586,
+        default=0.0,
+        feature=True,
+    )
+    tilt: float = quantity_field(
+        "inclination of that direction towards the flywheel",
+        "rad",
+        minimum=-STEEPEST_TILT,
+        maximum=STEEPEST_TILT,
+        default=0.0,
+        feature=True,
+    )
+    exit_radius: float = length_field(
+        "radius of its rounded exits; 0 for sharp ones", EXIT_RADIUS, default=0.0, feature=True
+    )
+    through: bool = Field(
+        True,
+        description="whether it runs right through; else to the part's axis, or to its bore",
+        json_schema_extra={"feature": True},
+    )
+
+
 class ThrowDimensions(InputModel):
     """What describes a throw; `geometry.throw.CrankThrow` says what each means and fits them together.
 
@@ -267,6 +338,9 @@ class ThrowDimensions(InputModel):
     right_web: Web | None = part_field("what the right web has of its own", Web)
     further_pins: tuple[FurtherPin, ...] = part_field(
         "further pins without a main bearing before them", FurtherPin, many=True
+    )
+    oil_holes: tuple[OilHole, ...] = part_field(
+        "straight oil holes across pins and main journals", OilHole, many=True
     )
 
 

@@ -4,6 +4,7 @@ import math
 from collections.abc import Sequence
 
 from crankbase.errors import InputError
+from geometry.drilling import Drilling
 from geometry.outline import OUTLINES, obround
 from geometry.parts import (
     LEFT_JOURNAL,
@@ -60,7 +61,7 @@ def throw_parts(throw: ThrowDimensions) -> ThrowParts:
         ),
         _end_web(throw, "right_web", *edges[-1], axes[-1], cylinders[-2:], 1.0),
     )
-    return ThrowParts(cylinders, webs)
+    return ThrowParts(cylinders, webs, _drillings(throw, cylinders))
 
 
 def pin_tables(throw: ThrowDimensions) -> list[FurtherPin]:
@@ -80,6 +81,39 @@ def pin_tables(throw: ThrowDimensions) -> list[FurtherPin]:
         first,
         *(first.changed(**pin.model_dump(exclude_none=True)) for pin in throw.further_pins),
     ]
+
+
+def _drillings(throw: ThrowDimensions, cylinders: Sequence[Cylinder]) -> tuple[Drilling, ...]:
+    """Lay out the oil holes; positions in main journals count from the throw's ends."""
+    found = []
+    for number, hole in enumerate(throw.oil_holes, start=1):
+        names = [cylinder.name for cylinder in cylinders]
+        if hole.part not in names:
+            raise InputError(
+                f"throw.oil_holes[{number - 1}].part: given {hole.part!r}; allowed are "
+                f"{', '.join(names[1:-1])}, {LEFT_JOURNAL} and {RIGHT_JOURNAL}, the parts of this throw."
+            )
+        journal = cylinders[names.index(hole.part)]
+        middle = {LEFT_JOURNAL: journal.start, RIGHT_JOURNAL: journal.end}.get(
+            hole.part, 0.5 * (journal.start + journal.end)
+        )
+        found.append(
+            Drilling(
+                number=number,
+                journal=journal.name,
+                axis=journal.axis,
+                journal_radius=journal.radius,
+                bore_radius=journal.bore_radius,
+                bore_axis=journal.bore_axis,
+                place=middle + hole.position,
+                angle=hole.angle,
+                tilt=hole.tilt,
+                radius=hole.diameter / 2.0,
+                exit_radius=hole.exit_radius,
+                through=hole.through,
+            )
+        )
+    return tuple(found)
 
 
 def _web_edges(

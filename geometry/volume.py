@@ -16,7 +16,7 @@ HALVINGS = 45
 
 
 def throw_volume(parts: ThrowParts) -> float:
-    """Volume of a throw [m^3]: journals, fillets and webs with counterweights, less the bores.
+    """Volume of a throw [m^3]: journals, fillets, webs, counterweights, less bores and oil holes.
 
     Parameters
     ----------
@@ -33,7 +33,7 @@ def throw_volume(parts: ThrowParts) -> float:
             volume += _web_volume(web) - _bored(web, before) - _bored(web, after)
         if web.sector is not None:
             volume += _sector_volume(web, web.sector, after if before.is_pin else before)
-    return volume
+    return volume - sum(hole.volume for hole in parts.drillings)
 
 
 def fillet_volume(journal_radius: float, fillet_radius: float) -> float:

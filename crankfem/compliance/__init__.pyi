@@ -7,6 +7,7 @@ from fem.calculix import write_calculix as write_calculix
 from fem.craig_bampton import DynamicSuperelement as DynamicSuperelement
 from fem.fillet_peaks import FilletPeak as FilletPeak
 from fem.fillet_peaks import FilletStresses as FilletStresses
+from fem.fillet_peaks import OilHolePeak as OilHolePeak
 from fem.fillet_stress import fillet_stresses as fillet_stresses
 from fem.modes import ThrowModes as ThrowModes
 from fem.pin_response import Motion as Motion

@@ -12,4 +12,5 @@ from geometry.shaft_ends import ShaftEnds as ShaftEnds
 from geometry.solid_files import write_step as write_step
 from geometry.throw_dimensions import Counterweight as Counterweight
 from geometry.throw_dimensions import FurtherPin as FurtherPin
+from geometry.throw_dimensions import OilHole as OilHole
 from geometry.throw_dimensions import Web as Web

@@ -18,6 +18,7 @@ from geometry.plots.dimension_lines import (
     View,
 )
 from geometry.plots.end_dimensions import dimension_end
+from geometry.plots.oil_holes import FROM_LEFT, draw_oil_holes
 from geometry.plots.throw_shapes import (
     Array,
     Point,
@@ -53,6 +54,7 @@ def draw_end(view: View, parts: ThrowParts, dimensions: bool = True) -> None:
     if journal.end_fillet > 0.0:
         view.stroke(_circle(journal.axis, journal.radius + journal.end_fillet), EDGE)
     _draw_hidden(view, parts)
+    draw_oil_holes(view, parts, FROM_LEFT, hidden=True)
     _draw_center_lines(view, parts)
     if dimensions:
         dimension_end(view, parts)

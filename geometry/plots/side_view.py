@@ -23,6 +23,7 @@ from geometry.plots.dimension_lines import (
     text_size,
 )
 from geometry.plots.dimension_texts import distinct_values, millimeters, name_of, symbol
+from geometry.plots.oil_holes import SIDE, dimension_oil_holes, draw_oil_holes
 from geometry.plots.throw_shapes import (
     Array,
     Point,
@@ -47,6 +48,7 @@ def draw_side(view: View, parts: ThrowParts, dimensions: bool = True) -> None:
     for cylinder in parts.cylinders:
         if cylinder.bore_radius > 0.0:
             _draw_bore(view, parts, cylinder)
+    draw_oil_holes(view, parts, SIDE, hidden=False)
     for web, (before, after) in zip(parts.webs, pairwise(parts.cylinders), strict=True):
         if web.end == web.start:  # the halves of a split pin meet
             ends = [c.axis[1] + sign * c.radius for c in (before, after) for sign in (-1.0, 1.0)]
@@ -58,6 +60,7 @@ def draw_side(view: View, parts: ThrowParts, dimensions: bool = True) -> None:
             view.write(name_of(pin), (middle, above, "center"), paper=JOURNAL_COLOR, fontsize=7.0)
     if dimensions:
         _dimension_fillets(view, parts)
+        dimension_oil_holes(view, parts)
         _dimension_lengths(view, parts, webs)
 
 

@@ -106,7 +106,7 @@ def plot_throws(
             )
         for parts in placed:
             draw_side(view, parts, dimensions=False)
-        view.stroke([(min(0.0, *_edges(ends)), 0.0), (max(length, *_edges(ends)), 0.0)], CENTER)
+        view.stroke([(min([0.0, *_edges(ends)]), 0.0), (max([length, *_edges(ends)]), 0.0)], CENTER)
         below = float(view.low[1]) - 10.0 * view.point
         for number, parts in enumerate(placed, start=1):
             middle = 0.5 * (parts.cylinders[0].start + parts.length)
@@ -145,7 +145,10 @@ def positioned_parts(parts: ThrowParts, angle: float, along: float) -> ThrowPart
             sector=one.sector and moved(one.sector, "start", "end"),
         )
 
-    return ThrowParts(tuple(map(cylinder, parts.cylinders)), tuple(map(web, parts.webs)))
+    cylinders = tuple(map(cylinder, parts.cylinders))
+    axes = {one.name: (one.axis, one.bore_axis) for one in cylinders}
+    holes = tuple(hole.moved(angle, along, *axes[hole.journal]) for hole in parts.drillings)
+    return ThrowParts(cylinders, tuple(map(web, parts.webs)), holes)
 
 
 def _edges(ends: Sequence[tuple[float, float, float]]) -> list[float]:

@@ -32,6 +32,8 @@ def shape_remarks(throw: CrankThrow) -> list[Remark]:
         remarks.append(Remark("The formula takes the web's full thickness; it is thinned."))
     if throw.main_journal_bore_offset or throw.pin_bore_offset:
         remarks.append(Remark("The formula takes eccentric bores for concentric ones."))
+    if throw.oil_holes:
+        remarks.append(Remark("The oil holes do not enter the formula."))
     return remarks
 
 

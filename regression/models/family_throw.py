@@ -18,7 +18,7 @@ from regression.throw_values import (
 )
 
 # Beginnings of the names of what makes one end of a throw another than the other.
-_ONE_SIDED = ("left_web.", "right_web.", "further_pins.")
+_ONE_SIDED = ("left_web.", "right_web.", "further_pins.", "oil_holes.")
 # A solution of a relation is sought to this share; relations are checked to `SAME`.
 _ROUNDING = 1e-13
 
@@ -43,8 +43,8 @@ def angle_law_remarks(family: Family, study_throw: Mapping[str, Any] | None) -> 
     if alike and not any(name.startswith(_ONE_SIDED) for name in names):
         return ()
     return (
-        "The webs of the model's throws differ or vary by themselves: the angle law is an interpolation "
-        "between 0, 90 and 180 deg for them, and the band does not hold its error.",
+        "The model's throws are not alike from both ends, or what one end has of its own varies: the angle "
+        "law is an interpolation between 0, 90 and 180 deg for them, and the band does not hold its error.",
     )
 
 

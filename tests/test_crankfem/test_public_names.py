@@ -150,7 +150,7 @@ ANGLES = {
     *("overlap_begins", "overlap_ends"),
 }
 # Their files have the same fields, with units; beyond their ranges of radians they refuse.
-OF_FILES = ("Counterweight", "FurtherPin")
+OF_FILES = ("Counterweight", "FurtherPin", "OilHole")
 
 
 @pytest.mark.parametrize("package", [cf, *TOPICS.values()], ids=lambda one: one.__name__)

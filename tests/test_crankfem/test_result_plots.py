@@ -51,6 +51,8 @@ DEPICTED_ELSEWHERE = {
     "FormulaValue": "one number; plot_formulas and formulas_to_pandas take all formulas' values",
     "FurtherPin": "a part of a throw, which draws it",
     "HingeFile": "an input; its run has plots",
+    "OilHole": "a part of a throw, which draws it",
+    "OilHolePeak": "a part of FilletStresses",
     "ImportedThrow": "a solid of another program, known to us by its mesh, which has a plot",
     "InputError": "an error",
     "LargestLoad": "a part of ThrowStrength",

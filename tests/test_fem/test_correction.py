@@ -22,6 +22,7 @@ from geometry.mesh import mesh_throw
 from geometry.mesh_repair import EDGES
 from geometry.solid import LEFT_END, RIGHT_END
 from geometry.throw import CrankThrow
+from geometry.throw_dimensions import OilHole
 from refined_mesh import refined
 
 # Of motions of like size: rotations are counted by the crank radius.
@@ -261,13 +262,18 @@ def test_corrected_answers_are_told_as_such(throw, analysis, capsys):
 @pytest.mark.slow
 @pytest.mark.parametrize(
     ("changed", "finest"),
-    [({}, 0.002), ({"fillet_radius": 0.0, "web_thickness": 0.085}, 0.005)],
-    ids=["filleted", "sharp"],
+    [
+        ({}, 0.002),
+        ({"fillet_radius": 0.0, "web_thickness": 0.085}, 0.005),
+        ({"oil_holes": (OilHole(part="pin", diameter=0.04),)}, 0.002),
+    ],
+    ids=["filleted", "sharp", "drilled"],
 )
 def test_bars_cover_the_difference_to_a_finer_mesh(dimensions, changed, finest):
     throw = CrankThrow(**dimensions | changed)
     found, finer = (analyze_throw(throw, accuracy=accuracy) for accuracy in (0.03, finest))
     assert finer.mesh.unknowns > 4 * found.mesh.unknowns
+    assert found.corrected
     for support in SUPPORTS:
         here, there, bars = (
             found.supported(support),

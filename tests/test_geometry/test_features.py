@@ -8,12 +8,16 @@ import pytest
 
 from comparing import close
 from crankbase.errors import InputError
+from geometry.gmsh_session import gmsh_session
 from geometry.mass import mass_properties, mesh_mass_properties
 from geometry.mesh import mesh_throw
+from geometry.mesh_checks import check_solid, solid_properties
+from geometry.solid import OIL_HOLE, build_solid
 from geometry.throw import CrankThrow
-from geometry.throw_dimensions import Counterweight, FurtherPin, Web
+from geometry.throw_dimensions import Counterweight, FurtherPin, OilHole, Web
 
 HALF_TURN = math.pi
+HOLE = {"part": "pin", "diameter": 0.02}
 
 
 @pytest.fixture(scope="module")
@@ -64,6 +68,27 @@ FEATURES = {
     "split pin with web": {
         "further_pins": (FurtherPin(angle=math.radians(30.0), web_thickness=0.02),)
     },
+    "oil hole across": {"oil_holes": (OilHole(part="pin", diameter=0.03, angle=0.5 * math.pi),)},
+    "rounded oil holes into bores": {
+        "pin_bore": 0.07,
+        "main_journal_bore": 0.08,
+        "oil_holes": tuple(
+            OilHole(part=part, diameter=0.02, position=z, exit_radius=0.004, through=False)
+            for part, z in (
+                ("pin", 0.0),
+                ("left main journal", 0.02),
+                ("right main journal", -0.02),
+            )
+        ),
+    },
+    "tilted oil hole": {
+        "oil_holes": (OilHole(part="pin", diameter=0.02, tilt=0.4, exit_radius=0.006),)
+    },
+    "oil hole askew": {
+        "oil_holes": (
+            OilHole(part="pin", diameter=0.02, angle=-0.8, tilt=-0.2, position=0.02, through=False),
+        )
+    },
 }
 SYMMETRY = {
     "unequal webs": "half",
@@ -72,6 +97,8 @@ SYMMETRY = {
     "three pins": "full",
     "split pin": "full",
     "split pin with web": "full",
+    "tilted oil hole": "half",
+    "oil hole askew": "full",
 }
 PARTS = {"quarter": 4.0, "half": 2.0, "full": 1.0}
 
@@ -110,6 +137,22 @@ def test_quarter_half_and_full_weigh_the_same(build, feature):
         assert other.center == close(found[0].center, rel=1e-6, abs=1e-9)
         scale = float(np.abs(found[0].inertia).max())
         assert other.inertia == close(found[0].inertia, abs=1e-6 * scale)
+
+
+@pytest.mark.slow
+def test_oil_holes_are_cut_alike_out_of_quarter_half_and_full(build):
+    parts = build(**FEATURES["rounded oil holes into bores"]).parts
+    areas = []
+    for part, copies in PARTS.items():
+        with gmsh_session("throw") as gmsh:
+            surfaces = build_solid(gmsh, parts, part)
+            check_solid(parts, part, solid_properties(gmsh))
+            found = [gmsh.model.occ.getMass(2, tag) for tag in surfaces[OIL_HOLE]]
+        areas.append(copies * sum(found))
+    assert areas == close([areas[0]] * 3, rel=1e-3)
+    # Walls and roundings, which are somewhat larger than the walls would be without them.
+    walls = sum(2.0 * hole.volume / hole.radius for hole in parts.drillings)
+    assert 1.0 < areas[0] / walls < 1.4
 
 
 def test_a_part_that_the_symmetry_does_not_allow_is_refused(build):
@@ -212,6 +255,51 @@ REFUSED = {
         ["pin_bore", "82 mm", "40 mm off its axis"],
     ),
     "offset without bore": ({"pin_bore_offset": 0.01}, ["pin_bore_offset", "no bore"]),
+    "hole in no part": ({"oil_holes": [HOLE | {"part": "web"}]}, [".part", "allowed are pin, left"]),
+    "hole larger than its pin": (
+        {"oil_holes": [HOLE | {"diameter": 0.2}]},
+        ["oil_holes[0].diameter", "200 mm", "3.6 mm to 72 mm", "leaves too little"],
+    ),
+    "exit like an edge": (
+        {"oil_holes": [HOLE | {"exit_radius": 0.0005}]},
+        ["exit_radius", "0, or 1 mm to 20 mm", "sharp edge"],
+    ),
+    "hole into the fillet": (
+        {"oil_holes": [HOLE | {"position": 0.06}]},
+        ["oil_holes[0].position", "-45.7 mm to 45.7 mm", "crankpin's fillet"],
+    ),
+    "hole out of the throw": (
+        {"oil_holes": [HOLE, HOLE | {"part": "left main journal"}]},
+        ["oil_holes[1].position", "throw ends in the middle of the main journal"],
+    ),
+    "hole too much tilted": (
+        {"oil_holes": [HOLE | {"diameter": 0.06, "tilt": 0.6}]},
+        ["oil_holes[0].diameter", "at most 111.4 mm along the shaft", "no more between its fillets"],
+    ),
+    "holes that cross": (
+        {"oil_holes": [HOLE, HOLE | {"angle": 1.0}]},
+        ["oil_holes[1]", "runs into oil_holes[0]", "leave 2 mm"],
+    ),
+    "exits that meet": (
+        {"oil_holes": [HOLE | {"position": z, "exit_radius": 0.005} for z in (0.0, 0.03)]},
+        ["oil_holes[1]", "comes out into the exit of oil_holes[0]"],
+    ),
+    "hole wider than the bore": (
+        {"oil_holes": [HOLE | {"diameter": 0.06}], "pin_bore": 0.06},
+        ["oil_holes[0].diameter", "at most 57 mm", "whole width"],
+    ),
+    "hole that grazes the bore": (
+        {
+            "oil_holes": [HOLE | {"angle": 0.5 * math.pi}],
+            "pin_bore": 0.06,
+            "pin_bore_offset": 0.035,
+        },
+        ["oil_holes[0].angle", "90 deg", "passes the hole's at 35 mm"],
+    ),
+    "rounding into the bore": (
+        {"oil_holes": [HOLE | {"exit_radius": 0.018}], "pin_bore": 0.15},
+        ["exit_radius", "2 mm of straight hole"],
+    ),
     "bores that meet": (
         {"main_journal_bore": 0.18, "pin_bore": 0.15},
         ["leave 5 mm between them", "must not meet"],

@@ -135,7 +135,7 @@ def _check_similar(table: StudyTable) -> None:
     throw = table.plan.throw
     parts = [
         name
-        for name in ("counterweight", "left_web", "right_web", "further_pins")
+        for name in ("counterweight", "left_web", "right_web", "further_pins", "oil_holes")
         if getattr(throw, name)
     ]
     if parts and float(np.ptp(table.dimensions["pin_diameter"])) > 0.0:

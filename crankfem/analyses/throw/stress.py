@@ -1,16 +1,16 @@
-"""Stresses at a throw's fillets as plain numbers, and the tables made from them."""
+"""Stresses at a throw's fillets and oil holes as plain numbers, and the tables made from them."""
 
 from crankbase.tables.output_units import SI, OutputUnit, OutputUnits
 from crankbase.tables.table import Column, Table
 from crankfem.analyses.record import Record, attributes
-from fem.fillet_peaks import FilletPeak, FilletStresses
+from fem.fillet_peaks import FilletPeak, FilletStresses, OilHolePeak
 
 # Stresses are printed for loads of 1 kN and 1 kN m, or of so many of the user's own units.
 LOAD = 1000.0
 
 
 def stress_record(stresses: FilletStresses) -> Record:
-    """Plain content of the stresses at a throw's fillets, in SI units."""
+    """Plain content of the stresses at a throw's fillets and oil holes, in SI units."""
     mesh = stresses.loaded.mesh
     return {
         "dimensions": stresses.throw.model_dump(mode="json"),
@@ -23,7 +23,19 @@ def stress_record(stresses: FilletStresses) -> Record:
                 "kind": load.kind,
                 "unit": load.unit,
                 "stress_unit": f"Pa/({load.unit})" if " " in load.unit else f"Pa/{load.unit}",
-                "fillets": [_peak_record(peak) for peak in stresses.under(load)],
+                "fillets": [
+                    {"fillet": peak.name, "radius": peak.fillet.radius, **_peak_record(peak)}
+                    for peak in stresses.under(load)
+                ],
+                "oil_holes": [
+                    {
+                        "exit": peak.name,
+                        "diameter": 2.0 * peak.outlet.drilling.radius,
+                        "exit_radius": peak.outlet.drilling.exit_radius,
+                        **_peak_record(peak),
+                    }
+                    for peak in stresses.at_oil_holes(load)
+                ],
             }
             for load in stresses.loaded.loads
         ],
@@ -38,16 +50,12 @@ def stress_record(stresses: FilletStresses) -> Record:
     }
 
 
-def _peak_record(peak: FilletPeak) -> Record:
-    return {
-        "fillet": peak.fillet.name,
-        "radius": peak.fillet.radius,
-        **attributes(
-            peak,
-            *("principal", "principal_place", "principals", "von_mises", "von_mises_place"),
-            *("nominal", "factor", "von_mises_factor", "error_estimate"),
-        ),
-    }
+def _peak_record(peak: FilletPeak | OilHolePeak) -> Record:
+    return attributes(
+        peak,
+        *("principal", "principal_place", "principals", "von_mises", "von_mises_place"),
+        *("nominal", "factor", "von_mises_factor", "error_estimate"),
+    )
 
 
 def stress_tables(record: Record, units: OutputUnits = SI) -> list[Table]:
@@ -55,13 +63,15 @@ def stress_tables(record: Record, units: OutputUnits = SI) -> list[Table]:
     length = units.of("mm")
     tables = []
     for load in record["loads"]:
-        fillets = load["fillets"]
+        fillets, holes = load["fillets"], load.get("oil_holes", [])
+        shown = fillets[: len(fillets) // 2] if mirrored(record) else fillets
         stress = _stress_per_load(load["unit"], units)
         tables.append(
             Table(
-                f"{load['load'].capitalize()}: largest stresses at fillets [{stress.name}]",
+                f"{load['load'].capitalize()}: largest stresses at fillets"
+                f"{' and exits of oil holes' if holes else ''} [{stress.name}]",
                 [
-                    Column("fillet", words=True),
+                    Column("fillet or exit" if holes else "fillet", words=True),
                     *(
                         Column(name, stress, bare=True)
                         for name in ("principal", "von Mises", "nominal")
@@ -71,11 +81,11 @@ def stress_tables(record: Record, units: OutputUnits = SI) -> list[Table]:
                 ],
                 [
                     [
-                        peak["fillet"].replace("main journal", "journal"),
+                        (peak.get("fillet") or peak["exit"]).replace("main journal", "journal"),
                         *(peak[name] for name in ("principal", "von_mises", "nominal", "factor")),
                         _place(peak["principal_place"], length),
                     ]
-                    for peak in (fillets[: len(fillets) // 2] if mirrored(record) else fillets)
+                    for peak in (*shown, *holes)
                 ],
             )
         )

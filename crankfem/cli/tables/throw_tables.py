@@ -107,7 +107,16 @@ def _sentences(record: Record) -> list[str]:
             f"No stress is given at {'; '.join(record['sharp_corners'])}: without a fillet the elastic "
             "stress has no bound."
         )
-    errors = [peak["error_estimate"] for load in record["loads"] for peak in load["fillets"]]
+    if any(load.get("oil_holes") for load in record["loads"]):
+        found.append(
+            "The exit of an oil hole is its rim and the hole to a depth of one diameter; nominal: the stress "
+            "of the pin or main journal without the hole, on its extreme fiber, wherever the hole points."
+        )
+    errors = [
+        peak["error_estimate"]
+        for load in record["loads"]
+        for peak in (*load["fillets"], *load.get("oil_holes", ()))
+    ]
     met = (
         "" if record["accuracy_met"] else f", not the {100.0 * record['accuracy']:.2g} % asked for"
     )
