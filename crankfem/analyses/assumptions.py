@@ -264,7 +264,8 @@ def _of_limits(engine: EngineFile) -> Iterable[InputRecord]:
         return
     steel = "the plain steel with which the rule begins; a stronger one raises the limit"
     for name, value in (("tensile_strength", BASE_STRENGTH), ("yield_strength", BASE_YIELD)):
-        if limits is None or getattr(limits, name) is None:
+        told = name == "tensile_strength" and engine.strength is not None
+        if not told and (limits is None or getattr(limits, name) is None):
             yield _assumed(f"limits.{name}", format_quantity(value, "Pa"), steel)
     yield _assumed(
         "limits.crankshaft_rule",

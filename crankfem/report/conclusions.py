@@ -187,7 +187,8 @@ def _other_models(vibration: Record) -> str:
     """Say how the whole crankshaft differs, and whether the verdict hangs on its bearings."""
     bearings = vibration.get("bearings") or {}
     found = [*vibration["assessment"].get("beside", ())]
-    return " ".join([*found, *(bearings.get("sentences", ()) if bearings.get("flips") else ())])
+    found += bearings.get("sentences", ()) if bearings.get("flips") else ()
+    return " ".join(dict.fromkeys(found))  # the range of the bearings stands in both
 
 
 def _advice(assessment: Record) -> str:

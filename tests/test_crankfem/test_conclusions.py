@@ -337,3 +337,13 @@ def test_uses_at_and_above_running_speeds_stand_apart(results):
     (shown,) = worst_of_each(checks[:2])
     assert (shown["used"], shown["above"]["used"]) == (0.9, 1.2)
     assert "80 % of the permitted 21.2 MPa; above the running range" in conclusions(results)[0]
+
+
+def test_what_the_bearings_change_is_told_once(results):
+    told = ["First frequencies.", "Over that range the verdict changes."]
+    vibration = results["vibration"]
+    vibration["assessment"]["beside"] = ["The whole crankshaft differs.", told[1]]
+    vibration["bearings"] = {"flips": True, "sentences": told}
+    said = " ".join(conclusions(results))
+    assert "The whole crankshaft differs." in said
+    assert [said.count(one) for one in told] == [1, 1]

@@ -12,6 +12,7 @@ import pytest
 import crankfem as cf
 from comparing import close
 from crankbase.errors import InputError
+from crankfem.analyses.assumptions import assumed_values
 from crankfem.analyses.strength import engine_strength
 from crankfem.analyses.strength.engine_strength import shown_factor
 from crankfem.analyses.strength.shaft_loads import shaft_loads
@@ -21,6 +22,7 @@ from crankfem.analyses.strength.strength_records import (
     strength_table,
     torque_table,
 )
+from crankfem.analyses.vibration.engine_limits import engine_limits
 from crankfem.files.engine.mechanism_file import mechanism_of
 from crankfem.files.sections.strength_section import StrengthSection
 from crankfem.report.writing import render_report
@@ -332,3 +334,29 @@ def test_the_report_shows_what_was_judged(judged, strict):
     assert found.sentence in page
     page, _ = render_report(results, STORED.parent)
     assert "UR M53" not in page
+
+
+@pytest.mark.parametrize(
+    ("told", "counted", "alloy"), [(550e6, 550e6, False), (900e6, 835e6, True)]
+)
+def test_the_steel_is_that_of_the_torsional_limit_too(told, counted, alloy):
+    """Beyond the end of the rule's formula for alloy steel more strength counts no more."""
+    engine = cf.load_engine("6chn25-34").changed(
+        strength={
+            "tensile_strength": told,
+            "manufacture": "continuous grain flow",
+            "piston": "trunk",
+        }
+    )
+    written = engine.changed(strength=None, limits={"tensile_strength": counted, "alloy": alloy})
+    speeds = np.linspace(0.2, 1.0, 5) * engine.engine.rated_speed
+    here, there = (
+        engine_limits(one)[0]["crankshaft_stress"].continuous.values(speeds)
+        for one in (engine, written)
+    )
+    assert here == close(there, rel=1e-12)
+    plain = engine_limits(engine.changed(strength=None))[0]["crankshaft_stress"]
+    assert here[-1] > plain.continuous.values(speeds)[-1]
+    named = [record.field for record in assumed_values(engine)]
+    assert "limits.tensile_strength" not in named
+    assert "limits.yield_strength" in named

@@ -79,7 +79,7 @@ def _steels(engine_file: EngineFile, status: Status, findings: Findings) -> list
 
     ways: list[list[Trial]] = []
     strongest = {BASE_STRENGTH, *CRANKSHAFT_STRENGTHS.values()}
-    if is_assumed(engine_file, f"limits.{TENSILE}"):
+    if is_assumed(engine_file, f"limits.{TENSILE}") and engine_file.strength is None:
         made = Trial(f"limits.{TENSILE}", "tensile strength", tensile, "Pa", status, taken=True)
         ways.append(_with_changes(made, strongest, lambda value: judged(tensile_strength=value)))
     if is_assumed(engine_file, f"limits.{YIELD}"):

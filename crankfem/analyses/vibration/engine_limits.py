@@ -17,6 +17,7 @@ from dynamics.assessment.limit_rules import (
     BASE_STRENGTH,
     BASE_YIELD,
     CRANKSHAFT_RULES,
+    CRANKSHAFT_STRENGTHS,
     RULE_OF_DRIVEN,
 )
 from dynamics.assessment.limit_rules import Kind as EngineKind
@@ -27,8 +28,8 @@ from dynamics.response.loads import ElementLoads, alternating_stress, section_mo
 from dynamics.response.series import OrderSeries
 
 RULE_PICKED = (
-    "no limit is given: that of a classification society for crankshafts was picked, "
-    "for plain steel unless limits.tensile_strength says more; the engine maker's value stands in its place"
+    "no limit is given: that of a classification society for crankshafts was picked, for plain steel unless "
+    "[limits] or [strength] tells another; the engine maker's value stands in its place"
 )
 # Any number above zero serves where only the names of nodes and elements are wanted.
 ANY_COMPLIANCE, ANY_INERTIA = 1e-8, 1.0
@@ -108,7 +109,9 @@ def engine_limits(
             firing_interval_deg=interval,
             tensile_strength=tensile,
             yield_strength=yielding,
-            alloy=given.alloy,
+            # [strength] gives no grade; steel beyond what carbon steel reaches is alloy steel.
+            alloy=given.alloy
+            or (given.tensile_strength is None and tensile > CRANKSHAFT_STRENGTHS[False]),
         )
         found["crankshaft_stress"] = replace(picked, assumed=True)
         remarks.append(f"torsional stress of the crankshaft: {RULE_PICKED}; {rule_reason(engine)}")
@@ -144,10 +147,14 @@ def rule_reason(engine: Engine) -> str:
 def strengths(engine_file: EngineFile) -> tuple[float, float]:
     """Return the tensile and the yield strength that a rule for the crankshaft is asked with [Pa].
 
-    Those that the file gives, else those of the plain steel with which the rules begin.
+    Those that the file gives, the tensile strength in [limits] or [strength], else those of the plain steel
+    with which the rules begin.
     """
-    given = engine_file.limits or LimitsInput()
-    return given.tensile_strength or BASE_STRENGTH, given.yield_strength or BASE_YIELD
+    given, steel = engine_file.limits or LimitsInput(), engine_file.strength
+    # The rule's formula ends with alloy steel: what is stronger counts no more.
+    told = BASE_STRENGTH if steel is None else steel.tensile_strength
+    tensile = min(told, CRANKSHAFT_STRENGTHS[True])
+    return given.tensile_strength or tensile, given.yield_strength or BASE_YIELD
 
 
 def assessment_end_speeds(engine_file: EngineFile) -> tuple[float, ...]:
