@@ -161,18 +161,9 @@ def mirror_along_the_shaft(mesh):
 # ------------------------------------------------------------------------------ against true errors
 
 
-def test_true_errors_give_the_true_answers():
+def test_true_errors_give_the_true_answers(dimensions):
     """With energies of the differences to a mesh refined in place its answers come out, to round-off."""
-    throw = CrankThrow(
-        crank_radius=0.170,
-        main_journal_diameter=0.220,
-        pin_diameter=0.180,
-        main_journal_length=0.120,
-        pin_length=0.139,
-        web_width=0.300,
-        web_thickness=0.068,
-        fillet_radius=0.0,
-    )
+    throw = CrankThrow(**dimensions | {"fillet_radius": 0.0})
     coarse = straightened(mesh_throw(throw, 8.0))  # whose integrals are exact
     fine, taken = refined(coarse)
     matrices = [assemble_stiffness(one.points, one.elements, STEEL) for one in (coarse, fine)]

@@ -4,6 +4,7 @@ from collections.abc import Sequence
 
 from crankfem.analyses.checks import asymmetry
 from crankfem.analyses.record import Record, attributes
+from fem.answer_errors import axial_correction
 from fem.modes import ThrowModes
 from fem.superelement import superelement_of_end_forces
 from fem.supports import Neighbors, Support, reactions
@@ -79,8 +80,7 @@ def throw_record(
         ),
         **attributes(analysis, "error_estimate", "accuracy", "accuracy_met", "solver", "seconds"),
         "corrected": analysis.corrected,
-        "axial_correction": 1.0
-        - analysis.discrete.axial_compliance() / analysis.axial_compliance(),
+        "axial_correction": axial_correction(analysis.superelement, analysis.discrete.superelement),
         "unknowns": mesh.unknowns,
         "model": f"{mesh.part}, second-order tetrahedra, end sections {analysis.end_sections}",
         "remarks": [*analysis.throw.remarks, *([] if analysis.corrected else [NOT_CORRECTED])],
