@@ -55,8 +55,9 @@ class Sample:
 SAMPLES = {
     "plain-train": Sample("plain", 23_001, BEYOND, 0.5),
     "plain-held-out": Sample("plain", 23_002),
+    "plain-test": Sample("plain", 23_005),
     "real-train": Sample("real", 23_003, BEYOND, 0.5),
-    "real-held-out": Sample("real", 23_004),
+    "real-test": Sample("real", 23_006),
 }
 
 
@@ -75,7 +76,9 @@ def draw(name: str, count: int) -> Iterator[tuple[int, dict[str, Any]]]:
         yield number, fields
 
 
-def _lengths(sample: Sample, point: Array, ranges: dict[str, tuple[float, float]]) -> dict[str, Any]:
+def _lengths(
+    sample: Sample, point: Array, ranges: dict[str, tuple[float, float]]
+) -> dict[str, Any]:
     """Lengths on logarithmic scales; a share of the points denser towards the ends of all."""
     dense = point[-1] < sample.spread
     fields: dict[str, Any] = {"main_journal_diameter": 1.0}
