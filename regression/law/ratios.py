@@ -196,13 +196,14 @@ def check_range(found: Ratios) -> None:
     """
     for name, (low, high) in RANGES.items():
         values = found[name]
-        beyond = (values < low - ROUND_OFF) | (values > high + ROUND_OFF) | (values != values)
-        if np.any(beyond):
-            worst = float(np.asarray(values)[beyond][0]) if np.ndim(values) else float(values)
-            raise InputError(
-                f"{ratio_text(name)}: given {worst:.4g}; allowed is {low:g} to {high:g}, the range of "
-                "the throws that the law was trained by."
-            )
+        inside = (values >= low - ROUND_OFF) & (values <= high + ROUND_OFF)
+        if inside is True or np.all(inside):
+            continue
+        worst = float(np.asarray(values)[~np.asarray(inside)].flat[0])
+        raise InputError(
+            f"{ratio_text(name)}: given {worst:.4g}; allowed is {low:g} to {high:g}, the range of the "
+            "throws that the law was trained by."
+        )
 
 
 def ratio_text(name: str) -> str:
@@ -226,16 +227,24 @@ def overlap_slope(found: Ratios) -> Any:
 
 def plain_inputs(found: Ratios) -> Array:
     """What the networks of plain throws are given: (8, ...) array."""
-    lengths = [found[name] for name in REAL]
-    logs = np.log(np.array(np.broadcast_arrays(*lengths, found[FILLETS[0]])))
-    return np.concatenate([logs, overlap_slope(found)[None]])
+    lengths = [found[name] for name in (*REAL, FILLETS[0])]
+    rows = _rows([*lengths, overlap_slope(found)])
+    rows[:-1] = np.log(rows[:-1])
+    return rows
 
 
 def real_inputs(found: Ratios) -> Array:
     """What the networks of real throws are given: (20, ...) array."""
-    lengths = np.log(np.array(np.broadcast_arrays(*(found[name] for name in REAL))))
-    shape = lengths.shape[1:]
+    lengths = [found[name] for name in REAL]
     more = [found[name] for name in (*FILLETS, *FEATURES) if name != "thickness_step"]
     step = 0.5 * np.log(found["thickness_step"])
-    rows = [overlap_slope(found), *more, step * step]
-    return np.concatenate([lengths, [np.broadcast_to(row, shape) for row in rows]])
+    rows = _rows([*lengths, overlap_slope(found), *more, step * step])
+    rows[: len(REAL)] = np.log(rows[: len(REAL)])
+    return rows
+
+
+def _rows(values: list[Any]) -> Array:
+    """Stack numbers, or arrays of one shape with numbers among them."""
+    if any(isinstance(value, np.ndarray) for value in values):
+        values = np.broadcast_arrays(*values)
+    return np.array(values, dtype=float)

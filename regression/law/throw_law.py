@@ -5,7 +5,7 @@ compliances; E and the size enter exactly, Poisson's ratio near 0.3 by its mean 
 rigid discs, as in `fem.analysis.analyze_throw`; counterweights do not stiffen a throw and are left out.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -17,7 +17,7 @@ from crankbase.checks.scalars import is_number
 from crankbase.errors import InputError, quoted
 from crankbase.summaries import summarized
 from geometry.throw import CrankThrow
-from regression.law.networks import OUTPUTS, TIERS, networks
+from regression.law.networks import TIERS, networks
 from regression.law.ratios import (
     MORE_FIELDS,
     PLAIN_FIELDS,
@@ -242,40 +242,50 @@ class _Answers:
         self.modulus, self.beside = youngs_modulus, poisson_ratio - POISSON_RATIO
         self.diameter = dimensions["main_journal_diameter"]
         self.plain = is_plain(self.ratios)
-        self.shape = np.broadcast_shapes(*(np.shape(value) for value in self.ratios.values()))
+        shapes = {value.shape for value in self.ratios.values() if isinstance(value, np.ndarray)}
+        self.shape = np.broadcast_shapes(*shapes)
 
-    def values(self, names: Sequence[str]) -> tuple[Array, Array]:
+    def values(self, names: tuple[str, ...]) -> tuple[Array, Array]:
         """Dimensionless answers (k, ...) by the names of `OUTPUTS`, and relative half widths."""
-        rows = [OUTPUTS.index(name) for name in names]
+        if not self.shape:
+            return self._of_tier("plain" if self.plain else "real", names, self.ratios, 1)
         plain = np.broadcast_to(self.plain, self.shape).ravel()
-        found = np.empty((2, len(rows), plain.size))
+        found = np.empty((2, len(names), plain.size))
         for tier, where in zip(TIERS, (plain, ~plain), strict=True):
-            if not where.any():
-                continue
-            some = networks(tier)
-            inputs = INPUTS[tier](self.ratios).reshape(len(some.low), -1)
-            if inputs.shape[1] != plain.size:
-                inputs = np.repeat(inputs, plain.size, axis=1)
-            inputs = inputs if where.all() else inputs[:, where]
-            mean, spread = some.poisson[rows].T[:, :, None]
-            answers = some.answers(inputs, rows) * np.exp(mean * self.beside)
-            widths = some.half_widths(inputs, rows) + 2.0 * spread * abs(self.beside)
-            found[:, :, where] = answers, widths
+            if where.all():
+                found[:] = self._of_tier(tier, names, self.ratios, plain.size)
+            elif where.any():
+                some = {
+                    name: np.broadcast_to(value, self.shape).ravel()[where]
+                    for name, value in self.ratios.items()
+                }
+                found[:, :, where] = self._of_tier(tier, names, some, int(where.sum()))
         return found[0].reshape(-1, *self.shape), found[1].reshape(-1, *self.shape)
+
+    def _of_tier(
+        self, tier: str, names: tuple[str, ...], found: Mapping[str, Any], count: int
+    ) -> tuple[Array, Array]:
+        some = networks(tier, names)
+        inputs = INPUTS[tier](found).reshape(len(some.low), -1)
+        if inputs.shape[1] != count:
+            inputs = np.repeat(inputs, count, axis=1)
+        answers, widths = some.answers(inputs), some.half_widths(inputs)
+        if self.beside:
+            mean, spread = some.poisson.T[:, :, None]
+            answers = answers * np.exp(mean * self.beside)
+            widths = widths + 2.0 * spread * abs(self.beside)
+        return answers, widths
 
     def results(self, kinds: Mapping[str, tuple[str, int]]) -> dict[str, Any]:
         """Fields of a law: answers in SI units, errors, tier and the nearest limit."""
-        answers, widths = self.values([name for name, _ in kinds.values()])
+        answers, widths = self.values(tuple(name for name, _ in kinds.values()))
+        if not self.shape:
+            answers, widths = answers[:, 0].tolist(), widths[:, 0].tolist()
         found: dict[str, Any] = {}
         for (name, (_, power)), answer in zip(kinds.items(), answers, strict=True):
-            unit = 1.0 if power == 0 else self.modulus * self.diameter**power
-            found[name] = answer / unit
+            found[name] = answer / (self.modulus * self.diameter**power) if power else answer
+        tier = np.where(self.plain, *TIERS) if self.shape else TIERS[not self.plain]
         errors = dict(zip(kinds, widths, strict=True))
-        tier: Any = np.where(self.plain, *TIERS)
-        if not self.shape:
-            found = {name: float(value) for name, value in found.items()}
-            errors = {name: float(value) for name, value in errors.items()}
-            tier = str(tier)
         return found | {"errors": errors, "tier": tier, "nearest_limit": self.nearest}
 
 
