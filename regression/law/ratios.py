@@ -44,21 +44,23 @@ REAL: Mapping[str, tuple[float, float]] = MappingProxyType(
 # What a plain throw has not, with its value there; fillets are those of `PLAIN`.
 FEATURES: Mapping[str, tuple[float, float, float]] = MappingProxyType(
     {
-        "main_journal_bore": (0.0, 0.68, 0.0),
-        "pin_bore": (0.0, 0.64, 0.0),
-        "main_journal_bore_offset": (-0.16, 0.1, 0.0),
-        "pin_bore_offset": (-0.1, 0.16, 0.0),
-        "web_pin_end": (0.72, 1.1, 1.0),
-        "web_journal_end": (0.85, 1.12, 1.0),
+        "main_journal_bore": (0.0, 0.62, 0.0),
+        "pin_bore": (0.0, 0.62, 0.0),
+        "main_journal_bore_offset": (-0.12, 0.06, 0.0),
+        "pin_bore_offset": (-0.06, 0.12, 0.0),
+        "web_pin_end": (0.75, 1.05, 1.0),
+        "web_journal_end": (0.9, 1.1, 1.0),
         "rectangle": (0.0, 1.0, 0.0),
-        "web_corner": (0.0, 0.9, 0.0),
-        "web_tip_thickness": (0.55, 1.0, 1.0),
-        "web_foot_thickness": (0.55, 1.0, 1.0),
-        "thickness_step": (0.67, 1.5, 1.0),
+        "web_corner": (0.0, 0.7, 0.0),
+        "web_tip_thickness": (0.6, 1.0, 1.0),
+        "web_foot_thickness": (0.65, 1.0, 1.0),
+        "thickness_step": (0.74, 1.35, 1.0),
     }
 )
 FILLETS = ("main_journal_fillet_radius", "pin_fillet_radius")
-LARGEST_FILLET = 0.085
+LARGEST_FILLET = 0.08
+# Walls beside bores are this share of the diameter or more.
+THINNEST_WALL = 0.15
 # Divisors that are not D, for sentences.
 DIVISORS = {
     "pin_bore": "pin_diameter",
@@ -246,5 +248,5 @@ def real_inputs(found: Ratios) -> Array:
 def _rows(values: list[Any]) -> Array:
     """Stack numbers, or arrays of one shape with numbers among them."""
     if any(isinstance(value, np.ndarray) for value in values):
-        values = np.broadcast_arrays(*values)
+        values = list(np.broadcast_arrays(*values))
     return np.array(values, dtype=float)
