@@ -263,7 +263,7 @@ def fit_real(rows: list[dict[str, Any]], x: Array, y: Array, steps: int) -> dict
     for name, left in zip(OUTPUTS, errors[judged].T, strict=True):
         print(f"{name}: processes of other throws rms {100 * np.sqrt(np.mean(left**2)):.2f} %, "
               f"largest {100 * abs(left).max():.1f} %", flush=True)  # fmt: skip
-    both = np.concatenate([x, between]), np.concatenate([y, taught])
+    both = np.concatenate([x[chosen], between]), np.concatenate([y[chosen], taught])
     made = fit("real", *both, steps, ends=(low, high))
     made["bands"] = bands(scaled[chosen][judged], errors[judged], made.pop("misfit"))
     return made

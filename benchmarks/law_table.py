@@ -13,7 +13,6 @@ from importlib.metadata import version
 from pathlib import Path
 
 from fit_law import SAMPLES, numbers, read
-
 from geometry.throw import CrankThrow
 from regression.law.networks import OUTPUTS
 from regression.law.ratios import throw_dimensions
@@ -29,10 +28,10 @@ def main() -> None:
     text = io.StringIO()
     libraries = ", ".join(f"{name} {version(name)}" for name in ("gmsh", "numpy", "scipy"))
     text.write(
-        "# Throws that the law was trained by, and (test) judged by: corrected finite-element answers of this\n"
-        "# program at an accuracy of 1 %, real ones of 3 %. Lengths over the main journal's diameter D; answers\n"
+        "# Throws that the law was trained by, and (test) judged by: corrected finite-element answers of\n"
+        "# this program, accuracy 1 %, of real ones 3 %. Lengths over the main journal's diameter; answers\n"
         "# with E and D the unit: compliances times E D, twists and tilts per moment times E D^3, per force\n"
-        "# times E D^2. Samples and seeds: benchmarks/law_throws.py. Written by benchmarks/law_table.py with\n"
+        "# times E D^2. Samples and seeds: benchmarks/law_throws.py. Written by benchmarks/law_table.py,\n"
         f"# Python {platform.python_version()}, {libraries}.\n"
     )
     throws = [throw_dimensions(CrankThrow(**row["fields"])) for row in rows]
