@@ -2,16 +2,15 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any, Literal
+from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
 from crankbase.checks.scalars import is_number
 from crankbase.errors import InputError, quoted
-from crankbase.summaries import summarized
+from fem.end_reactions import EndReaction, Reactions
 from fem.superelement import RX, RY, RZ, UX, UY, UZ, Superelement, section_rotation
-from fem.throw_frames import load_table
 
 Array = NDArray[np.float64]
 LONGEST_CHAIN = 64
@@ -59,47 +58,6 @@ TABLE_SUPPORTS: Mapping[str, Support] = {
     "guided": "guided",
     **{f"neighbors {step:g} deg": Neighbors(step, step) for step in (0.0, 90.0, 120.0, 180.0)},
 }
-
-
-@summarized("force [N]", "moment [N m]")
-@dataclass(frozen=True)
-class EndReaction:
-    """Force [N] and moment [N m] on one end section, each (3,), in the throw frame."""
-
-    force: Array
-    moment: Array
-
-
-@summarized(
-    "left force: left.force [N]",
-    "left moment: left.moment [N m]",
-    "right force: right.force [N]",
-    "right moment: right.moment [N m]",
-)
-@dataclass(frozen=True)
-class Reactions:
-    """What supports (and under `Neighbors` the adjoining throws) exert on a throw's end sections."""
-
-    left: EndReaction
-    right: EndReaction
-
-    def to_pandas(self) -> Any:
-        """Return a table of forces and moments Fx to Mz at the left and the right end.
-
-        Returns
-        -------
-        pandas.DataFrame
-            Units are in ``frame.attrs["units"]``.
-
-        Raises
-        ------
-        MissingLibraryError
-            If pandas is not installed.
-        """
-        ends = {"left": self.left, "right": self.right}
-        return load_table(
-            {name: np.concatenate([one.force, one.moment]) for name, one in ends.items()}
-        )
 
 
 @dataclass(frozen=True)

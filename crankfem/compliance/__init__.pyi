@@ -14,5 +14,5 @@ from fem.pin_response import Motion as Motion
 from fem.pin_response import PinResponse as PinResponse
 from fem.shaft import ShaftCompliances as ShaftCompliances
 from fem.shaft import shaft_compliances as shaft_compliances
-from fem.supports import EndReaction as EndReaction
-from fem.supports import Reactions as Reactions
+from fem.end_reactions import EndReaction as EndReaction
+from fem.end_reactions import Reactions as Reactions
