@@ -21,7 +21,7 @@ from fem.fillet_stress import fillet_stresses
 from fem.loads import radial_directions
 from fem.material import STEEL, Material
 from fem.superelement import RX, RY, Superelement, combine_classes
-from fem.supports import end_motions, support_throw
+from fem.supports import Support, end_motions, support_throw
 from fem.symmetry import symmetry_classes
 from geometry.mass import mass_properties
 from geometry.mesher import mesh_isolated
@@ -29,7 +29,7 @@ from geometry.throw import CrankThrow
 
 Array = NDArray[np.float64]
 
-SUPPORTS = ("pinned", "guided")
+SUPPORTS: tuple[Support, ...] = ("pinned", "guided")
 # Loads that tilt the two ends as neighbors do, against each other in the crank plane and alike across it,
 # and the other way round; and what their tilts are called.
 TILTS = np.zeros((12, 4))

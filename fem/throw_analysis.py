@@ -13,6 +13,7 @@ from fem.answer_errors import axial_correction, stiffness_errors, supported_erro
 from fem.axial_analysis import SolvedThrow
 from fem.condensation import CondensedClass
 from fem.craig_bampton import DynamicSuperelement, dynamic_superelement
+from fem.end_reactions import Reactions
 from fem.loads import Distribution
 from fem.modes import ThrowModes, free_modes
 from fem.pin_response import (
@@ -29,7 +30,6 @@ from fem.superelement import Superelement, combine_classes
 from fem.supports import (
     STRETCH,
     TABLE_SUPPORTS,
-    Reactions,
     Support,
     SupportedThrow,
     end_motions,
