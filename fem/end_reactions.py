@@ -11,6 +11,9 @@ from fem.throw_frames import load_table
 
 Array = NDArray[np.float64]
 
+# [N, N m] Far beyond any real load, far below what overflows.
+LARGEST_LOAD = 1e30
+
 
 @summarized("force [N]", "moment [N m]")
 @dataclass(frozen=True)

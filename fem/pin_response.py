@@ -11,6 +11,7 @@ from crankbase.checks.scalars import whole_within
 from crankbase.errors import InputError, quoted
 from crankbase.summaries import summarized
 from fem.condensation import CondensedClass
+from fem.end_reactions import LARGEST_LOAD
 from fem.loads import Distribution, NodalLoads, pin_load, pin_surfaces
 from fem.superelement import Superelement
 from fem.supports import STRETCH, Support, end_motions
@@ -18,9 +19,6 @@ from fem.throw_frames import motion_table
 from geometry.mesh import ThrowMesh
 
 Array = NDArray[np.float64]
-
-# Far beyond any real load, far below what overflows.
-LARGEST_LOAD = 1e30
 
 
 @summarized("displacement", "rotation")

@@ -50,6 +50,8 @@ NEIGHBOR_MOMENTS = (
 )
 # Numbers that only reactions are made of.
 END_MOMENTS = (*GUIDED_MOMENTS, *NEIGHBOR_MOMENTS)
+# Equal to those of the left end if a throw is alike from both ends.
+RIGHT_MOMENTS = {name: name.replace("left", "right") for name in GUIDED_MOMENTS if "left" in name}
 # What the reactions under each kind of support are made of.
 NEEDED: Mapping[str, tuple[str, ...]] = {
     "pinned": ("axial_reaction",),
@@ -114,7 +116,7 @@ def end_reactions(
     left = -force[..., 0] - x_right, -force[..., 1] - y_right, push
     right = x_right, y_right, -push
     parts = (*left, across_left, turning_left, torque, *right, across_right, turning_right, 0.0)
-    return np.stack(np.broadcast_arrays(*parts), axis=-1)
+    return np.stack(np.broadcast_arrays(*parts), axis=-1) + 0.0  # no -0.0
 
 
 def _guided_moments(numbers: Mapping[str, Any], radial: Any, along: Any, push: Any) -> Array:

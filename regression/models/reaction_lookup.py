@@ -11,10 +11,10 @@ from crankbase.checks.arrays import check_sizes, finite_array
 from crankbase.errors import InputError
 from crankbase.summaries import summarized
 from crankbase.tables.frames import table
-from fem.end_reactions import EndReaction, Reactions
+from fem.end_reactions import LARGEST_LOAD, EndReaction, Reactions
 from fem.throw_frames import END_LOADS, LOAD_UNITS
 from geometry.throw import CrankThrow
-from regression.end_reactions import NEEDED, ThrowLengths, end_reactions
+from regression.end_reactions import NEEDED, RIGHT_MOMENTS, ThrowLengths, end_reactions
 from regression.models.family import Family
 from regression.models.family_throw import angle_law_remarks
 
@@ -25,8 +25,6 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 
-# Far beyond any real load, far below what overflows.
-LARGEST_FORCE = 1e30
 # Beginnings of names of what a throw has that its first pin's reactions do not tell of.
 _OTHER_PARTS = ("further_pins.", "oil_holes.")
 _WEBS = ("left_web.thickness", "right_web.thickness")
@@ -112,12 +110,19 @@ def look_reactions_up(
     lengths = throw_lengths(model.family, dimensions)
     values: dict[str, Any] = {name: one.value for name, one in found.items()}
 
+    # One number for both ends, if they are alike.
+    twins = {} if angle_law_remarks(model.family, model.throw) else RIGHT_MOMENTS
+    values |= {right: values[left] for left, right in twins.items() if left in values}
+
     def loads(name: str = "", ends: Any = None) -> Array:
-        return end_reactions(values | ({name: ends} if name else {}), lengths, force, gamma)
+        changed = {} if not name else {name: ends, twins.get(name, name): ends}
+        return end_reactions(values | changed, lengths, force, gamma)
 
     middle = loads()
     band = np.zeros_like(middle)
     for name, one in found.items():
+        if name in twins.values():
+            continue
         open_ended = ~(np.isfinite(one.lower) & np.isfinite(one.upper))
         ends = (np.where(open_ended, one.value, end) for end in (one.lower, one.upper))
         band += np.maximum(*(np.abs(loads(name, end) - middle) for end in ends))
@@ -169,7 +174,7 @@ def _checked_force(given: ArrayLike) -> Array:
             f"pin_force: given an array of shape {force.shape}; allowed are x, y and z in the throw frame "
             "[N], for many throws a row of them for each."
         )
-    check_sizes("pin_force", force, LARGEST_FORCE)
+    check_sizes("pin_force", force, LARGEST_LOAD)
     axial = force[..., 2].ravel()
     if np.any(axial):
         raise InputError(

@@ -6,7 +6,12 @@ import typer
 
 from crankbase.errors import InputError
 from crankfem.cli.commands import completion
-from crankfem.cli.commands.options import GammaOption, ModelArgument, Output, with_output
+from crankfem.cli.commands.options import (
+    GammaOption,
+    ModelArgument,
+    Output,
+    with_output,
+)
 from crankfem.cli.console import print_json, print_line
 
 if TYPE_CHECKING:
@@ -35,14 +40,23 @@ def lookup(
         ),
     ] = None,
     gamma: GammaOption = None,
+    pin_force: Annotated[
+        str | None,
+        typer.Option(
+            metavar='"0, -100 kN, 0"',
+            help="Tell reactions too, to a force on the pin: x, y, z in the throw's frame, or Z towards the "
+            'shaft ("100 kN").',
+        ),
+    ] = None,
     strict: Annotated[
         bool, typer.Option("--strict", help="Refuse what lies outside the range of the model.")
     ] = False,
     *,
     out: Output,
 ) -> None:
-    """Look compliances up in a model, with range check and error band."""
+    """Look compliances up in a model, and reactions to a force on the pin, with range check and bands."""
     from crankfem.cli.model_arguments import model_dimensions
+    from crankfem.cli.quantity_list import parse_pin_force
     from regression.models.compliance_model import ComplianceModel
 
     loaded = ComplianceModel.load(model)
@@ -57,12 +71,17 @@ def lookup(
         from crankfem.cli.angle_and_speed import parse_gamma
 
         angle = parse_gamma(gamma, out.quiet)
+    force = None if pin_force is None else parse_pin_force(pin_force)
     answers, refused = _lookups(loaded, asked, angle, strict)
+    reactions = None if force is None else _reactions(loaded, asked, force, angle, strict)
     if out.json:
         records = {name: _record(answer) for name, answer in answers.items()}
-        print_json(records | {name: {"refused": reason} for name, reason in refused.items()})
+        records |= {name: {"refused": reason} for name, reason in refused.items()}
+        print_json(records if reactions is None else records | {"reactions": reactions})
         return
     _print_lookups(loaded, answers, angle is not None, out.units)
+    if reactions is not None:
+        _print_reactions(reactions, out.units)
     for name, reason in refused.items():
         print_line(out.units.text(f"{_title(name)}: left out; {reason}"))
 
@@ -113,6 +132,65 @@ def _record(answer: "Lookup") -> dict[str, Any]:
     }
 
 
+def _reactions(
+    model: "ComplianceModel",
+    asked: dict[str, Any],
+    force: list[float],
+    gamma: float | None,
+    strict: bool,
+) -> dict[str, Any]:
+    """Look reactions up under each support that the model can tell, as plain JSON content."""
+    from crankfem.analyses.record import attributes
+    from fem.supports import Neighbors, Support
+
+    supports: dict[str, Support] = {"pinned": "pinned", "guided": "guided"}
+    if gamma is not None:
+        supports[f"neighbors {gamma:g} deg"] = Neighbors(gamma, gamma)
+    found: dict[str, Any] = {}
+    refused: dict[str, str] = {}
+    for name, support in supports.items():
+        try:
+            answer = model.reactions(force, support, strict=strict, **asked)
+        except InputError as error:
+            refused[name] = str(error)
+            continue
+        found[name] = {
+            kind: {
+                side: attributes(getattr(ends, side), "force", "moment")
+                for side in ("left", "right")
+            }
+            for kind, ends in (("reactions", answer), ("band", answer.band))
+        } | {"inside": bool(answer.inside)}
+    if not found:
+        raise InputError(next(iter(refused.values())))
+    return {
+        "pin_force": force,
+        "radial_force": -force[1],
+        "supports": found,
+        "refused": refused,
+    }
+
+
+def _print_reactions(record: dict[str, Any], units: "OutputUnits") -> None:
+    """Print reactions as those of a throw by finite elements, and how far they may be off."""
+    from crankfem.analyses.throw.throw_tables import reaction_table
+    from crankfem.cli.console import print_table
+
+    print_table(reaction_table(record, units), units)
+    kilonewtons = units.of("kN")
+    for name, own in record["supports"].items():
+        push, band = (own[kind]["left"]["force"][2] for kind in ("reactions", "band"))
+        if not own["inside"]:
+            told = "OUTSIDE the range, where no band holds"
+        elif band is None:
+            told = "its band is open"
+        else:
+            told = f"within {kilonewtons.with_name(band, 3)} of {kilonewtons.with_name(push, 4)}"
+        print_line(f"Axial reaction {name}: {told}")
+    for name, reason in record["refused"].items():
+        print_line(units.text(f"Reactions {name}: left out; {reason}"))
+
+
 def _print_lookups(
     model: "ComplianceModel",
     answers: dict[str, "Lookup"],
@@ -120,8 +198,11 @@ def _print_lookups(
     units: "OutputUnits",
 ) -> None:
     """Print a line for each response, those that depend on the angle first, then what all share."""
+    from regression.end_reactions import END_MOMENTS
     from regression.response_kinds import ANGLE_LAWS
 
+    hidden = [name for name in answers if name in END_MOMENTS]
+    answers = {name: answer for name, answer in answers.items() if name not in hidden} or answers
     between = [name for name in answers if with_angle and name in ANGLE_LAWS]
     others = [name for name in answers if name not in between]
     shared = [

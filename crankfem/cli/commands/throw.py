@@ -65,6 +65,7 @@ def throw(
     """
     from crankfem.analyses.throw.throw_record import mode_records, throw_record
     from crankfem.cli.angle_and_speed import parse_gamma
+    from crankfem.cli.quantity_list import parse_pin_force
     from crankfem.cli.tables import throw_tables
     from crankfem.cli.throw_choice import select_throw
     from crankfem.jobs.run_records import UNIT_RADIAL_FORCE
@@ -76,7 +77,7 @@ def throw(
     from geometry.solid_files import ENDINGS
 
     angle = None if gamma is None else parse_gamma(gamma, out.quiet)
-    force = None if pin_force is None else _parse_pin_force(pin_force)
+    force = None if pin_force is None else parse_pin_force(pin_force)
     if not 0 <= modes <= MOST_MODES:
         raise InputError(f"--modes: given {modes}; allowed is 0 to {MOST_MODES}, 0 for none.")
     if Path(engine).suffix.lower() in ENDINGS:
@@ -111,20 +112,6 @@ def throw(
         throw_tables.print_free_modes(record["free_modes"], out.units)
     if profile:
         throw_tables.print_profile(record["seconds"])
-
-
-def _parse_pin_force(text: str) -> list[float]:
-    """Return the force on a pin in the throw frame, x, y, z [N]; one number is Z towards the shaft."""
-    from crankfem.cli.quantity_list import parse_quantities
-    from fem.pin_response import LARGEST_LOAD
-
-    found = parse_quantities(text, "N", "--pin-force")
-    if len(found) not in (1, 3) or not max(map(abs, found)) <= LARGEST_LOAD:
-        raise InputError(
-            f'--pin-force: given {text!r}; allowed is one radial force, like "100 kN", or x, y, z, like '
-            f'"40, -100, 0 kN", none beyond {LARGEST_LOAD:g} N.'
-        )
-    return found if len(found) == 3 else [0.0, 0.0 - found[0], 0.0]
 
 
 @with_output(files=True, units=True)
