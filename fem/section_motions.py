@@ -9,8 +9,8 @@ come before those of p + 1, so that a lower degree, or the rigid section, is the
 higher one.
 
 The space of degree p is the same for all circles and turns of the section, so neighbors share it whatever
-their bores and angles: a change of ring or angle is a linear map, exact. Each motion is either along the shaft
-or across it and even or odd under either mirror of the section.
+their bores and angles: a change of ring or angle is a linear map, exact. Each motion is either along the
+shaft or across it, and even or odd under either mirror of the section.
 """
 
 from dataclasses import dataclass, replace

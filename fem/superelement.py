@@ -21,9 +21,9 @@ UX, UY, UZ, RX, RY, RZ = range(6)
 class Superelement:
     """A throw condensed to the motions of its end sections.
 
-    That of a throw by itself has rigid sections. Where throws meet its `joined` counts, whose sections bend: 2 b
-    unknowns more, amplitudes [m] of motions of the left and then of the right section that no force acts on
-    from outside. With these held at zero it is the superelement of rigid sections again.
+    That of a throw by itself has rigid sections. Where throws meet its `joined` counts, whose sections bend:
+    2 b unknowns more, amplitudes [m] of motions of the left and then of the right section that no force acts
+    on from outside. With these held at zero it is the superelement of rigid sections again.
 
     Attributes
     ----------
@@ -85,7 +85,7 @@ class Superelement:
         )
 
     def shared_with(self, sections: SectionMotions) -> "Superelement":
-        """Return the superelement in section motions over another ring, those of a neighbor of another bore."""
+        """Return the superelement in section motions over another ring, that of a neighbor's bore."""
         if sections == self.sections:
             return self
         own = both_ends(self.sections.amplitudes_of(sections))
