@@ -26,6 +26,7 @@ from fem.pin_response import (
     pin_response,
 )
 from fem.plots.over_angle import ANGLES_DEG, LABELS, Compliance, check_compliance, plot_compliance
+from fem.section_motions import RIGID, Sections
 from fem.superelement import Superelement, combine_classes
 from fem.supports import (
     STRETCH,
@@ -108,6 +109,25 @@ class ThrowAnalysis(SolvedThrow):
     def end_sections(self) -> str:
         """What the end sections may do: "rigid" or "averaged"."""
         return self.classes[0].end_sections
+
+    @property
+    def sections(self) -> Sections:
+        """What end sections become where throws meet: "rigid", or polynomials of degree 1, 2 or 4."""
+        return self.superelement.joined.sections.sections
+
+    def with_sections(self, sections: Sections) -> "ThrowAnalysis":
+        """Return the same throw with polynomials of a lower degree, or rigid sections, where throws meet.
+
+        Raises
+        ------
+        InputError
+            If the degree is higher than that it was solved with.
+        """
+        kept = self.superelement.joined.sections.up_to(sections)
+        classes = tuple(one.up_to(kept if kept.bending else RIGID) for one in self.classes)
+        return replace(
+            self, classes=classes, superelement=self.superelement.with_sections(sections)
+        )
 
     @property
     def mass(self) -> float:
