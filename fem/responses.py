@@ -6,7 +6,7 @@ discretization takes from it (`fem.correction`), and its error is a share of tha
 """
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from types import MappingProxyType
 
@@ -22,9 +22,10 @@ from fem.correction import error_bars
 from fem.fillet_stress import fillet_stresses
 from fem.loads import RADIAL, radial_directions
 from fem.material import STEEL, Material
+from fem.section_motions import RIGID, SHARED, degree_of
 from fem.superelement import RX, RY, combine_classes
 from fem.supports import STRETCH, TWIST
-from fem.symmetry import symmetry_classes, torsional_class
+from fem.symmetry import axial_class, symmetry_classes, torsional_class
 from geometry.mass import mass_properties
 from geometry.mesher import mesh_isolated
 from geometry.throw import CrankThrow
@@ -154,11 +155,16 @@ def evaluate_throw(
     MeshError, SolveError
         If the throw cannot be meshed or solved.
     """
-    problem = Problem(material, "auto", "rigid", Stopwatch())
+    problem = Problem(material, "auto", "rigid", Stopwatch(), degree_of(SHARED))
     level = solve_to_accuracy(throw, accuracy, problem, mesher)
-    axial = _class_responses(level.axial_part, level, STRETCH, TILT_IN_PLANE)
-    (torsional_part,) = level.condense([torsional_class(level.mesh.part)], problem)
-    torsional = _class_responses(torsional_part, level, TWIST, TILT_ACROSS)
+    part = level.mesh.part
+    solved = dict.fromkeys((axial_class(part), torsional_class(part)))
+    classes = level.condense(
+        tuple(solved) if part == "quarter" else symmetry_classes(part), problem
+    )
+    by_class = {one.symmetry: one.up_to(RIGID) for one in classes}
+    axial = _class_responses(by_class[axial_class(part)], level, STRETCH, TILT_IN_PLANE)
+    torsional = _class_responses(by_class[torsional_class(part)], level, TWIST, TILT_ACROSS)
     answers: dict[str, Answer] = {}
     for number, support in enumerate(SUPPORTS):
         compliance, influence = axial.compliances[number], axial.influences[number]
@@ -166,7 +172,7 @@ def evaluate_throw(
         answers[f"torsional_compliance_{support}"] = torsional.compliances[number]
         answers[f"influence_coefficient_{support}"] = influence
         answers[f"axial_reaction_{support}"] = _ratio(influence, compliance)
-    answers |= _angle_law_responses(throw, level, problem, axial, torsional)
+    answers |= _angle_law_responses(throw, classes, axial, torsional)
     mass = mass_properties(level.mesh, material.density).mass
     answers["mass"] = (mass, abs(mass / (material.density * throw.volume) - 1.0))
     if stresses:
@@ -226,27 +232,17 @@ def _ratio(numerator: Answer, denominator: Answer) -> Answer:
 
 def _angle_law_responses(
     throw: CrankThrow,
-    level: RefinementLevel,
-    problem: Problem,
+    classes: Sequence[CondensedClass],
     axial: _ClassResponses,
     torsional: _ClassResponses,
 ) -> dict[str, Answer]:
     """e_0, e_180, c_0, c_180 and rho; see `fem.angle_law`.
 
-    For equal webs the tilts of neighbors in line and opposite are those of guided and pinned ends. For
-    others the numbers come from chains of the whole throw, with the errors of guided and pinned ends.
+    They have the errors of guided and pinned ends, and of the tilts. Of a throw with equal webs an axial
+    force excites two classes only, whatever the angle: those that a half turn about the crank's axis keeps.
     """
     pinned, guided = range(2)
     ratio = _ratio(axial.tilt, torsional.tilt)
-    if level.mesh.part == "quarter":
-        return {
-            "axial_compliance_opposite": axial.compliances[pinned],
-            "axial_compliance_in_line": axial.compliances[guided],
-            "tilt_stiffness_ratio": ratio,
-            "influence_coefficient_opposite": axial.influences[pinned],
-            "influence_coefficient_in_line": axial.influences[guided],
-        }
-    classes = level.condense(symmetry_classes(level.mesh.part), problem)
     law = effective_angle_law(combine_classes(classes, radial_directions(throw)))
     return {
         "axial_compliance_opposite": (law.opposite, axial.compliances[pinned][1]),
