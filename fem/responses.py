@@ -31,6 +31,10 @@ from geometry.throw import CrankThrow
 Array = NDArray[np.float64]
 
 SUPPORTS: tuple[Support, ...] = ("pinned", "guided")
+RATIOS = {
+    "tilt_stiffness_ratio": "axial_compliance_in_line",
+    "cross_tilt_stiffness_ratio": "tangential_end_moment_in_line",
+}
 # Of the unit loads of `fem.unit_loads`, those whose concentration factors the field knows.
 STRESS_LOADS = ("bending", "torsion")
 STRESS_ACCURACY = 0.05
@@ -202,6 +206,11 @@ def evaluate_throw(
         answers[f"axial_reaction_{support}"] = _ratio(
             answers[f"influence_coefficient_{support}"], answers[f"axial_compliance_{support}"]
         )
+    # A ratio of differences is known less well than what it is made of.
+    for name, other in RATIOS.items():
+        if name in answers:
+            value, error = answers[name]
+            answers[name] = value, math.hypot(error, answers[other][1])
     mass = mass_properties(level.mesh, material.density).mass
     answers["mass"] = (mass, abs(mass / (material.density * throw.volume) - 1.0))
     if stresses:
