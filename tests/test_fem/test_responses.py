@@ -99,10 +99,11 @@ def test_errors_fall_with_the_accuracy(coarse):
     assert coarse.errors["mass"] < 1e-4
 
 
-def test_symmetric_throws_have_one_name_for_two_supports(coarse):
+def test_neighbors_soften_what_rigid_sections_make_the_same(coarse):
     values = coarse.values
-    assert values["axial_compliance_opposite"] == values["axial_compliance_pinned"]
-    assert values["axial_compliance_in_line"] == values["axial_compliance_guided"]
+    for name, rigid in (("opposite", "pinned"), ("in_line", "guided")):
+        beside = values[f"axial_compliance_{name}"] / values[f"axial_compliance_{rigid}"]
+        assert 1.003 < beside < 1.02
     # Out of plane the webs are stiffer: every throw with a crank radius has a ratio above 1.
     assert 1.8 < values["tilt_stiffness_ratio"] < 3.4
 
