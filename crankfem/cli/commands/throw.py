@@ -50,6 +50,10 @@ def throw(
     end_sections: Annotated[
         str, typer.Option(help="rigid, or averaged (free to warp); the two bound the truth.")
     ] = "rigid",
+    sections: Annotated[
+        str,
+        typer.Option(help="Where throws meet: rigid, or degree 1, 2 or 4 of how sections bend."),
+    ] = "2",
     solver: Annotated[str, typer.Option(help="pardiso, superlu, or auto.")] = "auto",
     modes: Annotated[
         int, typer.Option(help="Also find so many natural modes of the free throw.")
@@ -96,8 +100,14 @@ def throw(
                 f"--pin: given {pins[0]!r}; allowed only with a STEP file, whose faces have names."
             )
         part, material = select_throw(engine, name, out.quiet)
+    shared: Any = int(sections) if sections in ("1", "2", "4") else sections
     analysis = analyze_throw(
-        part, material, accuracy, solver=solver, end_sections=cast(Any, end_sections)
+        part,
+        material,
+        accuracy,
+        solver=solver,
+        end_sections=cast(Any, end_sections),
+        sections=shared,
     )
     record = throw_record(analysis, UNIT_RADIAL_FORCE, pin_force=force, gamma_deg=angle)
     if modes:
