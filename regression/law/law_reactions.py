@@ -16,7 +16,6 @@ from fem.end_reactions import Reactions
 from geometry.throw import CrankThrow
 from regression.end_reactions import NEEDED, ThrowLengths, end_reactions
 from regression.law.networks import OUTPUTS
-from regression.law.throw_law import LawAnswers
 from regression.models.reaction_lookup import (
     ReactionLookup,
     both_ends,
@@ -34,9 +33,17 @@ USED = OUTPUTS[:-1]
 
 
 def law_reactions(
-    throw: CrankThrow, answers: LawAnswers, pin_force: ArrayLike, support: "Support"
+    throw: CrankThrow, values: Array, widths: Array, pin_force: ArrayLike, support: "Support"
 ) -> ReactionLookup:
     """Reactions of a throw by the law; `AxialLaw.reactions` says what is what.
+
+    Parameters
+    ----------
+    throw : CrankThrow
+    values, widths : (k,) array
+        What the networks of `USED` say of it, and relative half widths of their bands.
+    pin_force, support
+        As there.
 
     Raises
     ------
@@ -51,11 +58,10 @@ def law_reactions(
         )
     pin = next(cylinder for cylinder in throw.parts.cylinders if cylinder.is_pin)
     lengths = ThrowLengths(throw.length, 0.5 * (pin.start + pin.end), throw.crank_radius)
-    values, widths = (own.ravel() for own in answers.values(USED))
 
     def loads(outputs: Array) -> Array:
         own = dict(zip(USED, outputs, strict=True))
-        numbers = reaction_numbers(own, lengths, answers.diameter)
+        numbers = reaction_numbers(own, lengths, throw.main_journal_diameter)
         return end_reactions({name: numbers[name] for name in NEEDED[kind]}, lengths, force, gamma)
 
     middle, band = loads(values), np.zeros((*force.shape[:-1], 12))

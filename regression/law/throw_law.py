@@ -124,14 +124,15 @@ class AxialLaw:
             If this is the law of many throws, or the force, the support or the throw is none that the
             law knows reactions of.
         """
-        from regression.law.law_reactions import law_reactions
+        from regression.law.law_reactions import USED, law_reactions
 
         if self.throw is None:
             raise InputError(
                 "reactions: asked of the law of many throws; allowed is that of one, axial_law(throw)."
             )
         answers = LawAnswers(throw_dimensions(self.throw), *self.elastic)
-        return law_reactions(self.throw, answers, pin_force, support)
+        values, widths = (own.ravel() for own in answers.values(USED))
+        return law_reactions(self.throw, values, widths, pin_force, support)
 
 
 @summarized("pinned [rad/(N m)]", "guided [rad/(N m)]", "band [rad/(N m)]", "tier")

@@ -101,8 +101,8 @@ def look_reactions_up(
     missing = [name for name in NEEDED[kind] if name not in model.responses]
     if missing:
         raise InputError(
-            f"support: given {support_words(kind, gamma)}, but the model has no {missing[0]}; reactions there need "
-            f"{', '.join(NEEDED[kind])}: run and fit its study again, for this release computes them."
+            f"support: given {support_words(kind, gamma)}, but the model has no {missing[0]}; reactions "
+            f"there need {', '.join(NEEDED[kind])}: run and fit its study again, for this release computes them."
         )
     found = {name: lookups(name, strict=strict, **dimensions) for name in NEEDED[kind]}
     inside = np.logical_and.reduce([one.inside for one in found.values()])
