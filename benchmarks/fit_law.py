@@ -15,15 +15,16 @@ from scipy.linalg import LinAlgError, cho_factor, cho_solve
 
 from fem.supports import STRETCH, TWIST
 from geometry.throw import CrankThrow
-from regression.law import ratios as law_ratios
+from regression.law.inputs import plain_inputs, real_inputs
 from regression.law.networks import FILE, OUTPUTS
+from regression.law.ratios import ratios, throw_dimensions
 
 Array = NDArray[np.float64]
 UX, UY, UZ, RX, RY, RZ = range(6)
 PINNED = [n for n in range(12) if n not in (UX, UY, 6 + UX, 6 + UY, UZ, RZ)]
 HIDDEN = {"plain": (16, 12), "real": (24, 16)}
 SAMPLES = {"plain": ("plain-train", "plain-held-out")}
-SAMPLES["real"] = (*SAMPLES["plain"], "real-train")
+SAMPLES["real"] = (*SAMPLES["plain"], "wide-train", "first-train", "real-train")
 LEAST_NOISE = 2e-4
 UNWEIGHED = 10  # steps before weights are held back as the evidence tells
 
@@ -77,9 +78,9 @@ def numbers(row: dict[str, Any]) -> list[float]:
 
 def table(tier: str, rows: list[dict[str, Any]]) -> tuple[Array, Array]:
     """Inputs (n, d) and logarithms of answers (n, k) of throws."""
-    make = law_ratios.plain_inputs if tier == "plain" else law_ratios.real_inputs
-    throws = [law_ratios.throw_dimensions(CrankThrow(**row["fields"])) for row in rows]
-    inputs = [make(law_ratios.ratios(throw)) for throw in throws]
+    make = plain_inputs if tier == "plain" else real_inputs
+    throws = [throw_dimensions(CrankThrow(**row["fields"])) for row in rows]
+    inputs = [make(ratios(throw)) for throw in throws]
     return np.array(inputs), np.log(np.array([numbers(row) for row in rows]))
 
 

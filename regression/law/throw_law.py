@@ -17,6 +17,7 @@ from crankbase.checks.scalars import is_number
 from crankbase.errors import InputError, quoted
 from crankbase.summaries import summarized
 from geometry.throw import CrankThrow
+from regression.law.inputs import plain_inputs, real_inputs
 from regression.law.networks import TIERS, networks
 from regression.law.ratios import (
     MORE_FIELDS,
@@ -24,10 +25,8 @@ from regression.law.ratios import (
     RANGES,
     check_range,
     is_plain,
-    plain_inputs,
     ratio_text,
     ratios,
-    real_inputs,
     throw_dimensions,
 )
 from regression.models.angle import between_values
@@ -130,7 +129,7 @@ class AxialLaw:
             raise InputError(
                 "reactions: asked of the law of many throws; allowed is that of one, axial_law(throw)."
             )
-        answers = LawAnswers(throw_dimensions(self.throw), *self.elastic)
+        answers = LawAnswers.of_throw(self.throw, *self.elastic)
         values, widths = (own.ravel() for own in answers.values(USED))
         return law_reactions(self.throw, values, widths, pin_force, support)
 
@@ -204,7 +203,7 @@ def axial_law(
     >>> print(f"{axial_law(throw).pinned:.2e} m/N")
     1.29e-09 m/N
     """
-    found = LawAnswers(throw_dimensions(throw), youngs_modulus, poisson_ratio, nearest=True)
+    found = LawAnswers.of_throw(throw, youngs_modulus, poisson_ratio)
     return AxialLaw(**found.results(AXIAL), throw=throw, elastic=(youngs_modulus, poisson_ratio))
 
 
@@ -212,7 +211,7 @@ def torsional_law(
     throw: CrankThrow, *, youngs_modulus: float = 2.1e11, poisson_ratio: float = POISSON_RATIO
 ) -> TorsionalLaw:
     """Torsional compliance of a throw by the law; parameters and errors as `axial_law`."""
-    found = LawAnswers(throw_dimensions(throw), youngs_modulus, poisson_ratio, nearest=True)
+    found = LawAnswers.of_throw(throw, youngs_modulus, poisson_ratio)
     return TorsionalLaw(**found.results(TORSIONAL))
 
 
@@ -274,17 +273,22 @@ class LawAnswers:
         dimensions: Mapping[str, Any],
         youngs_modulus: float,
         poisson_ratio: float,
-        nearest: bool = False,
     ) -> None:
         check_material(youngs_modulus, poisson_ratio)
         self.ratios = ratios(dimensions)
         check_range(self.ratios)
-        self.nearest = _nearest(self.ratios) if nearest else ""
         self.modulus, self.beside = youngs_modulus, poisson_ratio - POISSON_RATIO
         self.diameter = dimensions["main_journal_diameter"]
         self.plain = is_plain(self.ratios)
         shapes = {value.shape for value in self.ratios.values() if isinstance(value, np.ndarray)}
         self.shape = np.broadcast_shapes(*shapes)
+
+    @classmethod
+    def of_throw(
+        cls, throw: CrankThrow, youngs_modulus: float, poisson_ratio: float
+    ) -> "LawAnswers":
+        """Answers of one throw; errors as of `axial_law`."""
+        return cls(throw_dimensions(throw), youngs_modulus, poisson_ratio)
 
     def values(self, names: tuple[str, ...]) -> tuple[Array, Array]:
         """Dimensionless answers (k, ...) by the names of `OUTPUTS`, and relative half widths."""
@@ -327,7 +331,8 @@ class LawAnswers:
             found[name] = answer / (self.modulus * self.diameter**power) if power else answer
         tier = np.where(self.plain, *TIERS) if self.shape else TIERS[not self.plain]
         errors = dict(zip(kinds, widths, strict=True))
-        return found | {"errors": errors, "tier": tier, "nearest_limit": self.nearest}
+        nearest = "" if self.shape else _nearest(self.ratios)
+        return found | {"errors": errors, "tier": tier, "nearest_limit": nearest}
 
 
 def check_material(youngs_modulus: float, poisson_ratio: float) -> None:
