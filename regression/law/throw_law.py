@@ -6,8 +6,8 @@ rigid discs, as in `fem.analysis.analyze_throw`; counterweights do not stiffen a
 """
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any
+from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -30,10 +30,6 @@ from regression.law.ratios import (
     throw_dimensions,
 )
 from regression.models.angle import between_values
-
-if TYPE_CHECKING:
-    from fem.supports import Support
-    from regression.models.reaction_lookup import ReactionLookup
 
 Array = NDArray[np.float64]
 
@@ -61,10 +57,6 @@ class AxialLaw:
         "plain" or "real": which networks answered.
     nearest_limit : str
         Of one throw: the ratio nearest to an end of the law's range, in words.
-    throw : CrankThrow or None
-        The one throw.
-    elastic : (2,) tuple of float
-        Young's modulus [Pa] and Poisson's ratio.
     """
 
     pinned: Any
@@ -75,8 +67,6 @@ class AxialLaw:
     errors: Mapping[str, Any]
     tier: Any
     nearest_limit: str = ""
-    throw: CrankThrow | None = field(default=None, repr=False)
-    elastic: tuple[float, float] = (2.1e11, POISSON_RATIO)
 
     @property
     def band(self) -> tuple[Any, Any]:
@@ -101,37 +91,6 @@ class AxialLaw:
     def influence(self, gamma_deg: ArrayLike) -> Any:
         """Influence coefficient between equal neighbors, c(gamma) [m/N]; as `axial`."""
         return between_values(gamma_deg, (self.influence_guided, self.influence_pinned, self.ratio))
-
-    def reactions(self, pin_force: ArrayLike, support: "Support" = "pinned") -> "ReactionLookup":
-        """Reactions of the supports on the one throw under a force on its pin, axial motion blocked.
-
-        Parameters
-        ----------
-        pin_force : (3,) or (..., 3) array_like
-            Across the shaft, in the throw frame [N]; the radial force Z is ``(0, -Z, 0)``.
-        support : "pinned", "guided" or Neighbors
-            The left end takes the torque; `Neighbors` with equal angles.
-
-        Returns
-        -------
-        ReactionLookup
-            In equilibrium with the force, with bands from those of the networks.
-
-        Raises
-        ------
-        InputError
-            If this is the law of many throws, or the force, the support or the throw is none that the
-            law knows reactions of.
-        """
-        from regression.law.law_reactions import USED, law_reactions
-
-        if self.throw is None:
-            raise InputError(
-                "reactions: asked of the law of many throws; allowed is that of one, axial_law(throw)."
-            )
-        answers = LawAnswers.of_throw(self.throw, *self.elastic)
-        values, widths = (own.ravel() for own in answers.values(USED))
-        return law_reactions(self.throw, values, widths, pin_force, support)
 
 
 @summarized("pinned [rad/(N m)]", "guided [rad/(N m)]", "band [rad/(N m)]", "tier")
@@ -204,7 +163,7 @@ def axial_law(
     1.29e-09 m/N
     """
     found = LawAnswers.of_throw(throw, youngs_modulus, poisson_ratio)
-    return AxialLaw(**found.results(AXIAL), throw=throw, elastic=(youngs_modulus, poisson_ratio))
+    return AxialLaw(**found.results(AXIAL))
 
 
 def torsional_law(
