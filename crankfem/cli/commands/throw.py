@@ -103,6 +103,7 @@ def throw(
             )
         part, material = select_throw(engine, name, out.quiet)
     shared: Any = int(sections) if sections in ("1", "2", "4") else sections
+    COMPLIANCE_ACCURACY.checked("accuracy", accuracy)  # before anything is printed
     law = law_record(part, material) if isinstance(part, CrankThrow) else None
     if law is not None and not out.json:
         console.print_line(law_sentence(law, out.units))
