@@ -49,6 +49,7 @@ SAMPLES = {
     "plain-test": Sample("plain", 23_005),
     "wide-train": Sample("wide", 23_007, BEYOND, 0.5),
     "real-train": Sample("real", 23_008, BEYOND, 0.3),
+    "real-pool": Sample("real", 23_010, BEYOND, 0.3),
     "real-test": Sample("real", 23_009),
 }
 
