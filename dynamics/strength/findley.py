@@ -4,7 +4,8 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
+from scipy.spatial import ConvexHull, QhullError
 
 from crankbase.checks.arrays import FloatArray, finite_array, positive_number
 from crankbase.errors import InputError
@@ -113,7 +114,8 @@ def critical_plane(history: ArrayLike, factor: float) -> CriticalPlane:
 
     Notes
     -----
-    Planes are looked at all round in steps of 10 degrees, then near the worst in steps of 2 and 0.4.
+    Planes are looked at all round in steps of 10 degrees, then near the worst in steps of 2 and 0.4. Stresses
+    on a plane are linear in those of the history, so that the corners of its path are enough.
     """
     given = finite_array("history", history)
     if given.ndim != 2 or given.shape[1] != 3 or not len(given):
@@ -121,12 +123,14 @@ def critical_plane(history: ArrayLike, factor: float) -> CriticalPlane:
             f"history: given an array of shape {given.shape}; allowed is (m, 3), because a free surface has "
             "three stresses at each moment."
         )
+    corners = _corners(given)
+    path = given[corners]
     step = math.radians(FIRST_STEP)
     around = np.arange(0.0, math.pi - 1e-9, step)
     down = np.arange(0.0, 0.5 * math.pi + 1e-9, step)
     for _ in range(LOOKS + 1):
         angles = np.stack(np.meshgrid(around, down, indexing="ij"), axis=-1).reshape(-1, 2)
-        values, shear, normal = _on_planes(given, angles, factor)
+        values, shear, normal = _on_planes(path, angles, factor)
         worst = int(np.argmax(values))
         best = angles[worst]
         near = np.arange(-CLOSER, CLOSER + 0.5) * step / CLOSER
@@ -136,9 +140,17 @@ def critical_plane(history: ArrayLike, factor: float) -> CriticalPlane:
         value=float(values[worst]),
         shear_amplitude=float(shear[worst]),
         normal_stress=float(stress.max()),
-        moment=int(np.argmax(stress)),
+        moment=int(corners[np.argmax(stress)]),
         normal=_normals(best[None])[0],
     )
+
+
+def _corners(history: FloatArray) -> NDArray[np.int64]:
+    """Return the moments at which the path turns outwards: others hold no circle, and no largest stress."""
+    try:
+        return np.sort(ConvexHull(history, qhull_options="QJ").vertices)
+    except QhullError:  # too few moments, or all alike
+        return np.arange(len(history))
 
 
 def findley_bound(histories: ArrayLike, factor: float) -> FloatArray:

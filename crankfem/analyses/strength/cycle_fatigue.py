@@ -37,11 +37,11 @@ from fem.fillet_stress import fillet_stresses
 from fem.stress_fields import StressedSite, StressFields, stress_fields
 
 # Speeds at which nodes are chosen first, and how many are followed over all speeds.
-FIRST_SPEEDS, FOLLOWED = 9, 16
-# Every so many samples of the cycle are enough to choose.
-SPARSE = 3
+FIRST_SPEEDS, FOLLOWED = 5, 16
+# Every so many samples of the cycle are enough to choose nodes, and speeds.
+SPARSER, SPARSE = 6, 3
 # Highest speeds of each case that are looked at closely, and nodes that are there.
-CLOSELY, NODES = 2, 10
+CLOSELY, NODES = 2, 8
 # Wished accuracy of the finite elements, where there are none yet.
 ACCURACY = 0.1
 
@@ -278,13 +278,14 @@ def _candidates(
     count = len(loads.speeds)
     first = np.unique(np.linspace(0, count - 1, FIRST_SPEEDS).astype(int))
     twisting = np.ptp(loads.ends[..., 11], axis=2).max(axis=0).argmax()
-    sparse = amplitudes[:, ::SPARSE]
     every = np.arange(len(site.points))
     reached = np.zeros(len(every))
     for speed in [*first, twisting]:
-        reached = np.maximum(reached, findley_bound(_history(site, every, sparse[speed]), factor))
+        history = _history(site, every, amplitudes[speed, ::SPARSER])
+        reached = np.maximum(reached, findley_bound(history, factor))
     nodes = np.argsort(reached)[-FOLLOWED:]
-    bounds = findley_bound(_history(site, nodes, sparse), factor).max(axis=0)
+    history = _history(site, nodes, amplitudes[:, ::SPARSE])
+    bounds = findley_bound(history, factor).max(axis=0)
     padded = np.concatenate(([-np.inf], bounds, [-np.inf]))
     tops = np.flatnonzero((bounds >= padded[:-2]) & (bounds >= padded[2:]))
     for top in tops[np.argsort(bounds[tops])[::-1][:CLOSELY]]:
