@@ -205,7 +205,7 @@ def engine_fatigue(
     """
     file = vibration.engine_file
     known = mechanism_of(file) if mechanism is None else mechanism
-    rule = engine_strength(vibration, mechanism=known) if strength is None else strength
+    rule = strength or engine_strength(vibration, mechanism=known, stresses=stresses)
     section = file.strength
     assert section is not None  # or there were no rule
     kept, _ = judged_speeds(vibration)
@@ -244,9 +244,7 @@ def throw_fields(
     for name in dict.fromkeys(file.throw_names):
         throw = file.named_throws[name]
         if throw not in found:
-            own = None if stresses is None else stresses.get(name)
-            if own is None:
-                own = fillet_stresses(throw, file.material, ACCURACY)
+            own = (stresses or {}).get(name) or fillet_stresses(throw, file.material, ACCURACY)
             found[throw] = stress_fields(own.loaded.mesh, throw, file.material)
     return {name: found[file.named_throws[name]] for name in file.throw_names}
 
