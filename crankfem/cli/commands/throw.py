@@ -122,6 +122,9 @@ def stress(
         float, typer.Option(help=f"Relative accuracy of the largest stresses, {STRESS_ACCURACY}.")
     ] = 0.05,
     end_sections: Annotated[str, typer.Option(help="rigid, or averaged (free to warp).")] = "rigid",
+    mesh: Annotated[
+        str, typer.Option(help="adaptive, or m53: fillets as IACS UR M53, Appendix III, asks for.")
+    ] = "adaptive",
     pictures: Annotated[
         Path | None, typer.Option(metavar="FOLDER", help="Folder for a picture of each load.")
     ] = None,
@@ -145,7 +148,9 @@ def stress(
         protect(input_path(engine))
         names = [picture_name(load) for load in unit_loads(radial_directions(part))]
         make_output_folder("--pictures", pictures, names)
-    stresses = fillet_stresses(part, material, accuracy, end_sections=cast(Any, end_sections))
+    stresses = fillet_stresses(
+        part, material, accuracy, end_sections=cast(Any, end_sections), mesh=cast(Any, mesh)
+    )
     record = stress_record(stresses)
     if pictures is not None:
         from crankfem.analyses.throw.pictures.stress_picture import picture_stresses
