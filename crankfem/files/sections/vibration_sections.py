@@ -96,7 +96,7 @@ class Bearings(InputModel):
 
 
 class ShaftLineFiles(InputModel):
-    """What follows the flywheel, each as a chain file whose first node is the flywheel's place; or the plant."""
+    """What follows the flywheel, each as a chain file whose first node is its place; or the whole plant."""
 
     section: ClassVar[str] = "shaft_line"
 
