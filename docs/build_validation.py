@@ -89,6 +89,8 @@ GROUPS: dict[str, tuple[str, dict[str, str]]] = {
             "test_throw_reference_values": "independent finite elements, CalculiX 2.20",
             "test_v6_turning": "Modelica Standard Library 4.0.0",
             "test_mwm_forced": "equations written out, DOP853",
+            "test_mwm_pressure": "Mendes et al. 2008, openTorsion",
+            "test_direct_drive_plant": "data of Wartsila",
             "test_transient_mwm": "DOP853, Duhamel's integral",
             "test_least_squares": "statsmodels, NIST's certified values",
         },
