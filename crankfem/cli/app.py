@@ -20,6 +20,7 @@ from crankfem.cli.commands.mechanism import mechanism
 from crankfem.cli.commands.new import new
 from crankfem.cli.commands.optimum import optimum
 from crankfem.cli.commands.run import report, run
+from crankfem.cli.commands.serve import serve
 from crankfem.cli.commands.shapes import draw, export
 from crankfem.cli.commands.throw import stress, throw
 from crankfem.cli.commands.two_mass import two_mass
@@ -44,6 +45,7 @@ class CatalogedCommand:
 COMMANDS = (
     CatalogedCommand(run, MAIN_JOB, ("run 6chn25-34", "run mine.toml --output results --strict")),
     CatalogedCommand(report, MAIN_JOB, ("report mine-results",)),
+    CatalogedCommand(serve, MAIN_JOB, ("serve", "serve --models models --port 8000")),
     CatalogedCommand(
         new,
         FILES,

@@ -1,0 +1,99 @@
+"""The server: it listens, tells where, and ends gracefully."""
+
+import asyncio
+import socket
+import sys
+from typing import Any
+
+import uvicorn
+from uvicorn.protocols.http.auto import AutoHTTPProtocol
+
+from crankbase.errors import InputError
+from crankfem.service.app import make_app
+from crankfem.service.bounds import Settings
+
+GRACE = 5  # seconds for requests under way when the service ends
+
+
+def serve(settings: Settings) -> None:
+    """Serve until interrupted.
+
+    Raises
+    ------
+    InputError
+        If the folder or the port cannot be used.
+    """
+    app = make_app(settings)
+    bounds = settings.bounds
+
+    class Protocol(AutoHTTPProtocol):  # type: ignore[misc, valid-type]
+        """A connection whose requests must have a head in time."""
+
+        def connection_made(self, transport: Any) -> None:
+            super().connection_made(transport)
+            self._await_head()
+
+        def on_response_complete(self) -> None:
+            super().on_response_complete()
+            self._await_head()
+
+        def _await_head(self) -> None:
+            asked, loop = self.scope, asyncio.get_running_loop()
+
+            def look() -> None:
+                if self.scope is asked and not self.transport.is_closing():
+                    self.transport.close()
+
+            loop.call_later(bounds.head_seconds, look)
+
+    config = uvicorn.Config(
+        app,
+        http=Protocol,
+        ws="none",
+        access_log=False,
+        log_level="warning",
+        server_header=False,
+        limit_concurrency=bounds.connections,
+        timeout_graceful_shutdown=GRACE,
+        h11_max_incomplete_event_size=65536,
+    )
+    server = _Server(config, app.state.runner)
+    with _listening(settings) as listener:
+        host, port = listener.getsockname()[:2]
+        shown = f"[{host}]" if ":" in host else host
+        sys.stderr.write(f"crankfem serves at http://{shown}:{port}/ ({_who(settings)}).\n")
+        sys.stderr.write(f"Jobs lie in {settings.folder}. End with Ctrl-C; jobs that run go on at the next start.\n")
+        server.run(sockets=[listener])
+
+
+class _Server(uvicorn.Server):
+    def __init__(self, config: uvicorn.Config, runner: Any) -> None:
+        super().__init__(config)
+        self._runner = runner
+
+    def handle_exit(self, sig: int, frame: Any) -> None:
+        # Who follows a job is let go first: the server waits for all that is under way.
+        self._runner.announce_stop()
+        super().handle_exit(sig, frame)
+
+
+def _who(settings: Settings) -> str:
+    if settings.is_loopback:
+        return "this machine alone" + ("" if settings.key is None else ", with the key")
+    return "OPEN TO OTHER MACHINES that reach this one and bring the key; without TLS"
+
+
+def _listening(settings: Settings) -> socket.socket:
+    host = "127.0.0.1" if settings.host == "localhost" else settings.host
+    family = socket.AF_INET6 if ":" in host else socket.AF_INET
+    listener = socket.socket(family, socket.SOCK_STREAM)
+    try:
+        listener.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+        listener.bind((host, settings.port))
+    except OSError as error:
+        listener.close()
+        raise InputError(
+            f"--host, --port: given {settings.host} and {settings.port}, which cannot be listened at "
+            f"({error.strerror or error}); allowed is an address of this machine and a free port, 0 for any."
+        ) from None
+    return listener
