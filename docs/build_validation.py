@@ -119,6 +119,7 @@ GROUPS: dict[str, tuple[str, dict[str, str]]] = {
             "test_excitation_axial": "the shaft of superelements",
             "test_end_sections": "the shaft without rigid sections",
             "test_symmetry_parts": "the throw meshed as a half and whole",
+            "test_reaction_lookups": "finite elements of every throw, in place of equations",
         },
     ),
 }

@@ -137,9 +137,18 @@ class RefinementLevel:
         """Condense classes on the same mesh."""
         known = self.solved_part
         given = (self.mesh, self.stiffness, self.pins)
-        how = (self.solver, problem.end_sections, problem.watch, problem.degree)
         parts = [
-            known if one == known.symmetry else condense(*given, one, *how) for one in symmetries
+            known
+            if one == known.symmetry
+            else condense(
+                *given,
+                one,
+                self.solver,
+                problem.end_sections,
+                problem.watch,
+                problem.degree,
+            )
+            for one in symmetries
         ]
         if not known.sections.bending:  # then its energies are known as well
             parts = [one for one in parts if one is not known]

@@ -105,7 +105,7 @@ class DynamicSuperelement:
         return self._changed(section_turn(self.sections, math.radians(angle_deg)))
 
     def bending_turned(self, *, angle_deg: float) -> "DynamicSuperelement":
-        """Return it with the motions of sections beside their mean ones, and only these, in a turned frame."""
+        """Return it with what sections do beside their mean motions, and only that, in a turned frame."""
         turn = section_turn(self.sections, math.radians(angle_deg))
         return self._changed(block_diag(np.eye(12), turn[12:, 12:]))
 

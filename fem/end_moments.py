@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fem.superelement import RX, RY, Superelement
-from fem.supports import Neighbors, Support, end_motions
+from fem.supports import Neighbors, Support, all_end_motions
 
 Array = NDArray[np.float64]
 
@@ -18,7 +18,7 @@ AXIAL, RADIAL, TANGENTIAL = 0, 2, 3
 
 
 def end_moment_numbers(throw: Superelement, length: float, alike: bool) -> dict[str, float]:
-    """Find the end moments of a throw per unit load and length.
+    """Find the end moments of a throw per unit load and length, and rho_x.
 
     Parameters
     ----------
@@ -46,23 +46,26 @@ def end_moment_numbers(throw: Superelement, length: float, alike: bool) -> dict[
     }
     if not alike:
         return found
-    in_line, opposite = (
-        _end_moments(throw, Neighbors(angle, angle), length) for angle in (0.0, 180.0)
+    in_line, quarter, opposite = (
+        _end_moments(throw, Neighbors(angle, angle), length) for angle in (0.0, 90.0, 180.0)
     )
+    straight, turned = _opposed(in_line), _opposed(quarter)
     return found | {
         "radial_end_moment_in_line": -in_line[RX, RADIAL],
         "axial_end_moment_in_line": -in_line[RX, AXIAL],
-        "tangential_end_moment_in_line": _opposed(in_line),
+        "tangential_end_moment_in_line": straight,
         "tangential_end_moment_opposite": _alike(opposite),
+        "cross_tilt_stiffness_ratio": turned / (straight - turned),
     }
 
 
 def _end_moments(throw: Superelement, support: Support, length: float) -> Array:
     """Reactions (12, 4) on the ends of the axially free throw under each load, divided by the length."""
-    loads = np.hstack([throw.radial_loads[:, :1], throw.tangential_loads[:, :1]])
-    reactions = throw.stiffness @ end_motions(throw, support, loads)
+    one = throw.joined if isinstance(support, Neighbors) else throw
+    loads = np.hstack([one.radial_loads[:, :1], one.tangential_loads[:, :1]])
+    reactions = one.stiffness @ all_end_motions(throw, support, loads)
     reactions[:, RADIAL:] -= loads
-    return np.asarray(reactions / length)
+    return np.asarray(reactions[:12] / length)
 
 
 def _opposed(moments: Array) -> float:

@@ -20,8 +20,9 @@ from fem.end_moments import end_moment_numbers
 from fem.fillet_stress import fillet_stresses
 from fem.loads import radial_directions
 from fem.material import STEEL, Material
-from fem.superelement import RX, RY, Superelement, combine_classes
-from fem.supports import Support, end_motions, support_throw
+from fem.section_motions import SHARED, degree_of
+from fem.superelement import Superelement, combine_classes
+from fem.supports import Support, support_throw
 from fem.symmetry import symmetry_classes
 from geometry.mass import mass_properties
 from geometry.mesher import mesh_isolated
@@ -30,12 +31,10 @@ from geometry.throw import CrankThrow
 Array = NDArray[np.float64]
 
 SUPPORTS: tuple[Support, ...] = ("pinned", "guided")
-# Loads that tilt the two ends as neighbors do, against each other in the crank plane and alike across it,
-# and the other way round; and what their tilts are called.
-TILTS = np.zeros((12, 4))
-TILTS[[RX, 6 + RX, RY, 6 + RY], [0, 0, 1, 1]] = 1.0, -1.0, 1.0, 1.0
-TILTS[[RY, 6 + RY, RX, 6 + RX], [2, 2, 3, 3]] = 1.0, -1.0, 1.0, 1.0
-TILT_NAMES = ("opposed in plane", "alike across", "opposed across", "alike in plane")
+RATIOS = {
+    "tilt_stiffness_ratio": "axial_compliance_in_line",
+    "cross_tilt_stiffness_ratio": "tangential_end_moment_in_line",
+}
 # Of the unit loads of `fem.unit_loads`, those whose concentration factors the field knows.
 STRESS_LOADS = ("bending", "torsion")
 STRESS_ACCURACY = 0.05
@@ -188,7 +187,7 @@ def evaluate_throw(
     MeshError, SolveError
         If the throw cannot be meshed or solved.
     """
-    problem = Problem(material, "auto", "rigid", Stopwatch())
+    problem = Problem(material, "auto", "rigid", Stopwatch(), degree_of(SHARED))
     level = solve_to_accuracy(throw, accuracy, problem, mesher)
     part = level.mesh.part
     classes = level.condense(symmetry_classes(part), problem)
@@ -207,7 +206,11 @@ def evaluate_throw(
         answers[f"axial_reaction_{support}"] = _ratio(
             answers[f"influence_coefficient_{support}"], answers[f"axial_compliance_{support}"]
         )
-    answers |= _angle_law_responses(answers, corrected, part)
+    # A ratio of differences is known less well than what it is made of.
+    for name, other in RATIOS.items():
+        if name in answers:
+            value, error = answers[name]
+            answers[name] = value, math.hypot(error, answers[other][1])
     mass = mass_properties(level.mesh, material.density).mass
     answers["mass"] = (mass, abs(mass / (material.density * throw.volume) - 1.0))
     if stresses:
@@ -228,8 +231,14 @@ def _plain_answers(throw: Superelement, length: float, part: str) -> dict[str, f
         found[f"axial_compliance_{support}"] = answer.axial
         found[f"torsional_compliance_{support}"] = answer.torsional
         found[f"influence_coefficient_{support}"] = answer.influence
-    tilts = end_motions(throw, "pinned", TILTS)[:, 2:]
-    found |= dict(zip(TILT_NAMES, np.sum(tilts * TILTS, axis=0).tolist(), strict=True))
+    law = effective_angle_law(throw)
+    found |= {
+        "axial_compliance_opposite": law.opposite,
+        "axial_compliance_in_line": law.in_line,
+        "tilt_stiffness_ratio": law.ratio,
+        "influence_coefficient_opposite": law.influence_opposite,
+        "influence_coefficient_in_line": law.influence_in_line,
+    }
     if part != "full":
         found |= end_moment_numbers(throw, length, alike=part == "quarter")
     return found
@@ -238,34 +247,6 @@ def _plain_answers(throw: Superelement, length: float, part: str) -> dict[str, f
 def _ratio(numerator: Answer, denominator: Answer) -> Answer:
     """Quotient of two answers whose errors are not known to be alike."""
     return numerator[0] / denominator[0], math.hypot(numerator[1], denominator[1])
-
-
-def _angle_law_responses(
-    answers: Mapping[str, Answer], throw: Superelement, part: str
-) -> dict[str, Answer]:
-    """e_0, e_180, c_0, c_180, rho and rho_x; see `fem.angle_law`.
-
-    For equal webs the tilts of neighbors in line and opposite are those of guided and pinned ends. For
-    others the numbers come from chains of the whole throw, with the errors of guided and pinned ends.
-    """
-    tilts = [answers[name] for name in TILT_NAMES]
-    ratio, cross = _ratio(*tilts[:2]), _ratio(*tilts[2:])
-    alike = {
-        f"{name}_{angle}": answers[f"{name}_{support}"]
-        for name in ("axial_compliance", "influence_coefficient")
-        for angle, support in (("opposite", "pinned"), ("in_line", "guided"))
-    }
-    if part == "quarter":
-        return alike | {"tilt_stiffness_ratio": ratio, "cross_tilt_stiffness_ratio": cross}
-    law = effective_angle_law(throw)
-    found = {
-        "axial_compliance_opposite": law.opposite,
-        "axial_compliance_in_line": law.in_line,
-        "influence_coefficient_opposite": law.influence_opposite,
-        "influence_coefficient_in_line": law.influence_in_line,
-    }
-    errors = {name: (value, alike[name][1]) for name, value in found.items()}
-    return errors | {"tilt_stiffness_ratio": (law.ratio, ratio[1])}
 
 
 def _largest_factor(throw: CrankThrow, material: Material, mesher: Mesher) -> Answer:

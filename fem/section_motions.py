@@ -101,7 +101,9 @@ class SectionMotions:
         turned = np.array([[cosine, -sine, 0.0], [sine, cosine, 0.0], [0.0, 0.0, 1.0]])
         before = self.fields(places @ turned[:2, :2])[:, :, RIGID_COUNT:]
         own = self.fields(places)[:, :, RIGID_COUNT:]
-        return np.einsum("q,qak,ab,qbl->kl", weights, own, turned, before, optimize=True)
+        return np.asarray(
+            np.einsum("q,qak,ab,qbl->kl", weights, own, turned, before, optimize=True)
+        )
 
     def amplitudes_of(self, other: "SectionMotions") -> Array:
         """Amplitudes (n, n) of these motions in unit motions of the same degree over another ring."""
@@ -109,7 +111,8 @@ class SectionMotions:
             return np.eye(self.count)
         places, _ = self._ring()
         own = self.fields(places).reshape(-1, self.count)
-        return np.linalg.lstsq(own, other.fields(places).reshape(-1, other.count), rcond=None)[0]
+        given = other.fields(places).reshape(-1, other.count)
+        return np.asarray(np.linalg.lstsq(own, given, rcond=None)[0])
 
     def up_to(self, sections: Sections) -> "SectionMotions":
         """The motions of a lower degree.
@@ -149,7 +152,7 @@ def degree_of(sections: object) -> int:
             f'sections: given {quoted(sections)}; allowed are "rigid", 1, 2 and 4, the degree of the '
             "polynomials that sections move as where throws meet."
         )
-    return 0 if isinstance(sections, str) else int(sections)  # type: ignore[call-overload, no-any-return]
+    return 0 if isinstance(sections, str) else int(sections)
 
 
 def count_of(degree: int) -> int:

@@ -165,7 +165,7 @@ def sharing_sections(throws: Sequence[Superelement]) -> list[Superelement]:
 def shaft_unknowns(place: int, throws: int, bending: int) -> NDArray[np.int64]:
     """Unknowns of a throw by its place among those of a row: sections of six, then what goes beyond them."""
     beyond = 6 * (throws + 1) + bending * place
-    return np.r_[6 * place : 6 * place + 12, beyond : beyond + 2 * bending]
+    return np.concatenate([6 * place + np.arange(12), beyond + np.arange(2 * bending)])
 
 
 def assemble_shaft(throws: Sequence[Superelement]) -> Array:

@@ -7,7 +7,7 @@ from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.linalg import block_diag
+from scipy.linalg import block_diag, pinvh
 
 from crankbase.checks.scalars import is_number
 from crankbase.errors import InputError, quoted
@@ -16,6 +16,8 @@ from fem.superelement import RX, RY, RZ, UX, UY, UZ, Superelement, section_rotat
 
 Array = NDArray[np.float64]
 LONGEST_CHAIN = 64
+# Softer than this share of the stiffest is a motion of a class that was not solved.
+UNSOLVED = 1e-11
 # Motions of an end section that a support holds at both ends; besides, the left end is held along and
 # about the shaft.
 HELD = {"pinned": (UX, UY), "guided": (UX, UY, RX, RY)}
@@ -251,10 +253,11 @@ def _between_neighbors(throw: Superelement, pin_loads: Array, support: Neighbors
 def _helix_motions(throw: Array, loads: Array, turn: Array) -> Array:
     """Coupled motions of a throw in an endless helix: each does in its own frame what the others do.
 
-    Its right section is its right neighbor's left one, which moves as its own left one but turned.
+    Its right section is its right neighbor's left one, which moves as its own left one but turned. Motions
+    that loads do not excite by symmetry may be without stiffness, because their class was not solved.
     """
     both = np.vstack([np.eye(len(turn)), turn])
-    return np.asarray(both @ np.linalg.solve(both.T @ throw @ both, both.T @ loads))
+    return np.asarray(both @ pinvh(both.T @ throw @ both, rtol=UNSOLVED) @ (both.T @ loads))
 
 
 def _chain_motions(

@@ -39,7 +39,8 @@ _NAMES = {
     "largest_error_held_out largest_leverage largest_of_mean largest_of_same_angle likeness magnifier "
     "mean_error_at_runs mean_error_held_out mechanical_efficiency mended_elements mode "
     "node_positions nodes nonuniformity of_mean of_same_angle overlap_per_radius phase_sum pins points "
-    "misfiring processors q_squared r_squared resultant rho runs same_stars samples sense severity shape "
+    "misfiring processors q_squared r_squared resultant rho runs same_stars samples section_error sections "
+    "sense severity shape "
     "side_force_beside_largest strokes t throw torsional_beside_pinned unknowns used written",
     "m": "about axis center_of_mass largest_compression least_compression overlap principal_place stroke "
     "von_mises_place",

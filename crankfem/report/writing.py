@@ -21,7 +21,7 @@ from crankfem.analyses.mechanism.load_tables import bearing_table
 from crankfem.analyses.strength.strength_records import factor_table, strength_table, torque_table
 from crankfem.analyses.throw.compliances import compliance_tables, further_compliances
 from crankfem.analyses.throw.stress import mirrored, stress_tables
-from crankfem.analyses.throw.throw_tables import reaction_table, support_table
+from crankfem.analyses.throw.throw_tables import reaction_table, section_sentence, support_table
 from crankfem.analyses.vibration.mode_table import mode_table
 from crankfem.analyses.vibration.speed_table import speed_table
 from crankfem.analyses.vibration.tables import (
@@ -75,6 +75,7 @@ TABLES = (
     harmonics_table,
     support_table,
     reaction_table,
+    section_sentence,
     stress_tables,
     throw_mass_table,
     strength_table,

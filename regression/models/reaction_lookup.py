@@ -95,14 +95,14 @@ def look_reactions_up(
     ------
     InputError
     """
-    force = _checked_force(pin_force)
-    kind, gamma = _checked_support(support)
+    force = checked_force(pin_force)
+    kind, gamma = checked_support(support)
     _check_throws(model, kind)
     missing = [name for name in NEEDED[kind] if name not in model.responses]
     if missing:
         raise InputError(
-            f"support: given {_told(kind, gamma)}, but the model has no {missing[0]}; reactions there need "
-            f"{', '.join(NEEDED[kind])}: run and fit its study again, for this release computes them."
+            f"support: given {support_words(kind, gamma)}, but the model has no {missing[0]}; reactions "
+            f"there need {', '.join(NEEDED[kind])}: run and fit its study again, for this release computes them."
         )
     found = {name: lookups(name, strict=strict, **dimensions) for name in NEEDED[kind]}
     inside = np.logical_and.reduce([one.inside for one in found.values()])
@@ -128,9 +128,9 @@ def look_reactions_up(
         band += np.maximum(*(np.abs(loads(name, end) - middle) for end in ends))
         band[np.broadcast_to(open_ended, band.shape[:-1])] = np.inf
     return ReactionLookup(
-        *_both_ends(middle),
-        band=Reactions(*_both_ends(band)),
-        support=_told(kind, gamma),
+        *both_ends(middle),
+        band=Reactions(*both_ends(band)),
+        support=support_words(kind, gamma),
         inside=np.broadcast_to(inside, middle.shape[:-1]),
         remarks=tuple(dict.fromkeys(remark for one in found.values() for remark in one.remarks)),
     )
@@ -159,7 +159,8 @@ def throw_lengths(family: Family, given: Mapping[str, ArrayLike | str]) -> Throw
     return ThrowLengths(to_pin + pin / 2.0 + right + journal / 2.0, to_pin, radius)
 
 
-def _both_ends(loads: Array) -> tuple[EndReaction, EndReaction]:
+def both_ends(loads: Array) -> tuple[EndReaction, EndReaction]:
+    """Return what acts on the left and on the right end, from loads (..., 12)."""
     left, right = (
         EndReaction(loads[..., start : start + 3], loads[..., start + 3 : start + 6])
         for start in (0, 6)
@@ -167,7 +168,13 @@ def _both_ends(loads: Array) -> tuple[EndReaction, EndReaction]:
     return left, right
 
 
-def _checked_force(given: ArrayLike) -> Array:
+def checked_force(given: ArrayLike) -> Array:
+    """Return forces (..., 3) on a pin, across the shaft [N].
+
+    Raises
+    ------
+    InputError
+    """
     force = finite_array("pin_force", given)
     if force.shape[-1:] != (3,):
         raise InputError(
@@ -185,7 +192,13 @@ def _checked_force(given: ArrayLike) -> Array:
     return force
 
 
-def _checked_support(support: object) -> tuple[str, float | None]:
+def checked_support(support: object) -> tuple[str, float | None]:
+    """Return the kind of a support, as `NEEDED` names it, and the angle between neighbors [deg].
+
+    Raises
+    ------
+    InputError
+    """
     if isinstance(support, str) and support in ("pinned", "guided"):
         return support, None
     left, right = (getattr(support, f"{side}_deg", None) for side in ("left", "right"))
@@ -202,7 +215,8 @@ def _checked_support(support: object) -> tuple[str, float | None]:
     return "neighbors", float(left)
 
 
-def _told(kind: str, gamma: float | None) -> str:
+def support_words(kind: str, gamma: float | None) -> str:
+    """Say how a throw is supported."""
     return kind if gamma is None else f"between neighbors at {gamma:g} deg"
 
 

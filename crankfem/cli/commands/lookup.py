@@ -1,5 +1,6 @@
-"""Compliances from a model."""
+"""Compliances and reactions from a model, or from the law."""
 
+from functools import partial
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
@@ -54,34 +55,52 @@ def lookup(
     *,
     out: Output,
 ) -> None:
-    """Look compliances up in a model, and reactions to a force on the pin, with range check and bands."""
+    """Look compliances up in a model, or by the law (law in place of MODEL.json), with bands.
+
+    Also reactions to a force on the pin. Example: crankfem lookup law --throw 6chn25-34 --pin-force "100 kN"
+    """
+    from crankfem.analyses.throw.law_record import LAW, law_lookups
     from crankfem.cli.model_arguments import model_dimensions
     from crankfem.cli.quantity_list import parse_pin_force
-    from regression.models.compliance_model import ComplianceModel
+    from crankfem.cli.tables.reaction_tables import print_reactions, reaction_record
 
-    loaded = ComplianceModel.load(model)
-    asked: dict[str, Any] = {}
-    if throw is not None:
-        from crankfem.cli.throw_choice import select_throw
-
-        asked |= loaded.dimensions_of(select_throw(throw, quiet=out.quiet)[0])
-    asked |= model_dimensions(loaded, dimensions or [])
     angle = None
     if gamma is not None:
         from crankfem.cli.angle_and_speed import parse_gamma
 
         angle = parse_gamma(gamma, out.quiet)
     force = None if pin_force is None else parse_pin_force(pin_force)
-    answers, refused = _lookups(loaded, asked, angle, strict)
-    reactions = None if force is None else _reactions(loaded, asked, force, angle, strict)
+    refused: dict[str, str] = {}
+    if str(model) == LAW:
+        from crankfem.cli.law_arguments import law_throw
+
+        law = law_lookups(*law_throw(dimensions or [], throw, out.quiet), angle)
+        answers, react = law.answers, law.reactions
+    else:
+        from regression.models.compliance_model import ComplianceModel
+
+        loaded = ComplianceModel.load(model)
+        asked: dict[str, Any] = {}
+        if throw is not None:
+            from crankfem.cli.throw_choice import select_throw
+
+            asked |= loaded.dimensions_of(select_throw(throw, quiet=out.quiet)[0])
+        asked |= model_dimensions(loaded, dimensions or [])
+        answers, refused = _lookups(loaded, asked, angle, strict)
+        react = partial(loaded.reactions, strict=strict, **asked)
+    reactions = None if force is None else reaction_record(react, force, angle)
     if out.json:
         records = {name: _record(answer) for name, answer in answers.items()}
         records |= {name: {"refused": reason} for name, reason in refused.items()}
         print_json(records if reactions is None else records | {"reactions": reactions})
         return
-    _print_lookups(loaded, answers, angle is not None, out.units)
+    banded = _print_lookups(answers, angle is not None, out.units)
+    if str(model) == LAW:
+        print_line("Bands hold 95 of 100 throws, of rigid end sections.")
+    elif banded:
+        _print_bands(loaded, banded)
     if reactions is not None:
-        _print_reactions(reactions, out.units)
+        print_reactions(reactions, out.units)
     for name, reason in refused.items():
         print_line(out.units.text(f"{_title(name)}: left out; {reason}"))
 
@@ -132,72 +151,16 @@ def _record(answer: "Lookup") -> dict[str, Any]:
     }
 
 
-def _reactions(
-    model: "ComplianceModel",
-    asked: dict[str, Any],
-    force: list[float],
-    gamma: float | None,
-    strict: bool,
-) -> dict[str, Any]:
-    """Look reactions up under each support that the model can tell, as plain JSON content."""
-    from crankfem.analyses.record import attributes
-    from fem.supports import Neighbors, Support
-
-    supports: dict[str, Support] = {"pinned": "pinned", "guided": "guided"}
-    if gamma is not None:
-        supports[f"neighbors {gamma:g} deg"] = Neighbors(gamma, gamma)
-    found: dict[str, Any] = {}
-    refused: dict[str, str] = {}
-    for name, support in supports.items():
-        try:
-            answer = model.reactions(force, support, strict=strict, **asked)
-        except InputError as error:
-            refused[name] = str(error)
-            continue
-        found[name] = {
-            kind: {
-                side: attributes(getattr(ends, side), "force", "moment")
-                for side in ("left", "right")
-            }
-            for kind, ends in (("reactions", answer), ("band", answer.band))
-        } | {"inside": bool(answer.inside)}
-    if not found:
-        raise InputError(next(iter(refused.values())))
-    return {
-        "pin_force": force,
-        "radial_force": -force[1],
-        "supports": found,
-        "refused": refused,
-    }
-
-
-def _print_reactions(record: dict[str, Any], units: "OutputUnits") -> None:
-    """Print reactions as those of a throw by finite elements, and how far they may be off."""
-    from crankfem.analyses.throw.throw_tables import reaction_table
-    from crankfem.cli.console import print_table
-
-    print_table(reaction_table(record, units), units)
-    kilonewtons = units.of("kN")
-    for name, own in record["supports"].items():
-        push, band = (own[kind]["left"]["force"][2] for kind in ("reactions", "band"))
-        if not own["inside"]:
-            told = "OUTSIDE the range, where no band holds"
-        elif band is None:
-            told = "its band is open"
-        else:
-            told = f"within {kilonewtons.with_name(band, 3)} of {kilonewtons.with_name(push, 4)}"
-        print_line(f"Axial reaction {name}: {told}")
-    for name, reason in record["refused"].items():
-        print_line(units.text(f"Reactions {name}: left out; {reason}"))
-
-
 def _print_lookups(
-    model: "ComplianceModel",
-    answers: dict[str, "Lookup"],
-    with_angle: bool,
-    units: "OutputUnits",
-) -> None:
-    """Print a line for each response, those that depend on the angle first, then what all share."""
+    answers: dict[str, "Lookup"], with_angle: bool, units: "OutputUnits"
+) -> list[str]:
+    """Print a line for each response, those that depend on the angle first, then what all share.
+
+    Returns
+    -------
+    list of str
+        Names of the equations whose bands were told.
+    """
     from regression.end_reactions import END_MOMENTS
     from regression.response_kinds import ANGLE_LAWS
 
@@ -219,9 +182,7 @@ def _print_lookups(
     for remark in shared:
         print_line(units.text(remark))
     banded = [name for name, answer in answers.items() if answer.inside]
-    equations = [part for n in banded for part in (ANGLE_LAWS[n] if n in between else (n,))]
-    if equations:
-        _print_bands(model, equations)
+    return [part for n in banded for part in (ANGLE_LAWS[n] if n in between else (n,))]
 
 
 def _print_lookup(name: str, answer: "Lookup", shared: list[str], units: "OutputUnits") -> None:

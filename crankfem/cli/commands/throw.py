@@ -50,6 +50,10 @@ def throw(
     end_sections: Annotated[
         str, typer.Option(help="rigid, or averaged (free to warp); the two bound the truth.")
     ] = "rigid",
+    sections: Annotated[
+        str,
+        typer.Option(help="Where throws meet: rigid, or degree 1, 2 or 4 of how sections bend."),
+    ] = "2",
     solver: Annotated[str, typer.Option(help="pardiso, superlu, or auto.")] = "auto",
     modes: Annotated[
         int, typer.Option(help="Also find so many natural modes of the free throw.")
@@ -63,6 +67,7 @@ def throw(
     A STEP file is a CAD part of steel: z along the shaft, faces named "left end", "right end" and
     "pin", or none named at all.
     """
+    from crankfem.analyses.throw.law_record import law_record, law_sentence
     from crankfem.analyses.throw.throw_record import mode_records, throw_record
     from crankfem.cli.angle_and_speed import parse_gamma
     from crankfem.cli.quantity_list import parse_pin_force
@@ -75,6 +80,7 @@ def throw(
     from geometry.imported import import_throw
     from geometry.mesher import Throw
     from geometry.solid_files import ENDINGS
+    from geometry.throw import CrankThrow
 
     angle = None if gamma is None else parse_gamma(gamma, out.quiet)
     force = None if pin_force is None else parse_pin_force(pin_force)
@@ -96,10 +102,21 @@ def throw(
                 f"--pin: given {pins[0]!r}; allowed only with a STEP file, whose faces have names."
             )
         part, material = select_throw(engine, name, out.quiet)
+    shared: Any = int(sections) if sections in ("1", "2", "4") else sections
+    law = law_record(part, material) if isinstance(part, CrankThrow) else None
+    if law is not None and not out.json:
+        console.print_line(law_sentence(law, out.units))
     analysis = analyze_throw(
-        part, material, accuracy, solver=solver, end_sections=cast(Any, end_sections)
+        part,
+        material,
+        accuracy,
+        solver=solver,
+        end_sections=cast(Any, end_sections),
+        sections=shared,
     )
     record = throw_record(analysis, UNIT_RADIAL_FORCE, pin_force=force, gamma_deg=angle)
+    if law is not None:
+        record["law"] = law
     if modes:
         start = time.perf_counter()
         record["free_modes"] = mode_records(analysis.free_modes(modes))

@@ -7,7 +7,7 @@ from crankbase.tables.table import Column, Table
 from crankfem.analyses.record import Record
 from crankfem.analyses.throw.stress import mirrored, stress_tables
 from crankfem.analyses.throw.throw_record import NOT_CORRECTED
-from crankfem.analyses.throw.throw_tables import loaded_table, reaction_table
+from crankfem.analyses.throw.throw_tables import loaded_table, reaction_table, section_sentence
 from crankfem.cli.console import print_line, print_notes, print_table
 from fem.rule_mesh import (
     ACROSS_WEB,
@@ -37,6 +37,8 @@ def print_throw(record: Record, units: OutputUnits = SI) -> None:
     print_line(
         f"Model: {record['model']}, {record['unknowns']:,} unknowns, solver {record['solver']}{met}."
     )
+    if section_sentence(record):
+        print_line(section_sentence(record))
     if not record.get("corrected", True):
         print_notes([NOT_CORRECTED], units)
 

@@ -113,7 +113,7 @@ def check_sources(vibration: VibrationSettings, study: StudyPlan | None) -> None
         ("torsional", vibration.torsional_source, TORSIONAL_FORMULA_NAMES),
     ):
         fitted = study is not None or vibration.model is not None
-        allowed = ["fe", "fe pinned", *(["regression"] if fitted else []), *formulas]
+        allowed = ["fe", "fe pinned", "law", *(["regression"] if fitted else []), *formulas]
         if given.casefold() not in [name.casefold() for name in allowed]:
             reason = (
                 ", because the file has neither a section [study] to fit nor a vibration.model"

@@ -347,10 +347,10 @@ class VibrationSettings(InputModel):
     )
 
     axial_source: str = Field(
-        "fe", description="source of axial compliances: fe, regression or a formula"
+        "fe", description="source of axial compliances: fe, law, regression or a formula"
     )
     torsional_source: str = Field(
-        "fe", description="source of torsional compliances: fe, regression or a formula"
+        "fe", description="source of torsional compliances: fe, law, regression or a formula"
     )
     model: str | None = Field(
         None,
