@@ -6,10 +6,11 @@ section turns rigidly (Saint-Venant), so no choice has a seam; under a pull it c
 polynomial of degree 1; in pure bending by u_x = nu x y / rho and u_y = nu (y^2 - x^2) / (2 rho) for a
 curvature 1 / rho in the plane of y, degree 2.
 
-Tolerance: 1e-5 of the compliance where the degree holds what the section does (0.1 % is promised); measured
-are 2e-6 at most, what is left of the ends' disturbance at the seam. The rigid seam is told: it makes the shaft of two diameters stiffer by as much as two rigid ends
-of a shaft (about 0.028 diameters each in tension and 0.022 in bending, see `test_straight_shaft`), 2.8 % in
-tension and 2.2 % in bending, allowed a fifth.
+Tolerance: 1e-5 of the compliance where the degree holds what the section does (0.1 % is promised);
+measured are 2e-6 at most, what is left of the ends' disturbance at the seam. The rigid seam is told: it makes
+the shaft of two diameters stiffer by as much as two rigid ends of a shaft (about 0.028 diameters each in
+tension and 0.022 in bending, see `test_straight_shaft`), 2.8 % in tension and 2.2 % in bending, allowed a
+fifth.
 """
 
 from dataclasses import replace
@@ -45,7 +46,7 @@ def superelement(mesh, degree=0):
 
 
 def compliances(stiffness, last):
-    """Compliances under equal and opposite loads on the first and the last section, which begins at `last`."""
+    """Compliances under equal and opposite loads on the first section and the one at unknown `last`."""
     found = {}
     for name, (unknown, sign) in LOADS.items():
         load = np.zeros(len(stiffness))
