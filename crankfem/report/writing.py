@@ -18,6 +18,7 @@ from crankfem.analyses.mechanism.balanced_masses import (
 )
 from crankfem.analyses.mechanism.harmonics_record import harmonics_table
 from crankfem.analyses.mechanism.load_tables import bearing_table
+from crankfem.analyses.strength.fatigue_records import fatigue_table
 from crankfem.analyses.strength.strength_records import factor_table, strength_table, torque_table
 from crankfem.analyses.throw.compliances import compliance_tables, further_compliances
 from crankfem.analyses.throw.stress import mirrored, stress_tables
@@ -55,6 +56,8 @@ LATER: dict[str, Any] = {
     "picture_note": None,
     "throws": None,
     "strength": None,
+    "fatigue": None,
+    "fatigue_note": None,
 }
 LATER_ABOUT: dict[str, Any] = {"python": None, "platform": None, "processors": None, "packages": {}}
 # What makes tables, or their cells, of the results.
@@ -79,6 +82,7 @@ TABLES = (
     stress_tables,
     throw_mass_table,
     strength_table,
+    fatigue_table,
     factor_table,
     torque_table,
     mirrored,

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from crankbase.checks.arrays import FloatArray
-from crankbase.errors import InputError
+from crankbase.errors import InputError, MeshError
 from crankbase.library_types import DataFrame
 from crankbase.summaries import summarized
 from crankbase.tables.frames import Row, table_of
@@ -34,6 +34,7 @@ from dynamics.strength.findley import (
 )
 from fem.fillet_peaks import FilletStresses
 from fem.fillet_stress import fillet_stresses
+from fem.solver import SolveError
 from fem.stress_fields import StressedSite, StressFields, stress_fields
 
 # Speeds at which nodes are chosen first, and how many are followed over all speeds.
@@ -233,6 +234,29 @@ def engine_fatigue(
     return EngineFatigue(
         tuple(sorted(places, key=lambda one: one.safety)), factor, tuple(remarks)
     )
+
+
+def fatigue_or_reason(
+    vibration: EngineVibration,
+    strength: EngineStrength,
+    stresses: Mapping[str, FilletStresses],
+    mechanism: MechanismFile | None,
+) -> tuple[EngineFatigue | None, str | None]:
+    """Find the fatigue over the cycle; an engine of which it cannot be had loses nothing else.
+
+    Returns
+    -------
+    EngineFatigue or None
+    str or None
+        Why there is none.
+    """
+    try:
+        found = engine_fatigue(
+            vibration, stresses=stresses, strength=strength, mechanism=mechanism
+        )
+    except (InputError, MeshError, SolveError) as error:
+        return None, str(error)
+    return found, None
 
 
 def throw_fields(
