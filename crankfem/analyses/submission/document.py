@@ -6,6 +6,7 @@ from functools import partial
 from pathlib import Path
 
 from crankbase.drawing.diagram_style import figure
+from crankbase.drawing.legends import write_title
 from crankbase.errors import InputError
 from crankbase.tables.table import Column, Table
 from crankbase.units.quantity import format_quantity
@@ -24,6 +25,9 @@ from crankfem.files.engine.engine_file import EngineFile
 from crankfem.files.sections.limits_sections import LimitsInput
 from dynamics.assessment.verdict import Verdict
 
+# Of tables by the name of their first column, the column of the share that is used.
+JUDGED = {"gear": 4, "firing": 5, "part": 7}
+
 
 @dataclass(frozen=True)
 class DocumentTable:
@@ -35,11 +39,12 @@ class DocumentTable:
 
 @dataclass(frozen=True)
 class DocumentPicture:
-    """A diagram: what its file is called, what stands below it, and what draws it."""
+    """A diagram: what its file is called, what stands below it, what draws it, whether two fit in a row."""
 
     name: str
     caption: str
     draw: Callable[[Path], None]
+    half: bool = False
 
 
 @dataclass(frozen=True)
@@ -137,27 +142,34 @@ def class_document(run: EngineVibration) -> tuple[DocumentPart, ...]:
 def _findings(run: EngineVibration, cases: FiringCases, verdict: Verdict) -> DocumentPart:
     assert run.assessment is not None
     decision = run.assessment.decision
-    sentences = [
-        verdict.sentence,
-        *(() if decision.status == verdict.status else (decision.sentence,)),
-    ]
+    open_ = (f"Undecided: {decision.sentence}.",) if decision.status == "undecided" else ()
+    sentences = [verdict.sentence, *open_]
     sentences += [_failing_sentence(cases, way) for way in cases.failing]
     sentences.append(mode_tables.major_sentences(run)[0])
-    for table in (
-        stress_tables.gear_table(run, cases),
-        stress_tables.generator_table(run, cases),
-        stress_tables.damper_table(run, cases),
+    for what, table in (
+        ("Mean torques of gears", stress_tables.gear_table(run, cases)),
+        ("Permitted angle of the generator", stress_tables.generator_table(run, cases)),
+        ("Permitted values of dampers and couplings", stress_tables.damper_table(run, cases)),
     ):
-        sentences += () if table is None else _over(table)
+        sentences += () if table is None else _kept_or_exceeded(what, table)
     return DocumentPart("findings", "Findings", tuple(sentences))
 
 
-def _over(table: Table) -> tuple[str, ...]:
-    """Say which rows of a table exceed what is permitted, if any."""
+def _upper(text: str) -> str:
+    return f"{text[0].upper()}{text[1:]}"
+
+
+def _kept_or_exceeded(what: str, table: Table) -> tuple[str, ...]:
+    """Say whether the rows of a table keep what they may reach; nothing where that is not known."""
+    judged = [row for row in table.rows if row[JUDGED[table.columns[0].name]] is not None]
     rows = [
-        str(row[0]) for row, mark in zip(table.rows, table.marks, strict=True) if mark == "over"
+        ", ".join(str(cell) for cell in row[:2] if isinstance(cell, str))
+        for row, mark in zip(table.rows, table.marks, strict=True)
+        if mark == "over"
     ]
-    return (f"{table.title}: exceeded by {', '.join(dict.fromkeys(rows))}.",) if rows else ()
+    if rows:
+        return (f"{what}: exceeded ({'; '.join(rows)}).",)
+    return (f"{what}: kept.",) if judged else ()
 
 
 def _failing_sentence(cases: FiringCases, way: str) -> str:
@@ -232,16 +244,19 @@ def _vectors(run: EngineVibration) -> DocumentPart:
     drawn = [
         DocumentPicture(
             f"vectors_{mode - rigid + 1}",
-            f"Mode {mode - rigid + 1}: phase vectors of the cylinders by order, their lengths those of the "
-            "mode shape; orders that look alike stand together, the dark arrow is the sum of a minor order.",
+            f"Mode {mode - rigid + 1}: cylinders by order.",
             partial(pictures.draw_vectors, run=run, mode=mode),
+            half=pictures.star_rows(run, mode)[1] <= pictures.STARS_IN_HALF,
         )
         for mode in mode_tables.shown_modes(run)
     ]
     return DocumentPart(
         "vectors",
         "Phase vectors and vector sums",
-        (),
+        (
+            "Diagrams: phase vectors of the cylinders, their lengths those of the mode shape; orders that "
+            "look alike stand together, the dark arrow is the sum of a minor order.",
+        ),
         (DocumentTable("vector_sums", mode_tables.vector_table(run)), *drawn),
     )
 
@@ -250,15 +265,16 @@ def _excitation(run: EngineVibration) -> DocumentPart:
     return DocumentPart(
         "excitation",
         "Harmonics of the tangential force",
-        () if run.load is None else (run.load.sentence,),
+        () if run.load is None else (f"{_upper(run.load.sentence).rstrip('.')}.",),
         (DocumentTable("tangential_harmonics", plant_tables.harmonics_table(run)),),
     )
 
 
 def _criticals(run: EngineVibration) -> DocumentPart:
     def campbell(path: Path) -> None:
-        with figure(path, height=4.4) as axes:
+        with figure(path, height=3.8) as axes:
             run.plot(axes)
+            write_title(axes, "")
 
     return DocumentPart(
         "criticals",
@@ -280,8 +296,7 @@ def _normal(run: EngineVibration, cases: FiringCases) -> DocumentPart:
     drawn = [
         DocumentPicture(
             f"stress_{number}",
-            f"No. {number}, {name}: torsional stress over the speed, ranges to be barred shaded red, speeds "
-            "outside of the running range gray.",
+            f"No. {number}, {name}.",
             partial(pictures.draw_stress, run=run, cases=cases, place=number - 1),
         )
         for name, number in stress_tables.place_numbers(cases).items()
@@ -290,7 +305,11 @@ def _normal(run: EngineVibration, cases: FiringCases) -> DocumentPart:
     return DocumentPart(
         "stresses",
         "Torsional stresses in normal firing",
-        cases.notes,
+        (
+            *(f"{_upper(note)}." for note in cases.notes),
+            "Diagrams: stress over the speed, ranges to be barred shaded red, speeds outside of the running "
+            "range gray; with a cylinder failing the worst of all cylinders.",
+        ),
         (
             DocumentTable("stress_normal", stress_tables.normal_table(cases)),
             DocumentTable("stress_permitted", stress_tables.permitted_table(run, cases)),
@@ -314,7 +333,7 @@ def _failing(run: EngineVibration, cases: FiringCases) -> DocumentPart:
         ]
     assert run.misfiring is not None or run.misfiring_note
     said = () if run.misfiring is None else (run.misfiring.sentence,)
-    meaning = tuple(f"{way[0].upper()}{way[1:]}: {MEANING[way]}." for way in cases.failing)
+    meaning = tuple(f"{_upper(way)}: {MEANING[way]}." for way in cases.failing)
     return DocumentPart(
         "failing", "One cylinder misfiring, one cut out", (*meaning, *said), tuple(items)
     )
@@ -388,7 +407,7 @@ def _assumptions(run: EngineVibration, cases: FiringCases) -> DocumentPart:
     return DocumentPart(
         "assumptions",
         "Assumptions",
-        tuple(dict.fromkeys(f"{one[0].upper()}{one[1:].rstrip('.')}." for one in remarks)),
+        tuple(dict.fromkeys(f"{_upper(one).rstrip('.')}." for one in remarks)),
         (
             DocumentTable(
                 "assumptions",

@@ -5,7 +5,7 @@ from pathlib import Path
 import numpy as np
 
 from crankbase.drawing.diagram_style import GREEN, ORANGE, figure, with_gaps
-from crankbase.drawing.legends import legend_below, write_title
+from crankbase.drawing.legends import legend_below
 from crankbase.units.units import RPM
 from crankfem.analyses.shaft.motion import MOTION
 from crankfem.analyses.submission.firing_cases import CUT_OUT, MISFIRING, STRESS, FiringCases
@@ -21,6 +21,8 @@ from dynamics.torque.star import same_stars
 
 # Stars in a row of a picture, and mode shapes in one picture.
 STARS_IN_ROW, SHAPES = 5, 3
+# Stars in a row of a picture of which two stand beside each other.
+STARS_IN_HALF = 3
 # Orders of single lines in a diagram over the speed.
 MAIN_ORDERS = 4
 FAILING_COLORS = {MISFIRING: ORANGE, CUT_OUT: GREEN}
@@ -45,14 +47,19 @@ def draw_modes(path: Path, run: EngineVibration, first: int) -> None:
             [short_name(name) for name in chain.names],
             MOTION["torsional"].quantity,
         )
-        write_title(axes, "Torsional modes")
+
+
+def star_rows(run: EngineVibration, mode: int) -> tuple[int, int]:
+    """Return in how many rows and columns the phase vectors of a mode stand."""
+    count = len(same_stars(mode_stars(run, mode)))
+    columns = min(STARS_IN_ROW, count)
+    return -(-count // columns), columns
 
 
 def draw_vectors(path: Path, run: EngineVibration, mode: int) -> None:
     """Draw the phase vectors of all orders in one mode, orders that look alike together."""
     groups = same_stars(mode_stars(run, mode))
-    columns = min(STARS_IN_ROW, len(groups))
-    rows = -(-len(groups) // columns)
+    rows, columns = star_rows(run, mode)
     with figure(path, width=1.5 * columns + 0.4, height=1.85 * rows) as axes:
         for place, group in enumerate(groups):
             row, column = divmod(place, columns)

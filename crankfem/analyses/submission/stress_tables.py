@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Sequence
+from itertools import pairwise
 
 import numpy as np
 
@@ -101,17 +102,17 @@ def permitted_table(run: EngineVibration, cases: FiringCases) -> Table:
             if curve is None:
                 continue
             values = curve.at(speeds).tolist()
-            rows.append([number, name, kind, *(None if math.isinf(one) else one for one in values)])
+            rows.append([f"{number}", kind, *(None if math.isinf(one) else one for one in values)])
     return Table(
         "Permitted stress at shares of the rated speed",
         [
-            Column("no."),
-            Column("shaft", words=True),
+            Column("no.", words=True),
             Column("limit", words=True),
             *(Column(f"{100.0 * share:g} %", STRESSES, missing="-") for share in shares),
         ],
         rows,
-        note="A dash where the rule states none.",
+        note="Shafts by their numbers; a dash where the rule states none.",
+        merged=True,
     )
 
 
@@ -120,8 +121,9 @@ def order_tables(cases: FiringCases) -> list[Table]:
     series, speeds = cases.normal[STRESS], cases.speeds
     numbers = list(place_numbers(cases).values())
     tables = []
-    for start in range(0, len(numbers), PLACES_SHOWN):
-        some = slice(start, start + PLACES_SHOWN)
+    parts = -(-len(numbers) // PLACES_SHOWN)
+    ends = [round(part * len(numbers) / parts) for part in range(parts + 1)]
+    for some in (slice(*pair) for pair in pairwise(ends)):
         values = series.amplitude[:, :, some]
         tops = np.argmax(values, axis=1)
         highest = np.max(values, axis=1)
