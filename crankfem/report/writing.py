@@ -142,7 +142,7 @@ def render_report(results: Mapping[str, Any], pictures: Path) -> tuple[str, str 
     figures, unread = load_figures(results, pictures)
     note = f"Left out, because they cannot be read: {', '.join(unread)}." if unread else None
     html = (
-        _environment()
+        page_environment()
         .get_template(TEMPLATE)
         .render(
             r=results,
@@ -152,7 +152,7 @@ def render_report(results: Mapping[str, Any], pictures: Path) -> tuple[str, str 
             further=further_compliances(results),
             figures=figures,
             picture_notes=[one for one in (results["picture_note"], note) if one],
-            style=Markup(_template(STYLE)),
+            style=Markup(template_text(STYLE)),
             scripts=_plotting() if any(own.plot is not None for own in figures.values()) else (),
         )
     )
@@ -160,7 +160,8 @@ def render_report(results: Mapping[str, Any], pictures: Path) -> tuple[str, str 
 
 
 @cache
-def _environment() -> "Environment":
+def page_environment() -> "Environment":
+    """Return what renders the templates of pages."""
     from jinja2 import Environment, PackageLoader, StrictUndefined
 
     environment = Environment(
@@ -180,7 +181,7 @@ def _plotting() -> tuple[Markup, ...]:
     """Scripts that draw the interactive plots: the library, and what uses it."""
     from plotly.offline import get_plotlyjs
 
-    return tuple(Markup(script(text)) for text in (get_plotlyjs(), _template(DRAWING)))
+    return tuple(Markup(script(text)) for text in (get_plotlyjs(), template_text(DRAWING)))
 
 
 def script(text: str) -> str:
@@ -192,5 +193,6 @@ def script(text: str) -> str:
     return shown.replace("</script", "<\\/script").replace("<!--", "<\\!--")
 
 
-def _template(name: str) -> str:
+def template_text(name: str) -> str:
+    """Return the text of a file beside the templates."""
     return (files("crankfem.report") / "templates" / name).read_text(encoding="utf-8")

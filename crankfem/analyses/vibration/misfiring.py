@@ -268,7 +268,7 @@ def _over_speed(
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Return speeds, and the amplitude at a place in normal firing and in one case of misfiring."""
     normal, failing = (
-        _at_place(found[key], place).synthesis.amplitude[:, 0]
+        at_place(found[key], place).synthesis.amplitude[:, 0]
         for _, found in added.at(speeds, [(), case])
     )
     return speeds, normal, failing
@@ -302,7 +302,7 @@ def _refine(added: Superposition, speeds: FloatArray, each: Found) -> None:
         found = dict(added.at(some, cases))
         rows = []
         for key, case in pairs:
-            own = _at_place(found[case][key], best[key, case].place).synthesis.amplitude[:, 0]
+            own = at_place(found[case][key], best[key, case].place).synthesis.amplitude[:, 0]
             factors = weights(quantities[key].while_firing(case), some)
             rows.append(np.where(np.isfinite(own), own * factors, 0.0))
         return np.array(rows)
@@ -335,6 +335,7 @@ def _sum(one: OrderSeries, other: OrderSeries) -> OrderSeries:
     return replace(one, values=values, unbounded=unbounded)
 
 
-def _at_place(series: OrderSeries, name: str) -> OrderSeries:
+def at_place(series: OrderSeries, name: str) -> OrderSeries:
+    """Return a series of one of its places alone."""
     place = series.names.index(name)
     return replace(series, values=series.values[:, :, [place]], names=(name,))

@@ -66,6 +66,12 @@ def plant_chain(plant: Chain, cylinders: Sequence[int]) -> EngineChain:
             f"shaft_line.plant: given a chain without {missing[0]!r}; allowed is one with the nodes "
             f"{', '.join(wanted)}, because the cylinders act on them."
         )
+    further = f"{wanted[0].rpartition(' ')[0]} {len(wanted) + 1}"
+    if further in plant.names:
+        raise InputError(
+            f"shaft_line.plant: given a chain with {further!r}; allowed is one with {len(wanted)} cranks, "
+            "because the engine has so many."
+        )
     nodes = tuple(plant.names.index(name) for name in wanted)
     row = tuple((node, node + 1) for node in range(nodes[-1] + 1))
     cranks = tuple(range(nodes[0], nodes[0] + len(nodes)))
