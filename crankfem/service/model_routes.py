@@ -11,7 +11,8 @@ import numpy as np
 from starlette.requests import Request
 from starlette.responses import Response
 
-from crankbase.errors import InputError
+from crankbase.checks.scalars import is_number
+from crankbase.errors import InputError, quoted
 from crankbase.units.quantity import parse_quantity
 from crankfem.service.answers import Lookups, ModelDescription, ModelNames
 from crankfem.service.asking import LookupQuestion, read_question, read_record
@@ -172,19 +173,30 @@ def _dimensions(model: ComplianceModel, given: Mapping[str, Any]) -> dict[str, A
     labels, units = {*family.categories, *family.labels}, family.all_units
 
     def read(name: str, value: Any) -> Any:
-        if name in labels or not isinstance(value, str):
-            return value
-        return parse_quantity(value, units.get(name, ""), name)
+        if isinstance(value, str):
+            return value if name in labels else parse_quantity(value, units.get(name, ""), name)
+        if not is_number(value):
+            raise InputError(
+                f"{name}: given {quoted(value)}; allowed is a number in SI units, a text with its unit, or a "
+                "list of them."
+            )
+        return value
 
-    found = {}
-    for name, value in given.items():
-        if isinstance(value, list):
-            if not value:
-                raise InputError(f"{name}: given an empty list; allowed is one value or more.")
-            several = value if name in labels or all(type(one) is float for one in value) else [
-                read(name, one) for one in value
-            ]
-            found[name] = np.asarray(several) if name not in labels else several
-        else:
-            found[name] = read(name, value)
-    return found
+    def read_several(name: str, values: list[Any]) -> Any:
+        if not values:
+            raise InputError(f"{name}: given an empty list; allowed is one value or more.")
+        if not all(type(one) is float for one in values):
+            values = [read(name, one) for one in values]
+        return values if name in labels else np.asarray(values, dtype=float)
+
+    lengths = {name: len(value) for name, value in given.items() if isinstance(value, list)}
+    for name, length in lengths.items():
+        if length != max(lengths.values()):
+            raise InputError(
+                f"{name}: given {length} values beside {max(lengths.values())}; allowed are as many of each, "
+                "one for each throw."
+            )
+    return {
+        name: read_several(name, value) if isinstance(value, list) else read(name, value)
+        for name, value in given.items()
+    }

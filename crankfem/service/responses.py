@@ -108,6 +108,8 @@ def _record_schema(kind: type[InputModel]) -> dict[str, Any]:
         meaning = f"{info.description or name}{f' [{unit}]' if unit else ''}"
         optional = {} if info.is_required() else {"anyOf": [inner, {"type": "null"}]}
         fields[name] = (optional or inner) | {"description": meaning}
+        if symbol := field_extra(info, "symbol"):
+            fields[name]["title"] = symbol
     return {
         "type": "object",
         "properties": fields,
