@@ -19,7 +19,7 @@ web_width = "285 mm"
 web_thickness = "68 mm"
 
 [study]
-design = "3^k"
+design = "full factorial"
 accuracy = 0.1
 
 [study.factors]
@@ -46,7 +46,7 @@ def test_a_file_is_checked_before_it_is_run(service):
     status, told = service.json("/api/engines", {"text": STUDY, "name": "study.toml"})
     assert status == 422
     assert "allowed is one that serves run" in told["detail"]
-    wrong = engine_text().replace('bore = "', 'boer = "')
+    wrong = engine_text().replace("\nbore =", "\nboer =")
     status, told = service.json("/api/engines", {"text": wrong, "name": "mine.toml"})
     assert status == 422
     assert "engine.boer" in [one["field"] for one in told["errors"]]
