@@ -77,6 +77,8 @@ from geometry.mesher import mesh_isolated as mesh_throw  # noqa: F401
 from geometry.throw import CrankThrow as CrankThrow
 from regression.formulas.axial_formulas import axial_formulas as axial_formulas
 from regression.formulas.torsional_formulas import torsional_formulas as torsional_formulas
+from regression.law.throw_law import axial_law as axial_law
+from regression.law.throw_law import torsional_law as torsional_law
 from regression.models.compliance_model import ComplianceModel as ComplianceModel
 from regression.models.extrapolation import OutsideRangeWarning as OutsideRangeWarning
 from regression.models.lookup import Lookup as Lookup

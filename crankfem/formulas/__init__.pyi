@@ -8,3 +8,7 @@ from crankfem.analyses.throw.formula_diagrams import plot_run_formulas as plot_r
 from regression.formulas.axial_formulas import axial_formula as axial_formula
 from regression.formulas.formula_value import FormulaValue as FormulaValue
 from regression.formulas.formula_value import formulas_to_pandas as formulas_to_pandas
+from regression.law.throw_law import AxialLaw as AxialLaw
+from regression.law.throw_law import TorsionalLaw as TorsionalLaw
+from regression.law.throw_law import axial_laws as axial_laws
+from regression.law.throw_law import torsional_laws as torsional_laws

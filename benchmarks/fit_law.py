@@ -1,0 +1,220 @@
+"""Fit the law's networks to the computed throws: ``python benchmarks/fit_law.py FOLDER [--tier plain]``.
+
+Levenberg and Marquardt's steps on the networks' own derivatives, with the weights held back as the
+evidence for them tells (D. J. C. MacKay, Neural Computation 4, 1992, 415-447, 448-472).
+"""
+
+import argparse
+import json
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.linalg import LinAlgError, cho_factor, cho_solve
+
+from fem.supports import STRETCH, TWIST
+from geometry.throw import CrankThrow
+from regression.law import ratios as law_ratios
+from regression.law.networks import FILE, OUTPUTS
+
+Array = NDArray[np.float64]
+UX, UY, UZ, RX, RY, RZ = range(6)
+PINNED = [n for n in range(12) if n not in (UX, UY, 6 + UX, 6 + UY, UZ, RZ)]
+HIDDEN = {"plain": (16, 12), "real": (24, 16)}
+SAMPLES = {"plain": ("plain-train", "plain-held-out")}
+SAMPLES["real"] = (*SAMPLES["plain"], "real-train")
+LEAST_NOISE = 2e-4
+UNWEIGHED = 10  # steps before weights are held back as the evidence tells
+
+
+def read(folder: Path, samples: tuple[str, ...]) -> list[dict[str, Any]]:
+    """Finished throws of samples, each once, in the order of their numbers."""
+    found: dict[tuple[str, int], dict[str, Any]] = {}
+    for sample in samples:
+        for file in sorted(folder.glob(f"{sample}-[0-9].jsonl")):
+            for line in file.read_text(encoding="utf-8").splitlines():
+                try:
+                    row = json.loads(line)
+                except ValueError:
+                    continue
+                if "failed" not in row and row["corrected"]:
+                    found[sample, row["number"]] = row
+    return [found[key] for key in sorted(found)]
+
+
+def moment(axis: int, other: float) -> Array:
+    """Unit moment on the left end about an axis, and another on the right end (12,)."""
+    load = np.zeros(12)
+    load[[axis, 6 + axis]] = 1.0, other
+    return load
+
+
+def numbers(row: dict[str, Any]) -> list[float]:
+    """The law's answers of a throw, by `OUTPUTS`, from its superelement; E and D are 1 there."""
+    stiffness, pins = np.array(row["stiffness"]), np.array(row["pin_loads"])
+    tilts = [moment(RX, -1.0), moment(RY, 1.0), moment(RX, 1.0), moment(RY, -1.0)]
+    loads = np.column_stack([STRETCH, TWIST, *tilts, pins[:, 0], -pins[:, 1]])
+    motions = np.zeros_like(loads)
+    motions[PINNED] = np.linalg.solve(stiffness[np.ix_(PINNED, PINNED)], loads[PINNED])
+    work = loads.T @ motions
+    axial, torsional, in_plane, across, alike, bent = np.diag(work)[:6]
+    return [
+        axial,
+        axial - work[0, 2] ** 2 / in_plane,
+        in_plane / across,
+        work[0, 7],
+        work[0, 7] - work[0, 2] * work[2, 7] / in_plane,
+        torsional,
+        torsional - work[1, 3] ** 2 / across,
+        in_plane,
+        alike,
+        bent,
+        work[5, 6],
+        row["volume"],
+    ]
+
+
+def table(tier: str, rows: list[dict[str, Any]]) -> tuple[Array, Array]:
+    """Inputs (n, d) and logarithms of answers (n, k) of throws."""
+    make = law_ratios.plain_inputs if tier == "plain" else law_ratios.real_inputs
+    throws = [law_ratios.throw_dimensions(CrankThrow(**row["fields"])) for row in rows]
+    inputs = [make(law_ratios.ratios(throw)) for throw in throws]
+    return np.array(inputs), np.log(np.array([numbers(row) for row in rows]))
+
+
+class Network:
+    """One network: its weights in a row, and what they give."""
+
+    def __init__(self, inputs: int, hidden: tuple[int, int], seed: int) -> None:
+        random, (m, n) = np.random.default_rng(seed), hidden
+        self.shapes = [(m, inputs), (m,), (n, m), (n,), (n,), (inputs,), (1,)]
+        parts = [
+            random.normal(size=(m, inputs)) / np.sqrt(inputs),
+            random.uniform(-1.0, 1.0, m),
+            random.normal(size=(n, m)) / np.sqrt(m),
+            random.uniform(-0.5, 0.5, n),
+            0.1 * random.normal(size=n),
+            np.zeros(inputs),
+            np.zeros(1),
+        ]
+        self.weights = np.concatenate([part.ravel() for part in parts])
+        self.groups = np.repeat(np.arange(7), [part.size for part in parts])
+        self.noise = 0.0
+
+    def parts(self, weights: Array | None = None) -> list[Array]:
+        weights = self.weights if weights is None else weights
+        ends = np.cumsum([int(np.prod(shape)) for shape in self.shapes])
+        return [
+            p.reshape(s) for p, s in zip(np.split(weights, ends[:-1]), self.shapes, strict=True)
+        ]
+
+    def values(self, x: Array, weights: Array | None = None) -> Array:
+        a, b, c, d, last, direct, constant = self.parts(weights)
+        return np.asarray(np.tanh(np.tanh(x @ a.T + b) @ c.T + d) @ last + x @ direct + constant)
+
+    def derivatives(self, x: Array) -> tuple[Array, Array]:
+        a, b, c, d, last, direct, constant = self.parts()
+        one = np.tanh(x @ a.T + b)
+        two = np.tanh(one @ c.T + d)
+        by_two = (1.0 - two**2) * last
+        by_one = (by_two @ c) * (1.0 - one**2)
+        columns = [
+            (by_one[:, :, None] * x[:, None, :]).reshape(len(x), -1),
+            by_one,
+            (by_two[:, :, None] * one[:, None, :]).reshape(len(x), -1),
+            by_two,
+            two,
+            x,
+            np.ones((len(x), 1)),
+        ]
+        return two @ last + x @ direct + constant, np.concatenate(columns, axis=1)
+
+    def train(self, x: Array, y: Array, steps: int) -> None:
+        """Minimize squared errors and weights, and weigh the two by the evidence."""
+        held = np.full(7, 1e-2)
+        held[5:] = 1e-6
+        precision, damping = 1.0 / (0.01 * y.var()), 1e-2
+        values, slopes = self.derivatives(x)
+        for step in range(steps):
+            error, pull = y - values, held[self.groups]
+            square = slopes.T @ slopes
+            cost = 0.5 * precision * error @ error + 0.5 * pull @ self.weights**2
+            downhill = precision * (slopes.T @ error) - pull * self.weights
+            for _ in range(8):
+                matrix = precision * square
+                matrix[np.diag_indices_from(matrix)] += pull + damping * precision
+                try:
+                    change = cho_solve(cho_factor(matrix, lower=True, overwrite_a=True), downhill)
+                except LinAlgError:
+                    damping *= 10.0
+                    continue
+                weights = self.weights + change
+                left = y - self.values(x, weights)
+                if 0.5 * precision * left @ left + 0.5 * pull @ weights**2 < cost:
+                    break
+                damping *= 4.0
+            else:
+                break
+            self.weights, damping = weights, max(damping / 5.0, 1e-10)
+            values, slopes = self.derivatives(x)
+            if step % 3 == 2 and step >= UNWEIGHED:
+                held, precision = self._weighed(y - values, slopes, held, precision)
+        self.noise = 1.0 / np.sqrt(precision)
+
+    def _weighed(
+        self, error: Array, slopes: Array, held: Array, precision: float
+    ) -> tuple[Array, float]:
+        matrix = precision * (slopes.T @ slopes) + np.diag(held[self.groups])
+        spread, held = np.diag(np.linalg.inv(matrix)), held.copy()
+        known = 0.0
+        for group in range(7):
+            of = self.groups == group
+            count = of.sum() - held[group] * spread[of].sum()
+            known += count
+            if group < 5:
+                held[group] = np.clip(count / (self.weights[of] @ self.weights[of]), 1e-6, 1e4)
+        share = len(error) - min(known, 0.9 * len(error))
+        return held, min(share / (error @ error), 1.0 / LEAST_NOISE**2)
+
+
+def fit(
+    tier: str, x: Array, y: Array, steps: int, seed: int = 0, only: tuple[str, ...] = OUTPUTS
+) -> dict[str, Array]:
+    """Fit a network to each answer: the arrays of `Networks`, without bands."""
+    low, high = x.min(axis=0), x.max(axis=0)
+    scaled = 2.0 * (x - low) / (high - low) - 1.0
+    found: list[list[Array]] = []
+    for name in only:
+        column, best = y[:, OUTPUTS.index(name)], None
+        middle = column.mean()
+        best = Network(x.shape[1], HIDDEN[tier], seed)
+        best.train(scaled, column - middle, steps)
+        found.append([*best.parts()[:-1], best.parts()[-1][0] + middle])
+        error = column - middle - best.values(scaled)
+        print(f"{tier} {name}: rms {100 * error.std():.3f} %, largest {100 * abs(error).max():.2f} %,"
+              f" noise {100 * best.noise:.3f} %", flush=True)  # fmt: skip
+    names = ("first", "first_constant", "second", "second_constant", "last", "direct", "constant")
+    stacked = {name: np.array([one[place] for one in found]) for place, name in enumerate(names)}
+    return {"low": low, "high": high, **stacked}
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("folder", type=Path)
+    parser.add_argument("--tier", choices=HIDDEN, nargs="*", default=list(HIDDEN))
+    parser.add_argument("--steps", type=int, default=60)
+    given = parser.parse_args()
+    kept = dict(np.load(FILE)) if FILE.exists() else {}
+    for tier in given.tier:
+        x, y = table(tier, read(given.folder, SAMPLES[tier]))
+        made = fit(tier, x, y, given.steps)
+        count = len(OUTPUTS)
+        made["bands"] = np.tile([0.005, 0.0], (count, 1))
+        made["poisson"] = np.zeros((count, 2))
+        kept |= {f"{tier}_{name}": array for name, array in made.items()}
+    np.savez_compressed(FILE, **kept)
+
+
+if __name__ == "__main__":
+    main()

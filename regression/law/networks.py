@@ -1,0 +1,103 @@
+"""The trained networks of the law: two hidden layers each, evaluated by numpy alone.
+
+Each answer of each tier has a network of its own, for the logarithm of its dimensionless value. Networks
+of one shape are kept as one stack, so that all are evaluated in a few products of matrices.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cache
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+# Dimensionless answers, E and D the unit: compliances and influence coefficients times E D, tilts and
+# twists per moment times E D^3, per force times E D^2, volumes over D^3.
+OUTPUTS = (
+    "axial_pinned",
+    "axial_guided",
+    "tilt_ratio",
+    "influence_pinned",
+    "influence_guided",
+    "torsional_pinned",
+    "torsional_guided",
+    "tilt_in_plane",
+    "tilt_alike",
+    "tilt_across",
+    "tilt_by_force",
+    "volume",
+)
+TIERS = ("plain", "real")
+FILE = Path(__file__).with_name("law.npz")
+# So many throws are evaluated at a time: what belongs to them stays in the processor's cache.
+BLOCK = 2048
+
+
+@dataclass(frozen=True)
+class Networks:
+    """Networks of k answers of d inputs, with hidden layers of m and n units.
+
+    Attributes
+    ----------
+    low, high : (d,) array
+        Inputs that become -1 and 1.
+    first, first_constant : (k, m, d), (k, m) array
+    second, second_constant : (k, n, m), (k, n) array
+    last, direct, constant : (k, n), (k, d), (k,) array
+        What the second layer and the inputs themselves add to the answer.
+    bands : (k, 2) array
+        Relative half width of the band of 95 % in the middle of the range, and what it gains to its ends.
+    poisson : (k, 2) array
+        Change of the answer's logarithm with Poisson's ratio, and its standard deviation over throws.
+    """
+
+    low: Array
+    high: Array
+    first: Array
+    first_constant: Array
+    second: Array
+    second_constant: Array
+    last: Array
+    direct: Array
+    constant: Array
+    bands: Array
+    poisson: Array
+
+    def answers(self, inputs: Array, rows: Sequence[int]) -> Array:
+        """Answers (len(rows), n) for inputs (d, n)."""
+        chosen = list(rows)
+        first, second = self.first[chosen], self.second[chosen]
+        first_constant = self.first_constant[chosen].reshape(-1, 1)
+        second_constant = self.second_constant[chosen][:, :, None]
+        last, direct = self.last[chosen][:, None, :], self.direct[chosen]
+        count, units, size = first.shape
+        first = first.reshape(count * units, size)
+        found = np.empty((count, inputs.shape[1]))
+        for start in range(0, inputs.shape[1], BLOCK):
+            part = slice(start, start + BLOCK)
+            given = self.scaled(inputs[:, part])
+            hidden = np.tanh(first @ given + first_constant).reshape(count, units, -1)
+            hidden = np.tanh(second @ hidden + second_constant)
+            found[:, part] = (last @ hidden)[:, 0] + direct @ given
+        return np.asarray(np.exp(found + self.constant[chosen][:, None]))
+
+    def scaled(self, inputs: Array) -> Array:
+        """Inputs (d, n) between -1 and 1."""
+        scale = 2.0 / (self.high - self.low)
+        return np.asarray((inputs - self.low[:, None]) * scale[:, None] - 1.0)
+
+    def half_widths(self, inputs: Array, rows: Sequence[int]) -> Array:
+        """Relative half widths (len(rows), n) of the bands of 95 % for inputs (d, n)."""
+        outward = np.mean(self.scaled(inputs) ** 4, axis=0)
+        middle, gain = self.bands[list(rows)].T
+        return np.asarray(middle[:, None] + gain[:, None] * outward)
+
+
+@cache
+def networks(tier: str) -> Networks:
+    """Read the networks of a tier."""
+    with np.load(FILE) as kept:
+        return Networks(**{name: kept[f"{tier}_{name}"] for name in Networks.__annotations__})

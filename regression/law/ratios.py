@@ -1,0 +1,241 @@
+"""The ratios of a throw that the law knows, their ranges, and what the networks are given of them.
+
+Lengths are divided by the main journal's diameter D; the pin's bore by the pin's diameter, the ends and
+corners of webs by half of their width, tips and feet by their thickness. A plain throw has obround webs
+of one thickness, fillets of one radius and no bores: seven ratios say all of it.
+"""
+
+from collections.abc import Mapping
+from types import MappingProxyType
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from crankbase.errors import InputError
+from geometry.throw import CrankThrow
+from geometry.throw_dimensions import Web, web_dimension
+
+Array = NDArray[np.float64]
+Ratios = Mapping[str, Any]
+
+# Ranges of the lengths over D that every throw has.
+PLAIN: Mapping[str, tuple[float, float]] = MappingProxyType(
+    {
+        "crank_radius": (0.45, 1.4),
+        "pin_diameter": (0.7, 1.0),
+        "main_journal_length": (0.35, 0.75),
+        "pin_length": (0.4, 0.85),
+        "web_width": (1.15, 1.9),
+        "web_thickness": (0.18, 0.55),
+        "fillet_radius": (0.03, 0.075),
+    }
+)
+REAL: Mapping[str, tuple[float, float]] = MappingProxyType(
+    {
+        "crank_radius": (0.45, 2.0),
+        "pin_diameter": (0.7, 1.0),
+        "main_journal_length": (0.3, 1.0),
+        "pin_length": (0.3, 1.0),
+        "web_width": (1.15, 2.0),
+        "web_thickness": (0.18, 0.6),
+    }
+)
+# What a plain throw has not, with its value there; fillets are those of `PLAIN`.
+FEATURES: Mapping[str, tuple[float, float, float]] = MappingProxyType(
+    {
+        "main_journal_bore": (0.0, 0.68, 0.0),
+        "pin_bore": (0.0, 0.64, 0.0),
+        "main_journal_bore_offset": (-0.16, 0.1, 0.0),
+        "pin_bore_offset": (-0.1, 0.16, 0.0),
+        "web_pin_end": (0.72, 1.1, 1.0),
+        "web_journal_end": (0.85, 1.12, 1.0),
+        "rectangle": (0.0, 1.0, 0.0),
+        "web_corner": (0.0, 0.9, 0.0),
+        "web_tip_thickness": (0.55, 1.0, 1.0),
+        "web_foot_thickness": (0.55, 1.0, 1.0),
+        "thickness_step": (0.67, 1.5, 1.0),
+    }
+)
+FILLETS = ("main_journal_fillet_radius", "pin_fillet_radius")
+LARGEST_FILLET = 0.085
+# Divisors that are not D, for sentences.
+DIVISORS = {
+    "pin_bore": "pin_diameter",
+    "web_pin_end": "half of web_width",
+    "web_journal_end": "half of web_width",
+    "web_corner": "half of web_width",
+    "web_tip_thickness": "web_thickness",
+    "web_foot_thickness": "web_thickness",
+}
+# A chamfer that cuts as much off a corner as a radius of 1 does.
+CHAMFER_OF_RADIUS = float(np.sqrt(2.0 - 0.5 * np.pi))
+# A ratio may be beyond its range by round-off, and differs from a plain throw's by more.
+ROUND_OFF = 1e-9
+# Of a web of its own, what the law knows.
+WEB_FIELDS = ("thickness", "tip_thickness", "foot_thickness", "counterweight")
+PLAIN_FIELDS = ("main_journal_diameter", *PLAIN)
+MORE_FIELDS = (
+    *FILLETS,
+    "main_journal_bore",
+    "pin_bore",
+    "main_journal_bore_offset",
+    "pin_bore_offset",
+    "web_journal_end",
+    "web_pin_end",
+    "web_corner_radius",
+    "web_corner_chamfer",
+    "web_tip_thickness",
+    "web_foot_thickness",
+)
+
+
+def throw_dimensions(throw: CrankThrow) -> dict[str, Any]:
+    """Fields of a throw that the law knows; webs of unequal thickness as their mean and their step.
+
+    Raises
+    ------
+    InputError
+        If the throw has what the law does not know: further pins, oil holes, webs of unequal outline.
+    """
+    for name in ("further_pins", "oil_holes"):
+        if given := getattr(throw, name):
+            raise InputError(
+                f"throw.{name}: given {len(given)}; allowed for the law are none, because the throws "
+                "that it was trained by have none."
+            )
+    found = {name: getattr(throw, name) for name in (*PLAIN_FIELDS, *MORE_FIELDS)}
+    found["rectangle"] = float(throw.web_outline == "rectangle")
+    found["thickness_step"] = 1.0
+    if throw.left_web is None and throw.right_web is None:
+        return found
+    for table in ("left_web", "right_web"):
+        own = getattr(throw, table)
+        for name in () if own is None else Web.model_fields:
+            common = getattr(throw, f"web_{name}", None)
+            if name not in WEB_FIELDS and getattr(own, name) not in (None, common):
+                raise InputError(
+                    f"throw.{table}.{name}: given {getattr(own, name)}; allowed for the law is only "
+                    f"{common}, as of both webs, because it knows webs that differ in thickness alone."
+                )
+    left, right = (
+        {
+            name: web_dimension(throw, table, name)[1]
+            for name in ("thickness", "tip_thickness", "foot_thickness")
+        }
+        for table in ("left_web", "right_web")
+    )
+    mean = (left["thickness"] * right["thickness"]) ** 0.5
+    found["web_thickness"] = mean
+    found["thickness_step"] = right["thickness"] / left["thickness"]
+    for name in ("tip_thickness", "foot_thickness"):
+        shares = [(web[name] or web["thickness"]) / web["thickness"] for web in (left, right)]
+        found[f"web_{name}"] = 0.5 * mean * sum(shares)
+    return found
+
+
+def ratios(dimensions: Mapping[str, Any]) -> dict[str, Any]:
+    """All ratios of one or more throws from their dimensions, floats or arrays.
+
+    Parameters
+    ----------
+    dimensions : mapping
+        Fields of `CrankThrow` [m]; what is not given is as there. Besides, "rectangle", 1 or 0, and
+        "thickness_step", the right web's thickness over the left one's.
+    """
+    given = {name: value for name, value in dimensions.items() if value is not None}
+    diameter = given["main_journal_diameter"]
+    found = {name: given[name] / diameter for name in REAL}
+    fillet = given.get("fillet_radius", 0.0)
+    for name in FILLETS:
+        found[name] = given.get(name, fillet) / diameter
+    for name in ("main_journal_bore", "main_journal_bore_offset", "pin_bore_offset"):
+        found[name] = given.get(name, 0.0) / diameter
+    found["pin_bore"] = given.get("pin_bore", 0.0) / given["pin_diameter"]
+    half = 0.5 * given["web_width"]
+    for name in ("web_pin_end", "web_journal_end"):
+        found[name] = given.get(name, half) / half
+    corner = CHAMFER_OF_RADIUS * given.get("web_corner_radius", 0.0)
+    found["web_corner"] = (corner + given.get("web_corner_chamfer", 0.0)) / half
+    found["rectangle"] = given.get("rectangle", 0.0)
+    thickness = given["web_thickness"]
+    for name in ("web_tip_thickness", "web_foot_thickness"):
+        found[name] = given.get(name, thickness) / thickness
+    found["thickness_step"] = given.get("thickness_step", 1.0)
+    return found
+
+
+def is_plain(found: Ratios) -> Any:
+    """Whether throws of these ratios are plain ones, within their range: bool or array."""
+    journal, pin = (found[name] for name in FILLETS)
+    plain = abs(journal - pin) <= ROUND_OFF
+    for name, (*_, usual) in FEATURES.items():
+        plain = plain & (abs(found[name] - usual) <= ROUND_OFF)
+    for name, (low, high) in PLAIN.items():
+        ratio = journal if name == "fillet_radius" else found[name]
+        plain = plain & (ratio >= low * (1.0 - ROUND_OFF)) & (ratio <= high * (1.0 + ROUND_OFF))
+    return plain
+
+
+def real_ranges() -> dict[str, tuple[float, float]]:
+    """Smallest and largest values of all ratios that the law knows."""
+    fillets = dict.fromkeys(FILLETS, (0.0, LARGEST_FILLET))
+    return {**REAL, **fillets, **{name: (low, high) for name, (low, high, _) in FEATURES.items()}}
+
+
+RANGES: Mapping[str, tuple[float, float]] = MappingProxyType(real_ranges())
+
+
+def check_range(found: Ratios) -> None:
+    """Refuse ratios outside the law's range.
+
+    Raises
+    ------
+    InputError
+        With the ratio, its value and its range.
+    """
+    for name, (low, high) in RANGES.items():
+        values = found[name]
+        beyond = (values < low - ROUND_OFF) | (values > high + ROUND_OFF) | (values != values)
+        if np.any(beyond):
+            worst = float(np.asarray(values)[beyond][0]) if np.ndim(values) else float(values)
+            raise InputError(
+                f"{ratio_text(name)}: given {worst:.4g}; allowed is {low:g} to {high:g}, the range of "
+                "the throws that the law was trained by."
+            )
+
+
+def ratio_text(name: str) -> str:
+    """How a ratio is called in sentences.
+
+    Examples
+    --------
+    >>> ratio_text("crank_radius"), ratio_text("thickness_step")
+    ('crank_radius / main_journal_diameter', 'right_web.thickness / left_web.thickness')
+    """
+    if name == "thickness_step":
+        return "right_web.thickness / left_web.thickness"
+    return f"{name} / {DIVISORS.get(name, 'main_journal_diameter')}"
+
+
+def overlap_slope(found: Ratios) -> Any:
+    """Overlap of main journal and pin over the web's thickness, as an area hyperbolic sine."""
+    overlap = 0.5 * (1.0 + found["pin_diameter"]) - found["crank_radius"]
+    return np.arcsinh(overlap / found["web_thickness"])
+
+
+def plain_inputs(found: Ratios) -> Array:
+    """What the networks of plain throws are given: (8, ...) array."""
+    lengths = [found[name] for name in REAL]
+    logs = np.log(np.array(np.broadcast_arrays(*lengths, found[FILLETS[0]])))
+    return np.concatenate([logs, overlap_slope(found)[None]])
+
+
+def real_inputs(found: Ratios) -> Array:
+    """What the networks of real throws are given: (20, ...) array."""
+    lengths = np.log(np.array(np.broadcast_arrays(*(found[name] for name in REAL))))
+    shape = lengths.shape[1:]
+    more = [found[name] for name in (*FILLETS, *FEATURES) if name != "thickness_step"]
+    step = 0.5 * np.log(found["thickness_step"])
+    rows = [overlap_slope(found), *more, step * step]
+    return np.concatenate([lengths, [np.broadcast_to(row, shape) for row in rows]])

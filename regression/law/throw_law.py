@@ -1,0 +1,342 @@
+"""The law: axial and torsional compliances of throws from their dimensions alone, with error bands.
+
+Networks trained by finite-element answers of thousands of throws (docs/law.md) give dimensionless
+compliances; E and the size enter exactly, Poisson's ratio near 0.3 by its mean effect. End sections are
+rigid discs, as in `fem.analysis.analyze_throw`; counterweights do not stiffen a throw and are left out.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from crankbase.checks.arrays import finite_array
+from crankbase.checks.scalars import is_number
+from crankbase.errors import InputError, quoted
+from crankbase.summaries import summarized
+from geometry.throw import CrankThrow
+from regression.law.networks import OUTPUTS, TIERS, networks
+from regression.law.ratios import (
+    MORE_FIELDS,
+    PLAIN_FIELDS,
+    RANGES,
+    check_range,
+    is_plain,
+    plain_inputs,
+    ratio_text,
+    ratios,
+    real_inputs,
+    throw_dimensions,
+)
+from regression.models.angle import between_values
+
+Array = NDArray[np.float64]
+
+POISSON_RATIO = 0.3
+POISSON_RANGE = (0.25, 0.35)
+INPUTS = {"plain": plain_inputs, "real": real_inputs}
+
+
+@summarized("pinned [m/N]", "guided [m/N]", "ratio", "influence_pinned [m/N]", "band [m/N]", "tier")
+@dataclass(frozen=True)
+class AxialLaw:
+    """Axial compliance and influence coefficient by the law: floats of a throw, arrays of many.
+
+    Attributes
+    ----------
+    pinned, guided : float or ndarray
+        e_n, ends pinned and guided [m/N]; between equal neighbors at 180 and at 0 deg.
+    ratio : float or ndarray
+        rho of the angle law, stiffness against tilting across the crank plane divided by that in it.
+    influence_pinned, influence_guided : float or ndarray
+        c of P = c Z / e_n [m/N].
+    errors : mapping
+        Relative half widths of bands that hold the true value in 95 of 100 throws, by the names above.
+    tier : str or ndarray
+        "plain" or "real": which networks answered.
+    nearest_limit : str
+        Of one throw: the ratio nearest to an end of the law's range, in words.
+    """
+
+    pinned: Any
+    guided: Any
+    ratio: Any
+    influence_pinned: Any
+    influence_guided: Any
+    errors: Mapping[str, Any]
+    tier: Any
+    nearest_limit: str = ""
+
+    @property
+    def band(self) -> tuple[Any, Any]:
+        """Ends of the band of `pinned` that holds the true value in 95 of 100 throws [m/N]."""
+        return _band(self.pinned, self.errors["pinned"])
+
+    def axial(self, gamma_deg: ArrayLike) -> Any:
+        """Axial compliance between equal neighbors at an angle, e(gamma) [m/N].
+
+        Parameters
+        ----------
+        gamma_deg : float or array_like
+            Angle between neighboring cranks [deg].
+
+        Raises
+        ------
+        InputError
+            If an angle is not a finite number, or the shapes do not fit each other.
+        """
+        return between_values(gamma_deg, (self.guided, self.pinned, self.ratio))
+
+    def influence(self, gamma_deg: ArrayLike) -> Any:
+        """Influence coefficient between equal neighbors, c(gamma) [m/N]; as `axial`."""
+        return between_values(gamma_deg, (self.influence_guided, self.influence_pinned, self.ratio))
+
+
+@summarized("pinned [rad/(N m)]", "guided [rad/(N m)]", "band [rad/(N m)]", "tier")
+@dataclass(frozen=True)
+class TorsionalLaw:
+    """Torsional compliance by the law: floats of a throw, arrays of many.
+
+    Attributes
+    ----------
+    pinned, guided : float or ndarray
+        Twist per torque [rad/(N m)].
+    errors, tier, nearest_limit
+        As of an `AxialLaw`.
+    """
+
+    pinned: Any
+    guided: Any
+    errors: Mapping[str, Any]
+    tier: Any
+    nearest_limit: str = ""
+
+    @property
+    def band(self) -> tuple[Any, Any]:
+        """Ends of the band of `pinned` that holds the true value in 95 of 100 throws."""
+        return _band(self.pinned, self.errors["pinned"])
+
+
+# Names of results, with their networks and powers of D beside E.
+AXIAL = {
+    "pinned": ("axial_pinned", 1),
+    "guided": ("axial_guided", 1),
+    "ratio": ("tilt_ratio", 0),
+    "influence_pinned": ("influence_pinned", 1),
+    "influence_guided": ("influence_guided", 1),
+}
+TORSIONAL = {"pinned": ("torsional_pinned", 3), "guided": ("torsional_guided", 3)}
+
+
+def axial_law(
+    throw: CrankThrow, *, youngs_modulus: float = 2.1e11, poisson_ratio: float = POISSON_RATIO
+) -> AxialLaw:
+    """Axial compliance and influence coefficient of a throw by the law.
+
+    Parameters
+    ----------
+    throw : CrankThrow
+    youngs_modulus : float
+        E [Pa].
+    poisson_ratio : float
+        0.25 to 0.35; the networks know 0.3, from which its mean effect leads.
+
+    Returns
+    -------
+    AxialLaw
+
+    Raises
+    ------
+    InputError
+        If a ratio of the throw is outside the range of the throws that the law was trained by, or the
+        throw has what they have not.
+
+    Examples
+    --------
+    >>> throw = CrankThrow(
+    ...     crank_radius=0.170, main_journal_diameter=0.220, pin_diameter=0.180,
+    ...     main_journal_length=0.120, pin_length=0.139, web_width=0.300, web_thickness=0.068,
+    ...     fillet_radius=0.012,
+    ... )
+    >>> print(f"{axial_law(throw).pinned:.2e} m/N")
+    1.29e-09 m/N
+    """
+    found = _Answers(throw_dimensions(throw), youngs_modulus, poisson_ratio, nearest=True)
+    return AxialLaw(**found.results(AXIAL))
+
+
+def torsional_law(
+    throw: CrankThrow, *, youngs_modulus: float = 2.1e11, poisson_ratio: float = POISSON_RATIO
+) -> TorsionalLaw:
+    """Torsional compliance of a throw by the law; parameters and errors as `axial_law`."""
+    found = _Answers(throw_dimensions(throw), youngs_modulus, poisson_ratio, nearest=True)
+    return TorsionalLaw(**found.results(TORSIONAL))
+
+
+def axial_laws(
+    *,
+    youngs_modulus: float = 2.1e11,
+    poisson_ratio: float = POISSON_RATIO,
+    **dimensions: ArrayLike,
+) -> AxialLaw:
+    """Axial compliance and influence coefficient of many throws by the law.
+
+    Parameters
+    ----------
+    youngs_modulus, poisson_ratio
+        As for `axial_law`.
+    **dimensions : array_like
+        Fields of `CrankThrow` [m] that can be broadcast together: the first eight, and of the others
+        fillets, bores with their offsets, and the webs' ends, corners, tips and feet. Whether such
+        throws can be built is not checked.
+
+    Returns
+    -------
+    AxialLaw
+
+    Raises
+    ------
+    InputError
+        If a dimension is missing, unknown or no array of finite numbers, or a ratio is outside.
+
+    Examples
+    --------
+    >>> law = axial_laws(
+    ...     crank_radius=0.170, main_journal_diameter=0.220, pin_diameter=0.180,
+    ...     main_journal_length=0.120, pin_length=0.139, web_width=0.300,
+    ...     web_thickness=[0.050, 0.068, 0.090], fillet_radius=0.012,
+    ... )
+    >>> law.pinned.shape
+    (3,)
+    """
+    return AxialLaw(**_Answers(_given(dimensions), youngs_modulus, poisson_ratio).results(AXIAL))
+
+
+def torsional_laws(
+    *,
+    youngs_modulus: float = 2.1e11,
+    poisson_ratio: float = POISSON_RATIO,
+    **dimensions: ArrayLike,
+) -> TorsionalLaw:
+    """Torsional compliance of many throws by the law; parameters and errors as `axial_laws`."""
+    found = _Answers(_given(dimensions), youngs_modulus, poisson_ratio)
+    return TorsionalLaw(**found.results(TORSIONAL))
+
+
+class _Answers:
+    """Answers of throws of some dimensions, each by the networks of its tier."""
+
+    def __init__(
+        self,
+        dimensions: Mapping[str, Any],
+        youngs_modulus: float,
+        poisson_ratio: float,
+        nearest: bool = False,
+    ) -> None:
+        check_material(youngs_modulus, poisson_ratio)
+        self.ratios = ratios(dimensions)
+        check_range(self.ratios)
+        self.nearest = _nearest(self.ratios) if nearest else ""
+        self.modulus, self.beside = youngs_modulus, poisson_ratio - POISSON_RATIO
+        self.diameter = dimensions["main_journal_diameter"]
+        self.plain = is_plain(self.ratios)
+        self.shape = np.broadcast_shapes(*(np.shape(value) for value in self.ratios.values()))
+
+    def values(self, names: Sequence[str]) -> tuple[Array, Array]:
+        """Dimensionless answers (k, ...) by the names of `OUTPUTS`, and relative half widths."""
+        rows = [OUTPUTS.index(name) for name in names]
+        plain = np.broadcast_to(self.plain, self.shape).ravel()
+        found = np.empty((2, len(rows), plain.size))
+        for tier, where in zip(TIERS, (plain, ~plain), strict=True):
+            if not where.any():
+                continue
+            some = networks(tier)
+            inputs = INPUTS[tier](self.ratios).reshape(len(some.low), -1)
+            if inputs.shape[1] != plain.size:
+                inputs = np.repeat(inputs, plain.size, axis=1)
+            inputs = inputs if where.all() else inputs[:, where]
+            mean, spread = some.poisson[rows].T[:, :, None]
+            answers = some.answers(inputs, rows) * np.exp(mean * self.beside)
+            widths = some.half_widths(inputs, rows) + 2.0 * spread * abs(self.beside)
+            found[:, :, where] = answers, widths
+        return found[0].reshape(-1, *self.shape), found[1].reshape(-1, *self.shape)
+
+    def results(self, kinds: Mapping[str, tuple[str, int]]) -> dict[str, Any]:
+        """Fields of a law: answers in SI units, errors, tier and the nearest limit."""
+        answers, widths = self.values([name for name, _ in kinds.values()])
+        found: dict[str, Any] = {}
+        for (name, (_, power)), answer in zip(kinds.items(), answers, strict=True):
+            unit = 1.0 if power == 0 else self.modulus * self.diameter**power
+            found[name] = answer / unit
+        errors = dict(zip(kinds, widths, strict=True))
+        tier: Any = np.where(self.plain, *TIERS)
+        if not self.shape:
+            found = {name: float(value) for name, value in found.items()}
+            errors = {name: float(value) for name, value in errors.items()}
+            tier = str(tier)
+        return found | {"errors": errors, "tier": tier, "nearest_limit": self.nearest}
+
+
+def check_material(youngs_modulus: float, poisson_ratio: float) -> None:
+    """Refuse a Young's modulus that is none, and a Poisson's ratio that the law does not know.
+
+    Raises
+    ------
+    InputError
+    """
+    if not (is_number(youngs_modulus) and youngs_modulus > 0.0):
+        raise InputError(
+            f"youngs_modulus: given {quoted(youngs_modulus)}; allowed is a positive number of Pa, "
+            "because a throw without stiffness has no compliance."
+        )
+    low, high = POISSON_RANGE
+    if not (is_number(poisson_ratio) and low <= poisson_ratio <= high):
+        raise InputError(
+            f"poisson_ratio: given {quoted(poisson_ratio)}; allowed for the law is {low:g} to {high:g}, "
+            "because the throws that it was trained by have 0.3."
+        )
+
+
+def _given(dimensions: Mapping[str, ArrayLike]) -> dict[str, Any]:
+    """Dimensions of many throws, checked."""
+    known = (*PLAIN_FIELDS, *MORE_FIELDS)
+    for name in dimensions:
+        if name not in known:
+            raise InputError(
+                f"{name}: no dimension that the law knows; allowed are {', '.join(known)}."
+            )
+    for name in PLAIN_FIELDS:
+        if name not in dimensions and name != "fillet_radius":
+            raise InputError(f"{name}: missing; it must be given, because the law needs its ratio.")
+    found: dict[str, Any] = {
+        name: finite_array(name, value) for name, value in dimensions.items() if value is not None
+    }
+    for name in PLAIN_FIELDS:
+        if name in found and not np.all(found[name] > 0.0):
+            raise InputError(
+                f"{name}: given {float(np.min(found[name])):g}; allowed is a positive length in m."
+            )
+    try:
+        np.broadcast_shapes(*(value.shape for value in found.values()))
+    except ValueError:
+        shapes = ", ".join(f"{name} {value.shape}" for name, value in found.items() if value.shape)
+        raise InputError(
+            f"dimensions: given arrays of the shapes {shapes}; allowed are shapes that can be broadcast "
+            "together."
+        ) from None
+    return found
+
+
+def _nearest(found: Mapping[str, Any]) -> str:
+    """The ratio nearest to an end of its range beside its length, of those that are lengths over D."""
+    name, low, high = min(
+        ((name, *RANGES[name]) for name in found if name in PLAIN_FIELDS),
+        key=lambda one: min(found[one[0]] - one[1], one[2] - found[one[0]]) / (one[2] - one[1]),
+    )
+    return f"{ratio_text(name)} = {found[name]:.3g} of {low:g} to {high:g}"
+
+
+def _band(value: Any, error: Any) -> tuple[Any, Any]:
+    return value * (1.0 - error), value * (1.0 + error)
