@@ -21,6 +21,7 @@ from crankfem.service.answers import (
     Formulas,
     Job,
     Jobs,
+    Law,
     Lookups,
     ModelDescription,
     ModelNames,
@@ -95,6 +96,24 @@ class Client:
         """Evaluate all published formulas for a throw."""
         return self._post(
             Formulas, "throws/formulas", throw=throw, gamma_deg=gamma_deg, material=material
+        )
+
+    def law(
+        self,
+        throw: Values,
+        *,
+        radial_force: float = 1e5,
+        gamma_deg: float | None = None,
+        material: Values | None = None,
+    ) -> Law:
+        """Ask the law: compliances, c and reactions with bands, without finite elements."""
+        return self._post(
+            Law,
+            "throws/law",
+            throw=throw,
+            radial_force=radial_force,
+            gamma_deg=gamma_deg,
+            material=material,
         )
 
     def analyze_throw(self, throw: Values, **options: Any) -> Job:

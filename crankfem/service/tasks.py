@@ -7,13 +7,12 @@ from pathlib import Path
 from typing import Any
 
 from crankbase.outputs import write_text
-from crankfem.service.asking import AnalysisQuestion, FileQuestion, StressQuestion
+from crankfem.service.asking import UNIT_FORCE, AnalysisQuestion, FileQuestion, StressQuestion
 from crankfem.service.uploads import write_upload
 from regression.records import Outcome
 
 RESULT, VIEW, SOLID, MODEL = "result.json", "throw_view.json", "throw.step", "model.json"
 REPORT = "results/report.html"
-UNIT_FORCE = 1e5  # [N], where no force was asked for
 # A medium-speed engine's throw [m], on which knobs stand at first.
 EXAMPLE = {
     "crank_radius": 0.170,

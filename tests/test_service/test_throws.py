@@ -4,7 +4,7 @@ import pytest
 
 from comparing import close
 from crankbase.errors import InputError
-from crankfem import STEEL, CrankThrow, analyze_throw, axial_formulas, load_throw
+from crankfem import STEEL, CrankThrow, analyze_throw, axial_formulas, axial_law, load_throw, torsional_law
 from crankfem.client import Client, RefusedError
 
 
@@ -48,6 +48,25 @@ def test_formulas_are_those_of_the_library(client, throw):
     found = client.formulas(throw, gamma_deg=120.0)
     known = axial_formulas(CrankThrow(**throw), 120.0)
     assert {one.name: one.value for one in found.axial} == {n: v.value for n, v in known.items()}
+
+
+def test_the_law_answers_with_bands_and_reactions(client, throw):
+    found = client.law(throw, radial_force=2e5, gamma_deg=120.0)
+    axial, torsional = axial_law(CrankThrow(**throw)), torsional_law(CrankThrow(**throw))
+    assert found.values["axial_compliance_pinned"].value == close(axial.pinned)
+    assert found.values["axial_compliance_pinned"].lower == close(axial.band[0])
+    assert found.values["axial_compliance_neighbors"].value == close(float(axial.axial(120.0)))
+    assert found.values["torsional_compliance_guided"].value == close(torsional.guided)
+    known = analyze_throw(CrankThrow(**throw), STEEL, 0.02).reactions((0.0, -2e5, 0.0))
+    for side in ("left", "right"):
+        force = list(getattr(known, side).force)
+        assert list(found.reactions[side].force) == close(force, 0.02, 1.0)
+        assert list(getattr(known, side).moment) == close([0.0, 0.0, 0.0], 1.0, 1.0)
+
+
+def test_outside_the_law_the_ratio_is_named(client, throw):
+    with pytest.raises(InputError, match="crank_radius / main_journal_diameter: given 2.27"):
+        client.law(throw | {"crank_radius": 0.5})
 
 
 def test_what_is_wrong_is_told_at_its_fields(service, throw):
