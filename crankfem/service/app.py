@@ -69,9 +69,10 @@ def make_app(settings: Settings) -> FastAPI:
         exception_handlers=handlers,
     )
     app.state.runner, app.state.store = runner, store
-    app.include_router(_service_routes(settings))
+    # Those that are asked most often come first: routes are looked through in this order.
     app.include_router(throw_routes)
     app.include_router(model_routes(Models(settings.models, store), settings.bounds))
+    app.include_router(_service_routes(settings))
     app.include_router(job_routes(store, runner, settings.bounds))
     app.include_router(_page_routes())
     _describe(app)

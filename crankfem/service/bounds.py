@@ -20,8 +20,8 @@ class Bounds:
     ----------
     body : int
         Of a request [byte]; a lookup of 100,000 throws takes about 6 MB.
-    head_seconds, body_seconds : float
-        For the head of a request and for its body to arrive [s].
+    seconds : float
+        For a request to arrive, its head and then its body [s].
     waiting : int
         Jobs that may wait.
     running : int
@@ -41,8 +41,7 @@ class Bounds:
     """
 
     body: int = 32 * MEGABYTE
-    head_seconds: float = 10.0
-    body_seconds: float = 20.0
+    seconds: float = 10.0
     waiting: int = 20
     running: int = 1
     workers: int = 2

@@ -1,8 +1,8 @@
 """Models of finished studies and of a folder: listed, described, looked up."""
 
 import re
+import time
 from collections.abc import Iterable, Mapping
-from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
@@ -33,6 +33,8 @@ TOLD = ("value", "lower", "upper", "inside", "unit", "symbol", "support", "remar
 MANY = 500
 OF_JOB = "job-"
 MOST_JOBS = 200
+MOST_LOADED = 16
+FRESH = 1.0  # seconds for which a model's file is not looked at again
 
 
 class Models:
@@ -46,6 +48,8 @@ class Models:
 
     def __init__(self, folder: Path | None, store: JobStore) -> None:
         self._folder, self._store = folder, store
+        # By name: when it was looked for, the model, its file and when that was changed.
+        self._known: dict[str, tuple[float, ComplianceModel | None, Path | None, int]] = {}
 
     def names(self) -> list[str]:
         """Return the names of all."""
@@ -65,10 +69,20 @@ class Models:
         InputError
             If its file cannot be used.
         """
+        seen, model, path, changed = self._known.get(name, (0.0, None, None, 0))
+        now = time.monotonic()
+        if model is not None and now - seen < FRESH:
+            return model
         path = self._path(name) if NAME.fullmatch(name) else None
         if path is None or not path.is_file():
+            self._known.pop(name, None)
             raise ProblemError(404, "There is no model of that name.")
-        return _loaded(path, path.stat().st_mtime_ns)
+        if model is None or path.stat().st_mtime_ns != changed:
+            changed, model = path.stat().st_mtime_ns, _loaded(path)
+            if len(self._known) >= MOST_LOADED:
+                self._known.pop(next(iter(self._known)))
+        self._known[name] = (now, model, path, changed)
+        return model
 
     def _path(self, name: str) -> Path | None:
         if self._folder is not None and (self._folder / f"{name}.json").is_file():
@@ -83,8 +97,7 @@ def _model_of(files: Iterable[str]) -> str | None:
     return next((name for name in files if name in (MODEL, f"results/{MODEL}")), None)
 
 
-@lru_cache(maxsize=16)
-def _loaded(path: Path, _changed: int) -> ComplianceModel:
+def _loaded(path: Path) -> ComplianceModel:
     try:
         return ComplianceModel.load(path)
     except InputError as error:
@@ -94,16 +107,6 @@ def _loaded(path: Path, _changed: int) -> ComplianceModel:
 def model_routes(models: Models, bounds: Bounds) -> APIRouter:
     """Make the routes of models."""
     routes = APIRouter(prefix="/api/models", tags=["models"])
-
-    @routes.get("", **described(ModelNames))
-    async def list_models() -> Response:
-        """List the models that can be asked."""
-        return answer({"models": models.names()})
-
-    @routes.get("/{name}", **described(ModelDescription, None, 404, 422))
-    async def describe_model(name: str) -> Response:
-        """Tell what a model answers, and for which throws."""
-        return answer(_description(name, models.named(name)))
 
     @routes.post("/{name}/lookup", **described(Lookups, LookupQuestion, 404))
     async def look_up(request: Request, name: str) -> Response:
@@ -118,6 +121,16 @@ def model_routes(models: Models, bounds: Bounds) -> APIRouter:
         if rows is None or rows < MANY:
             return answer(_lookups(model, asked, rows))
         return await anyio.to_thread.run_sync(lambda: answer(_lookups(model, asked, rows)))
+
+    @routes.get("", **described(ModelNames))
+    async def list_models() -> Response:
+        """List the models that can be asked."""
+        return answer({"models": models.names()})
+
+    @routes.get("/{name}", **described(ModelDescription, None, 404, 422))
+    async def describe_model(name: str) -> Response:
+        """Tell what a model answers, and for which throws."""
+        return answer(_description(name, models.named(name)))
 
     return routes
 
@@ -170,11 +183,11 @@ def _plain(value: Any) -> Any:
 def _dimensions(model: ComplianceModel, given: Mapping[str, Any]) -> dict[str, Any]:
     """Take numbers as they are, and texts as quantities with units unless they are labels."""
     family = model.family
-    labels, units = {*family.categories, *family.labels}, family.all_units
+    labels = {*family.categories, *family.labels}
 
     def read(name: str, value: Any) -> Any:
         if isinstance(value, str):
-            return value if name in labels else parse_quantity(value, units.get(name, ""), name)
+            return value if name in labels else parse_quantity(value, family.unit(name), name)
         if not is_number(value):
             raise InputError(
                 f"{name}: given {quoted(value)}; allowed is a number in SI units, a text with its unit, or a "

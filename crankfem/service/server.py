@@ -27,7 +27,7 @@ def serve(settings: Settings) -> None:
     bounds = settings.bounds
 
     class Protocol(AutoHTTPProtocol):  # type: ignore[misc, valid-type]
-        """A connection that is closed where the head of a request does not come in time."""
+        """A connection that is closed where a request does not come in time."""
 
         def connection_made(self, transport: Any) -> None:
             super().connection_made(transport)
@@ -35,15 +35,15 @@ def serve(settings: Settings) -> None:
             self._look_later()
 
         def _look_later(self) -> None:
-            asyncio.get_running_loop().call_later(bounds.head_seconds, self._look)
+            asyncio.get_running_loop().call_later(bounds.seconds, self._look)
 
         def _look(self) -> None:
             # The cycle is that of the request whose head came last.
             asked = self.cycle
-            idle = asked is None or asked.response_complete
+            waits = asked is None or asked.response_complete or asked.more_body
             if self.transport.is_closing():
                 return
-            if idle and asked is self._asked_before:
+            if waits and asked is self._asked_before:
                 self.transport.close()
             else:
                 self._asked_before = asked

@@ -23,6 +23,15 @@ SVG = "image/svg+xml"
 routes = APIRouter(prefix="/api/throws", tags=["throws"])
 
 
+@routes.post("/law", **described(Law, LawQuestion))
+async def ask_law(request: Request) -> Response:
+    """Tell compliances, c and reactions of a throw by the law, with bands, without finite elements."""
+    asked = await read_question(request, LawQuestion)
+    return answer(
+        law_record(asked.read_throw(), asked.read_material(), asked.radial_force, asked.gamma_deg)
+    )
+
+
 @routes.post("/validate", **described(ValidThrow, ThrowQuestion))
 async def validate_throw(request: Request) -> Response:
     """Check a throw: what its dimensions make, and the same as a TOML file."""
@@ -50,15 +59,6 @@ async def evaluate_formulas(request: Request) -> Response:
     """Evaluate all published formulas for a throw."""
     asked = await read_question(request, FormulasQuestion)
     return answer(formula_records(asked.read_throw(), asked.read_material(), asked.gamma_deg))
-
-
-@routes.post("/law", **described(Law, LawQuestion))
-async def ask_law(request: Request) -> Response:
-    """Tell compliances, c and reactions of a throw by the law, with bands, without finite elements."""
-    asked = await read_question(request, LawQuestion)
-    return answer(
-        law_record(asked.read_throw(), asked.read_material(), asked.radial_force, asked.gamma_deg)
-    )
 
 
 def _toml(section: str, record: InputModel, many: bool = False) -> list[str]:
