@@ -52,7 +52,10 @@ def request(path: str, question: Any = None) -> bytes:
 
 
 def law() -> bytes:
-    throw = THROW | {"web_width": random.uniform(0.27, 0.33), "pin_length": random.uniform(0.12, 0.15)}
+    throw = THROW | {
+        "web_width": random.uniform(0.27, 0.33),
+        "pin_length": random.uniform(0.12, 0.15),
+    }
     return request("/api/throws/law", {"throw": throw})
 
 
@@ -94,7 +97,9 @@ async def load(port: int, make: Any, seconds: float) -> tuple[list[float], int]:
 
 def told(name: str, rates: list[float], times: list[float], errors: int) -> None:
     p99 = 1e3 * statistics.quantiles(times, n=100)[-1]
-    print(f"{name:24} {statistics.median(rates):8.0f} requests/s  p99 {p99:6.1f} ms  {errors} errors")
+    print(
+        f"{name:24} {statistics.median(rates):8.0f} requests/s  p99 {p99:6.1f} ms  {errors} errors"
+    )
 
 
 async def measure(port: int, seconds: float) -> None:
@@ -125,7 +130,9 @@ def measure_rows(address: str) -> None:
                 "models/six/lookup", {"dimensions": {"web_thickness": rows}, "responses": responses}
             )
             taken.append(time.perf_counter() - start)
-        print(f"100,000 rows of {count} response{'s' * (count > 1)}: {statistics.median(taken):.2f} s")
+        print(
+            f"100,000 rows of {count} response{'s' * (count > 1)}: {statistics.median(taken):.2f} s"
+        )
 
 
 def measure_page(address: str) -> None:
@@ -133,7 +140,12 @@ def measure_page(address: str) -> None:
 
     from playwright.sync_api import sync_playwright
 
-    flags = ["--no-sandbox", "--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"]
+    flags = [
+        "--no-sandbox",
+        "--use-gl=angle",
+        "--use-angle=swiftshader",
+        "--enable-unsafe-swiftshader",
+    ]
     with sync_playwright() as started:
         browser = started.chromium.launch(executable_path=shutil.which("chromium"), args=flags)
         page = browser.new_page()
@@ -141,7 +153,9 @@ def measure_page(address: str) -> None:
         page.wait_for_selector("body[data-ready]")
         page.wait_for_timeout(3000)
         turns = [page.evaluate(TURN, 0.05 + 0.0005 * place) for place in range(60)]
-        print(f"a slider turned, until numbers and drawing are there: {statistics.median(turns):.0f} ms")
+        print(
+            f"a slider turned, until numbers and drawing are there: {statistics.median(turns):.0f} ms"
+        )
         taken = []
         for _ in range(3):
             page.reload()
@@ -176,16 +190,17 @@ def main() -> None:
     options.add_argument("--page", action="store_true")
     given = options.parse_args()
     sys.path.insert(0, str(Path(__file__).parents[1] / "tests"))
+    from crankfem import STEEL, CrankThrow
     from fitted_models import known_model
     from serving import Served
-
-    from crankfem import STEEL, CrankThrow
 
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
         (folder / "models").mkdir()
         compliances = {"axial_compliance": 1.3e-9, "torsional_compliance": 4e-8}
-        known_model(CrankThrow(**THROW), STEEL, compliances, 0.01).save(folder / "models" / "six.json")
+        known_model(CrankThrow(**THROW), STEEL, compliances, 0.01).save(
+            folder / "models" / "six.json"
+        )
         service = Served(folder, "--models", str(folder / "models"))
         empty = subprocess.Popen([sys.executable, "-c", EMPTY, str(EMPTY_PORT)])
         try:

@@ -235,7 +235,9 @@ class Client:
             raise _refusal(error) from None
         except (URLError, OSError) as error:
             reason = getattr(error, "reason", error)
-            raise RefusedError(f"{self.address}: the service cannot be reached ({reason}).") from None
+            raise RefusedError(
+                f"{self.address}: the service cannot be reached ({reason})."
+            ) from None
 
 
 def _refusal(error: HTTPError) -> Exception:

@@ -227,17 +227,17 @@ def _check_fillets(throw: ThrowDimensions, parts: ThrowParts) -> None:
         given[name] = max(cylinder.start_fillet, cylinder.end_fillet)
         # Of a main journal, the throw has half.
         length = (cylinder.end - cylinder.start) * (1.0 if cylinder.is_pin else 2.0)
-        reason = partial(_too_short, cylinder, length)
-        limits.setdefault(name, []).append((FILLET_SHARE_OF_LENGTH * length, reason))
+        limits.setdefault(name, []).append(
+            (FILLET_SHARE_OF_LENGTH * length, partial(_too_short, cylinder, length))
+        )
         smallest = SMALLEST_FILLET_SHARE * 2.0 * cylinder.radius
         lowest[name] = max(lowest.get(name, 0.0), smallest)
     for place, web in enumerate(parts.webs):
         for cylinder, axis in _adjacent_cylinders(web, *parts.cylinders[place : place + 2]):
             name = cylinder_field(throw, parts, cylinder, "fillet_radius")
             if name in limits and _fillet_on(web, cylinder) > 0.0:
-                reason = partial(_too_narrow, throw, web, cylinder)
                 room = web.outline.distance(axis) - cylinder.radius
-                limits[name].append((room, reason))
+                limits[name].append((room, partial(_too_narrow, throw, web, cylinder)))
                 ledge = room - _fillet_on(web, cylinder)
                 smallest = SMALLEST_FOOT_LEDGE * 2.0 * cylinder.radius
                 if 1e-9 * room < ledge < smallest:

@@ -12,9 +12,6 @@ from pathlib import Path
 
 import pytest
 
-
-
-
 ROOT = Path(__file__).parents[1]
 # Seconds for a service to answer on a busy machine.
 STARTING = 60.0
@@ -27,7 +24,16 @@ class Served:
         self.folder = folder
         self.log = folder / "log"
         paths = [str(ROOT), *filter(None, [os.environ.get("PYTHONPATH")])]
-        command = ["-P", "-m", "crankfem", "serve", "--port", "0", "--folder", str(folder / "service")]
+        command = [
+            "-P",
+            "-m",
+            "crankfem",
+            "serve",
+            "--port",
+            "0",
+            "--folder",
+            str(folder / "service"),
+        ]
         with self.log.open("ab") as log:
             self.process = subprocess.Popen(
                 [sys.executable, *command, *options],
@@ -113,9 +119,9 @@ def models(tmp_path_factory):
 
     folder = tmp_path_factory.mktemp("models")
     throw = CrankThrow(**THROW)
-    known_model(throw, STEEL, {"axial_compliance": 1.3e-9, "torsional_compliance": 4e-8}, 0.01).save(
-        folder / "six.json"
-    )
+    known_model(
+        throw, STEEL, {"axial_compliance": 1.3e-9, "torsional_compliance": 4e-8}, 0.01
+    ).save(folder / "six.json")
     return folder
 
 

@@ -1,4 +1,4 @@
-"""What the service answers: the shapes of its JSON, which the client reads and the API's description tells."""
+"""What the service answers: the shapes of its JSON, for the client and for the description of the API."""
 
 from typing import Any, Literal
 

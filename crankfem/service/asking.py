@@ -84,7 +84,8 @@ class AnalysisQuestion(ThrowQuestion):
 
     gamma_deg: float | None = _angle(None)
     pin_force: Pin | None = Field(
-        None, description="force on the first pin in the throw frame, x y z [N]; 100 kN towards the shaft by default"
+        None,
+        description="force on the first pin in the throw frame, x y z [N]; 100 kN towards the shaft if none",
     )
     accuracy: float = quantity_field(
         "wished relative accuracy of e_n", "", minimum=0.002, maximum=0.1, default=0.01
@@ -176,5 +177,3 @@ def _texts(kind: type[InputModel], values: Mapping[str, Any]) -> dict[str, objec
             value = [_texts(part, one) if isinstance(one, Mapping) else one for one in value]
         found[name] = value
     return found
-
-

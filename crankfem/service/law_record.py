@@ -59,7 +59,9 @@ def law_record(
         "reactions": _pinned_reactions(throw, radial_force, axial.influence_pinned / axial.pinned),
         "tier": axial.tier,
         "nearest_limit": axial.nearest_limit,
-        "remarks": [f"The law's bands hold the true value in 95 of 100 throws; its nearest limit: {axial.nearest_limit}."],
+        "remarks": [
+            f"Bands hold the true value in 95 of 100 throws. The law's nearest limit: {axial.nearest_limit}."
+        ],
     }
 
 

@@ -8,6 +8,7 @@ from typing import Any
 
 import anyio.to_thread
 import numpy as np
+from fastapi import APIRouter
 from starlette.requests import Request
 from starlette.responses import Response
 
@@ -21,10 +22,8 @@ from crankfem.service.job_store import JobStore
 from crankfem.service.problems import ProblemError
 from crankfem.service.responses import answer, described
 from crankfem.service.tasks import MODEL
-from fastapi import APIRouter
 from geometry.throw import CrankThrow
 from regression.models.compliance_model import ComplianceModel
-
 from regression.response_kinds import ANGLE_LAWS
 
 NAME = re.compile(r"[\w.+-]{1,80}", re.ASCII)
@@ -141,7 +140,8 @@ def _description(name: str, model: ComplianceModel) -> dict[str, Any]:
     return {
         "name": name,
         "responses": {
-            key: {part: getattr(one, part) for part in known} for key, one in model.responses.items()
+            key: {part: getattr(one, part) for part in known}
+            for key, one in model.responses.items()
         },
         "ranges": dict(family.ranges),
         "categories": {key: list(labels) for key, labels in family.categories.items()},
@@ -153,8 +153,10 @@ def _description(name: str, model: ComplianceModel) -> dict[str, Any]:
 
 
 def _lookups(model: ComplianceModel, asked: LookupQuestion, rows: int | None) -> dict[str, Any]:
-    dimensions = {} if asked.throw is None else model.dimensions_of(
-        read_record(CrankThrow, asked.throw, "throw")
+    dimensions = (
+        {}
+        if asked.throw is None
+        else model.dimensions_of(read_record(CrankThrow, asked.throw, "throw"))
     )
     dimensions |= _dimensions(model, asked.dimensions)
     names = model.responses if asked.responses is None else dict.fromkeys(asked.responses)
@@ -172,7 +174,9 @@ def _lookups(model: ComplianceModel, asked: LookupQuestion, rows: int | None) ->
             continue
         found[name] = {part: _plain(getattr(one, part)) for part in TOLD}
     if not found:
-        raise InputError(next(iter(refused.values()), "responses: given none; allowed are those of the model."))
+        raise InputError(
+            next(iter(refused.values()), "responses: given none; allowed are those of the model.")
+        )
     return {"rows": rows, "responses": found, "refused": refused}
 
 

@@ -78,7 +78,7 @@ def record_schemas() -> dict[str, Any]:
 
 
 def _question_schema(kind: type[InputModel]) -> dict[str, Any]:
-    schema = kind.model_json_schema(ref_template=f"{REF}{{model}}")
+    schema: dict[str, Any] = kind.model_json_schema(ref_template=f"{REF}{{model}}")
     fields = schema["properties"]
     for name, record in (("throw", CrankThrow), ("material", Material)):
         if name in fields:

@@ -65,7 +65,9 @@ def serve(settings: Settings) -> None:
         host, port = listener.getsockname()[:2]
         shown = f"[{host}]" if ":" in host else host
         sys.stderr.write(f"crankfem serves at http://{shown}:{port}/ ({_who(settings)}).\n")
-        sys.stderr.write(f"Jobs lie in {settings.folder}. End with Ctrl-C; jobs that run go on at the next start.\n")
+        sys.stderr.write(
+            f"Jobs lie in {settings.folder}. End with Ctrl-C; jobs that run go on at the next start.\n"
+        )
         server.run(sockets=[listener])
         sys.stderr.write("Stopped.\n")
 
@@ -75,7 +77,7 @@ class _Server(uvicorn.Server):
         super().__init__(config)
         self._runner = runner
 
-    def handle_exit(self, sig: int, frame: Any) -> None:
+    def handle_exit(self, sig: int, frame: Any) -> None:  # noqa: ARG002 - uvicorn's names
         # Who follows a job is let go first: the server waits for all that is under way, once.
         self._runner.announce_stop()
         self.force_exit = self.should_exit

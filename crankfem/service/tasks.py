@@ -91,7 +91,9 @@ def _analysis(question: Mapping[str, Any], folder: Path, _: int, told: ToldProgr
         "throw": throw_record(
             analysis, UNIT_FORCE, pin_force=asked.pin_force, gamma_deg=asked.gamma_deg
         ),
-        "formulas": formula_records(throw, material, 180.0 if asked.gamma_deg is None else asked.gamma_deg),
+        "formulas": formula_records(
+            throw, material, 180.0 if asked.gamma_deg is None else asked.gamma_deg
+        ),
         "fillets": None,
         "fillet_note": None,
     }
@@ -167,5 +169,3 @@ def check_upload(question: Mapping[str, Any], folder: str) -> dict[str, Any]:
     return {
         name: record[name] for name in ("kind", "valid", "commands", "remarks", "dimensions")
     } | {"record": record}
-
-

@@ -1,5 +1,6 @@
 """What is answered of a throw at once: whether it can be built, its outline, the formulas."""
 
+from fastapi import APIRouter
 from starlette.requests import Request
 from starlette.responses import Response
 
@@ -16,7 +17,6 @@ from crankfem.service.asking import (
 )
 from crankfem.service.law_record import law_record
 from crankfem.service.responses import answer, described
-from fastapi import APIRouter
 from geometry.plots.throw_outline import outline_svg
 
 SVG = "image/svg+xml"
@@ -79,5 +79,3 @@ def _toml(section: str, record: InputModel, many: bool = False) -> list[str]:
         elif value is not None:
             lines.append(f'{name} = "{value}"')
     return [*lines, *parts, ""] if not many and "." not in section else [*lines, *parts]
-
-

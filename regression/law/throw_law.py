@@ -181,7 +181,10 @@ def throw_laws(
     """Both laws of a throw in the time of one; parameters and errors as `axial_law`."""
     found = _Answers(throw_dimensions(throw), youngs_modulus, poisson_ratio, nearest=True)
     both = found.results(AXIAL | {f"twist {name}": one for name, one in TORSIONAL.items()})
-    errors, shared = both.pop("errors"), {name: both.pop(name) for name in ("tier", "nearest_limit")}
+    errors, shared = (
+        both.pop("errors"),
+        {name: both.pop(name) for name in ("tier", "nearest_limit")},
+    )
     axial = {name: both[name] for name in AXIAL}
     torsional = {name: both[f"twist {name}"] for name in TORSIONAL}
     return (

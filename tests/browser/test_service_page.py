@@ -76,7 +76,7 @@ def test_the_throw_is_calculated_and_turns(open_service, throw):
     page.wait_for_selector(".solid.plot-drawn", timeout=60_000)
     known = 1e9 * analyze_throw(CrankThrow(**throw), STEEL).axial_compliance()
     assert number(page, "ends pinned", 2) == close(known, 1e-3)
-    names = page.locator('.solid [role=group] button[aria-pressed]').all_inner_texts()
+    names = page.locator(".solid [role=group] button[aria-pressed]").all_inner_texts()
     assert names == ["solid", "mesh", "deformed by an axial force"]
     page.wait_for_selector(".step:not([disabled])", timeout=60_000)
     with page.expect_download() as download:

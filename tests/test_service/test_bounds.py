@@ -23,7 +23,7 @@ def locked(serve, tmp_path_factory):
 
 
 def test_other_machines_need_a_key():
-    with pytest.raises(InputError, match="--host: given '0.0.0.0' without a key"):
+    with pytest.raises(InputError, match=r"--host: given '0.0.0.0' without a key"):
         Settings(Path(), host="0.0.0.0")
     with pytest.raises(InputError, match="given one of 5 characters"):
         Settings(Path(), host="0.0.0.0", key="short")
@@ -183,7 +183,7 @@ def test_uploaded_files_name_nothing_beside_them(service, wrong):
 
 
 def test_scripts_in_a_file_stay_text(service):
-    text = "[engine]\nname = \"<script>alert(1)</script>\"\n"
+    text = '[engine]\nname = "<script>alert(1)</script>"\n'
     status, headers, body = service.ask("/api/files/check", {"text": text})
     assert status == 422
     assert headers["Content-Type"] == "application/problem+json"
@@ -207,7 +207,16 @@ def test_a_second_service_does_not_take_the_folder(service):
     import sys
 
     done = subprocess.run(
-        [sys.executable, "-m", "crankfem", "serve", "--folder", str(service.folder / "service"), "--port", "0"],
+        [
+            sys.executable,
+            "-m",
+            "crankfem",
+            "serve",
+            "--folder",
+            str(service.folder / "service"),
+            "--port",
+            "0",
+        ],
         capture_output=True,
         text=True,
         check=False,

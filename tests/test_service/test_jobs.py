@@ -60,7 +60,7 @@ def test_a_file_is_checked_before_it_is_run(service):
 def test_the_queue_is_bounded_and_loses_nothing(own_service, throw):
     accepted, refused = [], []
     for _ in range(24):
-        status, headers, body = own_service.ask(
+        status, headers, _ = own_service.ask(
             "/api/throws/analysis", {"throw": throw, "accuracy": 0.1}
         )
         (accepted if status == 202 else refused).append((status, headers))
@@ -185,5 +185,3 @@ def test_an_engine_is_run_and_reported(service, tmp_path):
     assert headers["Content-Security-Policy"].startswith("sandbox")
     assert b"crankshaft vibration" in report
     assert f"job-{job.id}" in client.models() or found["study"] is None
-
-
