@@ -1,4 +1,4 @@
-"""What the service answers: the shapes of its JSON, which the client reads and the API's description tells."""
+"""What the service answers: the shapes of its JSON, for the client and for the description of the API."""
 
 from typing import Any, Literal
 
@@ -79,6 +79,37 @@ class Formulas(Answer):
     axial: list[Formula]
     torsional: list[Formula]
     left_out: list[dict[str, str]]
+
+
+class Banded(Answer):
+    """A value [SI] and the ends of its band, None where it has none."""
+
+    value: float
+    lower: float | None
+    upper: float | None
+    unit: str
+
+
+class EndReaction(Answer):
+    """Force [N] and moment [N m] of a support on the shaft, in the throw frame x, y, z."""
+
+    force: tuple[float, float, float]
+    moment: tuple[float, float, float]
+
+
+class Law(Answer):
+    """Compliances by the law, each by response and support; and reactions to a radial force, ends pinned.
+
+    The axial motion of the ends is blocked for the reactions.
+    """
+
+    values: dict[str, Banded]
+    ratio: float
+    radial_force: float
+    reactions: dict[str, EndReaction]
+    tier: str
+    nearest_limit: str
+    remarks: list[str]
 
 
 class ModelNames(Answer):

@@ -6,6 +6,7 @@ from functools import cache
 from importlib.resources import files
 from typing import Any
 
+from fastapi import APIRouter, FastAPI
 from starlette.exceptions import HTTPException
 from starlette.middleware import Middleware
 from starlette.requests import Request
@@ -24,7 +25,6 @@ from crankfem.service.job_store import JobStore
 from crankfem.service.model_routes import Models, model_routes
 from crankfem.service.responses import answer, described, record_schemas
 from crankfem.service.throw_routes import routes as throw_routes
-from fastapi import APIRouter, FastAPI
 
 SCRIPT = "text/javascript; charset=utf-8"
 
@@ -69,9 +69,10 @@ def make_app(settings: Settings) -> FastAPI:
         exception_handlers=handlers,
     )
     app.state.runner, app.state.store = runner, store
-    app.include_router(_service_routes(settings))
+    # Those that are asked most often come first: routes are looked through in this order.
     app.include_router(throw_routes)
     app.include_router(model_routes(Models(settings.models, store), settings.bounds))
+    app.include_router(_service_routes(settings))
     app.include_router(job_routes(store, runner, settings.bounds))
     app.include_router(_page_routes())
     _describe(app)

@@ -19,6 +19,7 @@ from geometry.throw import CrankThrow
 Asked = TypeVar("Asked", bound=InputModel)
 Pin = tuple[float, float, float]
 LONGEST_NAME = 80
+UNIT_FORCE, LARGEST_FORCE = 1e5, 1e12  # [N]
 
 
 class ThrowQuestion(InputModel):
@@ -59,10 +60,6 @@ def _angle(default: float | None) -> Any:
     )
 
 
-def _pin_force() -> Any:
-    return Field(None, description="force on the first pin in the throw frame, x y z [N]")
-
-
 class FormulasQuestion(ThrowQuestion):
     """A throw between equal neighbors."""
 
@@ -70,15 +67,26 @@ class FormulasQuestion(ThrowQuestion):
 
 
 class LawQuestion(ThrowQuestion):
-    """A throw, perhaps between neighbors, and a force on its pin."""
+    """A throw, perhaps between equal neighbors, and a radial force on its pin."""
 
     gamma_deg: float | None = _angle(None)
-    pin_force: Pin | None = _pin_force()
+    radial_force: float = quantity_field(
+        "force on the middle of the pin towards the shaft, Z [N]",
+        "",
+        minimum=-LARGEST_FORCE,
+        maximum=LARGEST_FORCE,
+        default=UNIT_FORCE,
+    )
 
 
-class AnalysisQuestion(LawQuestion):
+class AnalysisQuestion(ThrowQuestion):
     """A throw for finite elements."""
 
+    gamma_deg: float | None = _angle(None)
+    pin_force: Pin | None = Field(
+        None,
+        description="force on the first pin in the throw frame, x y z [N]; 100 kN towards the shaft if none",
+    )
     accuracy: float = quantity_field(
         "wished relative accuracy of e_n", "", minimum=0.002, maximum=0.1, default=0.01
     )
@@ -169,5 +177,3 @@ def _texts(kind: type[InputModel], values: Mapping[str, Any]) -> dict[str, objec
             value = [_texts(part, one) if isinstance(one, Mapping) else one for one in value]
         found[name] = value
     return found
-
-

@@ -20,8 +20,8 @@ class Bounds:
     ----------
     body : int
         Of a request [byte]; a lookup of 100,000 throws takes about 6 MB.
-    head_seconds, body_seconds : float
-        For the head of a request and for its body to arrive [s].
+    seconds : float
+        For a request to arrive, its head and then its body [s].
     waiting : int
         Jobs that may wait.
     running : int
@@ -41,8 +41,7 @@ class Bounds:
     """
 
     body: int = 32 * MEGABYTE
-    head_seconds: float = 10.0
-    body_seconds: float = 20.0
+    seconds: float = 10.0
     waiting: int = 20
     running: int = 1
     workers: int = 2
@@ -85,7 +84,9 @@ class Settings:
 
     def __post_init__(self) -> None:
         if not is_whole_within(self.port, 0, 65535):
-            raise InputError(f"--port: given {self.port!r}; allowed is 0 to 65535, 0 for any free one.")
+            raise InputError(
+                f"--port: given {self.port!r}; allowed is 0 to 65535, 0 for any free one."
+            )
         if self.key is not None and (len(self.key) < SHORTEST_KEY or not self.key.isascii()):
             raise InputError(
                 f"key: given one of {len(self.key)} characters; allowed are {SHORTEST_KEY} or more, all "
@@ -97,7 +98,9 @@ class Settings:
                 "--host, because whoever reaches this machine could use the service."
             )
         if self.models is not None and not self.models.is_dir():
-            raise InputError(f"--models: given {self.models}, which is no folder; allowed is one of models.")
+            raise InputError(
+                f"--models: given {self.models}, which is no folder; allowed is one of models."
+            )
 
     @property
     def is_loopback(self) -> bool:

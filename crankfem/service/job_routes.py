@@ -6,6 +6,7 @@ from collections.abc import AsyncIterator, Mapping
 from typing import Any
 
 import anyio.to_thread
+from fastapi import APIRouter
 from pydantic_core import to_json
 from starlette.requests import Request
 from starlette.responses import FileResponse, Response, StreamingResponse
@@ -21,7 +22,6 @@ from crankfem.service.job_store import JobStore
 from crankfem.service.problems import ProblemError
 from crankfem.service.responses import JSON, answer, described
 from crankfem.service.tasks import REPORT, RESULT
-from fastapi import APIRouter
 from geometry.isolated import IsolatedProcess
 
 MOST_LISTED = 100
@@ -208,5 +208,3 @@ def job_routes(store: JobStore, runner: JobRunner, bounds: Bounds) -> APIRouter:
         return file_named(name, path)
 
     return routes
-
-

@@ -105,9 +105,7 @@ class JobRunner:
         if process is not None:
             process.end()
 
-    def _do(
-        self, process: CallProcess, name: str, kind: str, question: Mapping[str, Any]
-    ) -> None:
+    def _do(self, process: CallProcess, name: str, kind: str, question: Mapping[str, Any]) -> None:
         """Have a process do a job, and note how that ended."""
         bounds, folder = self._bounds, str(self._store.place(name).absolute())
         process.give(
@@ -173,4 +171,3 @@ def _started() -> CallProcess:
     with contextlib.suppress(Exception):  # told again by the first job
         answered(*process.wait(Limits(LOADING)))
     return process
-

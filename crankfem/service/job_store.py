@@ -53,13 +53,17 @@ class JobStore:
         self._lock = threading.RLock()
         try:
             (folder / FOLDERS).mkdir(parents=True, exist_ok=True)
-            self._base = sqlite3.connect(folder / FILE, check_same_thread=False, isolation_level=None)
+            self._base = sqlite3.connect(
+                folder / FILE, check_same_thread=False, isolation_level=None
+            )
             self._base.row_factory = sqlite3.Row
             self._base.execute("PRAGMA journal_mode = WAL")
             self._take_for_itself()
             (version,) = self._base.execute("PRAGMA user_version").fetchone()
             if version > VERSION:
-                raise InputError(f"{folder / FILE}: was written by a newer release; allowed is version {VERSION}.")
+                raise InputError(
+                    f"{folder / FILE}: was written by a newer release; allowed is version {VERSION}."
+                )
             spelled = ", ".join(f"{name} {kind}" for name, kind in _COLUMNS.items())
             self._base.execute(f"CREATE TABLE IF NOT EXISTS jobs ({spelled})")
             self._base.execute(f"PRAGMA user_version = {VERSION}")
@@ -89,7 +93,8 @@ class JobStore:
                 return None
             self.place(name).mkdir()
             self._base.execute(
-                "INSERT INTO jobs (id, kind, title, question, state, created) VALUES (?, ?, ?, ?, 'queued', ?)",
+                "INSERT INTO jobs (id, kind, title, question, state, created) "
+                "VALUES (?, ?, ?, ?, 'queued', ?)",
                 (name, kind, title, json.dumps(question), time.time()),
             )
         return name
@@ -106,7 +111,11 @@ class JobStore:
                 return None
             job = rows[0]
             self.change(
-                job["id"], state="running", started=time.time(), attempts=job["attempts"] + 1, step=""
+                job["id"],
+                state="running",
+                started=time.time(),
+                attempts=job["attempts"] + 1,
+                step="",
             )
             return job["id"], job["kind"], json.loads(job["question"])
 

@@ -1,17 +1,19 @@
 """Models of finished studies and of a folder: listed, described, looked up."""
 
 import re
+import time
 from collections.abc import Iterable, Mapping
-from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
 import anyio.to_thread
 import numpy as np
+from fastapi import APIRouter
 from starlette.requests import Request
 from starlette.responses import Response
 
-from crankbase.errors import InputError
+from crankbase.checks.scalars import is_number
+from crankbase.errors import InputError, quoted
 from crankbase.units.quantity import parse_quantity
 from crankfem.service.answers import Lookups, ModelDescription, ModelNames
 from crankfem.service.asking import LookupQuestion, read_question, read_record
@@ -20,10 +22,8 @@ from crankfem.service.job_store import JobStore
 from crankfem.service.problems import ProblemError
 from crankfem.service.responses import answer, described
 from crankfem.service.tasks import MODEL
-from fastapi import APIRouter
 from geometry.throw import CrankThrow
 from regression.models.compliance_model import ComplianceModel
-
 from regression.response_kinds import ANGLE_LAWS
 
 NAME = re.compile(r"[\w.+-]{1,80}", re.ASCII)
@@ -32,6 +32,8 @@ TOLD = ("value", "lower", "upper", "inside", "unit", "symbol", "support", "remar
 MANY = 500
 OF_JOB = "job-"
 MOST_JOBS = 200
+MOST_LOADED = 16
+FRESH = 1.0  # seconds for which a model's file is not looked at again
 
 
 class Models:
@@ -45,6 +47,8 @@ class Models:
 
     def __init__(self, folder: Path | None, store: JobStore) -> None:
         self._folder, self._store = folder, store
+        # By name: when it was looked for, the model, its file and when that was changed.
+        self._known: dict[str, tuple[float, ComplianceModel | None, Path | None, int]] = {}
 
     def names(self) -> list[str]:
         """Return the names of all."""
@@ -64,10 +68,20 @@ class Models:
         InputError
             If its file cannot be used.
         """
+        seen, model, path, changed = self._known.get(name, (0.0, None, None, 0))
+        now = time.monotonic()
+        if model is not None and now - seen < FRESH:
+            return model
         path = self._path(name) if NAME.fullmatch(name) else None
         if path is None or not path.is_file():
+            self._known.pop(name, None)
             raise ProblemError(404, "There is no model of that name.")
-        return _loaded(path, path.stat().st_mtime_ns)
+        if model is None or path.stat().st_mtime_ns != changed:
+            changed, model = path.stat().st_mtime_ns, _loaded(path)
+            if len(self._known) >= MOST_LOADED:
+                self._known.pop(next(iter(self._known)))
+        self._known[name] = (now, model, path, changed)
+        return model
 
     def _path(self, name: str) -> Path | None:
         if self._folder is not None and (self._folder / f"{name}.json").is_file():
@@ -82,8 +96,7 @@ def _model_of(files: Iterable[str]) -> str | None:
     return next((name for name in files if name in (MODEL, f"results/{MODEL}")), None)
 
 
-@lru_cache(maxsize=16)
-def _loaded(path: Path, _changed: int) -> ComplianceModel:
+def _loaded(path: Path) -> ComplianceModel:
     try:
         return ComplianceModel.load(path)
     except InputError as error:
@@ -93,16 +106,6 @@ def _loaded(path: Path, _changed: int) -> ComplianceModel:
 def model_routes(models: Models, bounds: Bounds) -> APIRouter:
     """Make the routes of models."""
     routes = APIRouter(prefix="/api/models", tags=["models"])
-
-    @routes.get("", **described(ModelNames))
-    async def list_models() -> Response:
-        """List the models that can be asked."""
-        return answer({"models": models.names()})
-
-    @routes.get("/{name}", **described(ModelDescription, None, 404, 422))
-    async def describe_model(name: str) -> Response:
-        """Tell what a model answers, and for which throws."""
-        return answer(_description(name, models.named(name)))
 
     @routes.post("/{name}/lookup", **described(Lookups, LookupQuestion, 404))
     async def look_up(request: Request, name: str) -> Response:
@@ -118,6 +121,16 @@ def model_routes(models: Models, bounds: Bounds) -> APIRouter:
             return answer(_lookups(model, asked, rows))
         return await anyio.to_thread.run_sync(lambda: answer(_lookups(model, asked, rows)))
 
+    @routes.get("", **described(ModelNames))
+    async def list_models() -> Response:
+        """List the models that can be asked."""
+        return answer({"models": models.names()})
+
+    @routes.get("/{name}", **described(ModelDescription, None, 404, 422))
+    async def describe_model(name: str) -> Response:
+        """Tell what a model answers, and for which throws."""
+        return answer(_description(name, models.named(name)))
+
     return routes
 
 
@@ -127,7 +140,8 @@ def _description(name: str, model: ComplianceModel) -> dict[str, Any]:
     return {
         "name": name,
         "responses": {
-            key: {part: getattr(one, part) for part in known} for key, one in model.responses.items()
+            key: {part: getattr(one, part) for part in known}
+            for key, one in model.responses.items()
         },
         "ranges": dict(family.ranges),
         "categories": {key: list(labels) for key, labels in family.categories.items()},
@@ -139,8 +153,10 @@ def _description(name: str, model: ComplianceModel) -> dict[str, Any]:
 
 
 def _lookups(model: ComplianceModel, asked: LookupQuestion, rows: int | None) -> dict[str, Any]:
-    dimensions = {} if asked.throw is None else model.dimensions_of(
-        read_record(CrankThrow, asked.throw, "throw")
+    dimensions = (
+        {}
+        if asked.throw is None
+        else model.dimensions_of(read_record(CrankThrow, asked.throw, "throw"))
     )
     dimensions |= _dimensions(model, asked.dimensions)
     names = model.responses if asked.responses is None else dict.fromkeys(asked.responses)
@@ -158,7 +174,9 @@ def _lookups(model: ComplianceModel, asked: LookupQuestion, rows: int | None) ->
             continue
         found[name] = {part: _plain(getattr(one, part)) for part in TOLD}
     if not found:
-        raise InputError(next(iter(refused.values()), "responses: given none; allowed are those of the model."))
+        raise InputError(
+            next(iter(refused.values()), "responses: given none; allowed are those of the model.")
+        )
     return {"rows": rows, "responses": found, "refused": refused}
 
 
@@ -169,22 +187,33 @@ def _plain(value: Any) -> Any:
 def _dimensions(model: ComplianceModel, given: Mapping[str, Any]) -> dict[str, Any]:
     """Take numbers as they are, and texts as quantities with units unless they are labels."""
     family = model.family
-    labels, units = {*family.categories, *family.labels}, family.all_units
+    labels = {*family.categories, *family.labels}
 
     def read(name: str, value: Any) -> Any:
-        if name in labels or not isinstance(value, str):
-            return value
-        return parse_quantity(value, units.get(name, ""), name)
+        if isinstance(value, str):
+            return value if name in labels else parse_quantity(value, family.unit(name), name)
+        if not is_number(value):
+            raise InputError(
+                f"{name}: given {quoted(value)}; allowed is a number in SI units, a text with its unit, or a "
+                "list of them."
+            )
+        return value
 
-    found = {}
-    for name, value in given.items():
-        if isinstance(value, list):
-            if not value:
-                raise InputError(f"{name}: given an empty list; allowed is one value or more.")
-            several = value if name in labels or all(type(one) is float for one in value) else [
-                read(name, one) for one in value
-            ]
-            found[name] = np.asarray(several) if name not in labels else several
-        else:
-            found[name] = read(name, value)
-    return found
+    def read_several(name: str, values: list[Any]) -> Any:
+        if not values:
+            raise InputError(f"{name}: given an empty list; allowed is one value or more.")
+        if not all(type(one) is float for one in values):
+            values = [read(name, one) for one in values]
+        return values if name in labels else np.asarray(values, dtype=float)
+
+    lengths = {name: len(value) for name, value in given.items() if isinstance(value, list)}
+    for name, length in lengths.items():
+        if length != max(lengths.values()):
+            raise InputError(
+                f"{name}: given {length} values beside {max(lengths.values())}; allowed are as many of each, "
+                "one for each throw."
+            )
+    return {
+        name: read_several(name, value) if isinstance(value, list) else read(name, value)
+        for name, value in given.items()
+    }

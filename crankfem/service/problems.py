@@ -39,9 +39,7 @@ def field_errors(error: InputError) -> list[dict[str, str]]:
     return found
 
 
-def problem(
-    status: int, detail: str, errors: list[dict[str, str]] | None = None
-) -> dict[str, Any]:
+def problem(status: int, detail: str, errors: list[dict[str, str]] | None = None) -> dict[str, Any]:
     """Return the content of a problem (RFC 9457), with `errors` by field."""
     return {
         "type": "about:blank",
@@ -52,9 +50,7 @@ def problem(
     }
 
 
-def problem_response(
-    content: dict[str, Any], headers: dict[str, str] | None = None
-) -> Response:
+def problem_response(content: dict[str, Any], headers: dict[str, str] | None = None) -> Response:
     """Return a problem as response."""
     return Response(to_json(content), content["status"], headers, media_type=MEDIA_TYPE)
 

@@ -21,7 +21,6 @@ REFUSALS = {
     "403": "a foreign origin",
     "404": "nothing of that name",
     "405": "another method",
-    "408": "too slow",
     "409": "not now",
     "413": "too large",
     "415": "another media type",
@@ -48,7 +47,7 @@ def described(
     """Describe a route: what it answers (a model, or a media type), what is asked, how it may refuse."""
     codes = {401, 403, *refused}
     if asked is not None:
-        codes |= {400, 408, 413, 415, 422}
+        codes |= {400, 413, 415, 422}
     found: dict[str, Any] = {"response_model": None, "status_code": status}
     if isinstance(kind, str):
         good: dict[str, Any] = {"content": {kind: {"schema": {"type": "string"}}}}
@@ -79,7 +78,7 @@ def record_schemas() -> dict[str, Any]:
 
 
 def _question_schema(kind: type[InputModel]) -> dict[str, Any]:
-    schema = kind.model_json_schema(ref_template=f"{REF}{{model}}")
+    schema: dict[str, Any] = kind.model_json_schema(ref_template=f"{REF}{{model}}")
     fields = schema["properties"]
     for name, record in (("throw", CrankThrow), ("material", Material)):
         if name in fields:
@@ -108,6 +107,8 @@ def _record_schema(kind: type[InputModel]) -> dict[str, Any]:
         meaning = f"{info.description or name}{f' [{unit}]' if unit else ''}"
         optional = {} if info.is_required() else {"anyOf": [inner, {"type": "null"}]}
         fields[name] = (optional or inner) | {"description": meaning}
+        if symbol := field_extra(info, "symbol"):
+            fields[name]["title"] = symbol
     return {
         "type": "object",
         "properties": fields,

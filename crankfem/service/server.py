@@ -27,24 +27,27 @@ def serve(settings: Settings) -> None:
     bounds = settings.bounds
 
     class Protocol(AutoHTTPProtocol):  # type: ignore[misc, valid-type]
-        """A connection whose requests must have a head in time."""
+        """A connection that is closed where a request does not come in time."""
 
         def connection_made(self, transport: Any) -> None:
             super().connection_made(transport)
-            self._await_head()
+            self._asked_before: Any = None
+            self._look_later()
 
-        def on_response_complete(self) -> None:
-            super().on_response_complete()
-            self._await_head()
+        def _look_later(self) -> None:
+            asyncio.get_running_loop().call_later(bounds.seconds, self._look)
 
-        def _await_head(self) -> None:
-            asked, loop = self.scope, asyncio.get_running_loop()
-
-            def look() -> None:
-                if self.scope is asked and not self.transport.is_closing():
-                    self.transport.close()
-
-            loop.call_later(bounds.head_seconds, look)
+        def _look(self) -> None:
+            # The cycle is that of the request whose head came last.
+            asked = self.cycle
+            waits = asked is None or asked.response_complete or asked.more_body
+            if self.transport.is_closing():
+                return
+            if waits and asked is self._asked_before:
+                self.transport.close()
+            else:
+                self._asked_before = asked
+                self._look_later()
 
     config = uvicorn.Config(
         app,
@@ -62,8 +65,11 @@ def serve(settings: Settings) -> None:
         host, port = listener.getsockname()[:2]
         shown = f"[{host}]" if ":" in host else host
         sys.stderr.write(f"crankfem serves at http://{shown}:{port}/ ({_who(settings)}).\n")
-        sys.stderr.write(f"Jobs lie in {settings.folder}. End with Ctrl-C; jobs that run go on at the next start.\n")
+        sys.stderr.write(
+            f"Jobs lie in {settings.folder}. End with Ctrl-C; jobs that run go on at the next start.\n"
+        )
         server.run(sockets=[listener])
+        sys.stderr.write("Stopped.\n")
 
 
 class _Server(uvicorn.Server):
@@ -71,10 +77,11 @@ class _Server(uvicorn.Server):
         super().__init__(config)
         self._runner = runner
 
-    def handle_exit(self, sig: int, frame: Any) -> None:
-        # Who follows a job is let go first: the server waits for all that is under way.
+    def handle_exit(self, sig: int, frame: Any) -> None:  # noqa: ARG002 - uvicorn's names
+        # Who follows a job is let go first: the server waits for all that is under way, once.
         self._runner.announce_stop()
-        super().handle_exit(sig, frame)
+        self.force_exit = self.should_exit
+        self.should_exit = True
 
 
 def _who(settings: Settings) -> str:

@@ -7,13 +7,12 @@ from pathlib import Path
 from typing import Any
 
 from crankbase.outputs import write_text
-from crankfem.service.asking import AnalysisQuestion, FileQuestion, StressQuestion
+from crankfem.service.asking import UNIT_FORCE, AnalysisQuestion, FileQuestion, StressQuestion
 from crankfem.service.uploads import write_upload
 from regression.records import Outcome
 
 RESULT, VIEW, SOLID, MODEL = "result.json", "throw_view.json", "throw.step", "model.json"
 REPORT = "results/report.html"
-UNIT_FORCE = 1e5  # [N], where no force was asked for
 # A medium-speed engine's throw [m], on which knobs stand at first.
 EXAMPLE = {
     "crank_radius": 0.170,
@@ -92,7 +91,9 @@ def _analysis(question: Mapping[str, Any], folder: Path, _: int, told: ToldProgr
         "throw": throw_record(
             analysis, UNIT_FORCE, pin_force=asked.pin_force, gamma_deg=asked.gamma_deg
         ),
-        "formulas": formula_records(throw, material, 180.0 if asked.gamma_deg is None else asked.gamma_deg),
+        "formulas": formula_records(
+            throw, material, 180.0 if asked.gamma_deg is None else asked.gamma_deg
+        ),
         "fillets": None,
         "fillet_note": None,
     }
@@ -168,5 +169,3 @@ def check_upload(question: Mapping[str, Any], folder: str) -> dict[str, Any]:
     return {
         name: record[name] for name in ("kind", "valid", "commands", "remarks", "dimensions")
     } | {"record": record}
-
-

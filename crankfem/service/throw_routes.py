@@ -1,24 +1,35 @@
 """What is answered of a throw at once: whether it can be built, its outline, the formulas."""
 
+from fastapi import APIRouter
 from starlette.requests import Request
 from starlette.responses import Response
 
 from crankbase.model import InputModel, field_extra
 from crankfem.analyses.file_check import shape_record
 from crankfem.analyses.throw.formula_records import formula_records
-from crankfem.service.answers import Formulas, ValidThrow
+from crankfem.service.answers import Formulas, Law, ValidThrow
 from crankfem.service.asking import (
     FormulasQuestion,
+    LawQuestion,
     OutlineQuestion,
     ThrowQuestion,
     read_question,
 )
+from crankfem.service.law_record import law_record
 from crankfem.service.responses import answer, described
-from fastapi import APIRouter
 from geometry.plots.throw_outline import outline_svg
 
 SVG = "image/svg+xml"
 routes = APIRouter(prefix="/api/throws", tags=["throws"])
+
+
+@routes.post("/law", **described(Law, LawQuestion))
+async def ask_law(request: Request) -> Response:
+    """Tell compliances, c and reactions of a throw by the law, with bands, without finite elements."""
+    asked = await read_question(request, LawQuestion)
+    return answer(
+        law_record(asked.read_throw(), asked.read_material(), asked.radial_force, asked.gamma_deg)
+    )
 
 
 @routes.post("/validate", **described(ValidThrow, ThrowQuestion))
@@ -68,5 +79,3 @@ def _toml(section: str, record: InputModel, many: bool = False) -> list[str]:
         elif value is not None:
             lines.append(f'{name} = "{value}"')
     return [*lines, *parts, ""] if not many and "." not in section else [*lines, *parts]
-
-

@@ -11,7 +11,9 @@ from crankfem.service.asking import FileQuestion
 
 _PLAIN = re.compile(r"[A-Za-z0-9][\w .()+-]{0,79}", re.ASCII)
 # Fields that name files; those of shipped tables and chains are plain, too.
-FILE_FIELDS = frozenset({"pressure_table", "table", "gas_force_table", "model", "torsional", "axial"})
+FILE_FIELDS = frozenset(
+    {"pressure_table", "table", "gas_force_table", "model", "torsional", "axial"}
+)
 TABLE_ENDINGS = (".csv", ".json", ".toml")
 
 
@@ -27,7 +29,9 @@ def write_upload(asked: FileQuestion, folder: Path) -> Path:
     for name in asked.tables:
         _check_name("tables", name, TABLE_ENDINGS)
         if name == asked.name:
-            raise InputError(f"tables: given {name!r}, the name of the file itself; allowed is another.")
+            raise InputError(
+                f"tables: given {name!r}, the name of the file itself; allowed is another."
+            )
     try:
         content = tomllib.loads(asked.text)
     except (ValueError, RecursionError):
@@ -39,7 +43,9 @@ def write_upload(asked: FileQuestion, folder: Path) -> Path:
         try:
             (folder / name).write_text(text, encoding="utf-8")
         except UnicodeEncodeError:
-            raise InputError(f"{name}: given text with half a character; allowed is Unicode.") from None
+            raise InputError(
+                f"{name}: given text with half a character; allowed is Unicode."
+            ) from None
     return folder / asked.name
 
 

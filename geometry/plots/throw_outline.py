@@ -77,7 +77,9 @@ class _SvgView(View):
             pieces.append(f"{'L' if drawn else 'M'}{x:.{DIGITS}g} {0.0 - y:.{DIGITS}g}")
             drawn = True
         end = "Z" if closed else ""
-        self._shapes.append((layer, f'<path vector-effect="non-scaling-stroke" d="{"".join(pieces)}{end}" {look}/>'))
+        self._shapes.append(
+            (layer, f'<path vector-effect="non-scaling-stroke" d="{"".join(pieces)}{end}" {look}/>')
+        )
 
     def text(self, label: str) -> str:
         margin = MARGIN * self.point
@@ -122,4 +124,3 @@ def outline_svg(parts: ThrowParts, view: OutlineView = "side", label: str = "") 
     drawn = _SvgView(POINT * parts.length)
     draw(drawn, parts, False)
     return drawn.text(label or name)
-

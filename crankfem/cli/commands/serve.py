@@ -57,4 +57,6 @@ def _read_key(file: Path | None) -> str | None:
     try:
         return file.read_text(encoding="ascii").strip()
     except (OSError, UnicodeDecodeError) as error:
-        raise InputError(f"--key-file: given {file}, which cannot be read as ASCII ({error}).") from None
+        raise InputError(
+            f"--key-file: given {file}, which cannot be read as ASCII ({error})."
+        ) from None

@@ -13,7 +13,7 @@ from crankfem.cli.commands.options import (
     ThrowOption,
     with_output,
 )
-from crankfem.cli.console import print_json
+from crankfem.cli.console import print_json, print_line
 from fem.wished_accuracy import COMPLIANCE_ACCURACY, STRESS_ACCURACY
 
 PinsOption = Annotated[
@@ -86,7 +86,7 @@ def throw(
     shared: Any = int(sections) if sections in ("1", "2", "4") else sections
     law = law_record(part, material) if isinstance(part, CrankThrow) else None
     if law is not None and not out.json:
-        console.print_line(law_sentence(law, out.units))
+        print_line(law_sentence(law, out.units))
     analysis = analyze_throw(
         part,
         material,

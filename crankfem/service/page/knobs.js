@@ -29,6 +29,13 @@ export class Knobs {
     const label = document.createElement("label");
     label.htmlFor = id;
     label.textContent = field.meaning;
+    if (field.symbol) {
+      const [symbol, index] = field.symbol.split("_");
+      const small = Object.assign(document.createElement("sub"), { textContent: index ?? "" });
+      const letter = Object.assign(document.createElement("b"), { textContent: ` ${symbol}` });
+      letter.append(small);
+      label.append(letter);
+    }
     const wrong = document.createElement("p");
     wrong.id = `${id}-wrong`;
     let box;

@@ -47,6 +47,7 @@ async function readFields() {
     }
     found.push({
       name,
+      symbol: number ? field.title : "",
       meaning: field.description.replace(/ \[m\]$/, ""),
       required: record.required.includes(name),
       minimum: number?.minimum,

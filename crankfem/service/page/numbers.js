@@ -7,15 +7,15 @@ export function quantity(value, unit, digits = 4) {
     return "–";
   }
   const [factor, name] = TINY[unit] || [1, unit];
-  return `${Number((value * factor).toPrecision(digits))} ${name}`.trim();
+  return `${Number((value * factor).toPrecision(digits))} ${name}`.trim().replace(/^-/, "\u2212");
 }
 
 /* Rows: name, unit, value and band by the law or model, value and error by finite elements. */
 export function rowsOf(estimate, elements) {
   const rows = [];
   const wanted = [
-    ["axial_compliance", "pinned", "Axial compliance e_n, ends pinned", "m/N"],
-    ["axial_compliance", "guided", "Axial compliance e_n, ends guided", "m/N"],
+    ["axial_compliance", "pinned", "Axial compliance eₙ, ends pinned", "m/N"],
+    ["axial_compliance", "guided", "Axial compliance eₙ, ends guided", "m/N"],
     ["torsional_compliance", "pinned", "Torsional compliance, ends pinned", "rad/(N m)"],
     ["influence_coefficient", "pinned", "Lengthening by radial force c, ends pinned", "m/N"],
   ];
@@ -44,19 +44,24 @@ export function rowsOf(estimate, elements) {
   return rows;
 }
 
-export function fill(body, rows) {
+/* Cells that tell by themselves what they are, where the head of the table has no room. */
+function cell(text, label) {
+  const made = Object.assign(document.createElement("td"), { textContent: text });
+  made.dataset.label = label;
+  return made;
+}
+
+export function fill(body, rows, by) {
   body.replaceChildren(
     ...rows.map((row) => {
       const made = document.createElement("tr");
-      const head = document.createElement("th");
-      head.scope = "row";
-      head.textContent = row.title;
-      const cells = [
-        quantity(row.estimate?.value, row.unit),
-        band(row.estimate, row.unit),
-        withError(row),
-      ].map((text) => Object.assign(document.createElement("td"), { textContent: text }));
-      made.append(head, ...cells);
+      const head = Object.assign(document.createElement("th"), { scope: "row", textContent: row.title });
+      made.append(
+        head,
+        cell(quantity(row.estimate?.value, row.unit), by),
+        cell(band(row.estimate, row.unit), "Band"),
+        cell(withError(row), "Finite elements")
+      );
       return made;
     })
   );
@@ -66,14 +71,14 @@ function band(estimate, unit) {
   if (!estimate || !Number.isFinite(estimate.lower) || !Number.isFinite(estimate.upper)) {
     return "–";
   }
-  const [factor] = TINY[unit] || [1];
-  const low = Number((factor * estimate.lower).toPrecision(4));
+  const low = quantity(estimate.lower, unit).split(" ")[0];
   return `${low} to ${quantity(estimate.upper, unit)}`;
 }
 
+/* Errors are told by their first two digits, of no more than the value is shown with. */
 function withError(row) {
   const value = quantity(row.value, row.unit);
-  return Number.isFinite(row.error) ? `${value} ± ${(100 * row.error).toPrecision(2)} %` : value;
+  return Number.isFinite(row.error) ? `${value} ± ${quantity(row.error, row.unit, 2).split(" ")[0]}` : value;
 }
 
 /* Published formulas beside what the law, or finite elements, say. */
@@ -91,7 +96,7 @@ export function fillFormulas(body, formulas, beside) {
         known ? `${(one.value / known).toFixed(2)} times` : "–",
         one.valid ? "yes" : "no",
       ];
-      made.append(...texts.map((text) => Object.assign(document.createElement("td"), { textContent: text })));
+      made.append(...texts.map((text) => cell(text, "")));
       made.title = [...one.remarks, one.source].join(" ");
       return made;
     })

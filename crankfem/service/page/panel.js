@@ -113,7 +113,7 @@ export class Panel {
 
   showNumbers() {
     const estimate = this.estimate?.refused ? null : this.estimate;
-    fill(this.find(".numbers tbody"), rowsOf(estimate, this.elements?.throw));
+    fill(this.find(".numbers tbody"), rowsOf(estimate, this.elements?.throw), this.settings.sourceName());
     const known = this.elements?.throw.supports.pinned;
     const values = estimate?.values || {};
     this.find(".numbers caption").textContent = known
