@@ -195,7 +195,18 @@ def _compute(
         fatigue, fatigue_note = fatigue_or_reason(vibration, strength, known, inputs.mechanism)
     harmonics = None if inputs.torque is None else inputs.torque.harmonics()
     told.stop()
-    return RunComputation(inputs, throws, mechanism, study, vibration, harmonics, model, strength, fatigue, fatigue_note)
+    return RunComputation(
+        inputs,
+        throws,
+        mechanism,
+        study,
+        vibration,
+        harmonics,
+        model,
+        strength,
+        fatigue,
+        fatigue_note,
+    )
 
 
 def _with_stresses(

@@ -112,8 +112,8 @@ class EngineStrength:
         least, wrong = self.places[0], sum(not place.passed for place in self.places)
         how = ", factors by finite elements" if self.by_elements else ""
         said = (
-            f"Crankshaft strength by UR M53{how}: the least acceptability factor is {shown_factor(least)} at the "
-            f"{least.place} of throw {least.throw}, {REQUIRED:g} is required"
+            f"Crankshaft strength by UR M53{how}: the least acceptability factor is {shown_factor(least)} "
+            f"at the {least.place} of throw {least.throw}, {REQUIRED:g} is required"
         )
         said += f"; {wrong} of {len(self.places)} places fall short." if wrong else "."
         fits = [own for own in self.throws if own.fit is not None and not own.fit.passed]
@@ -303,6 +303,4 @@ def _throw(
         for each in found.values()
         if each
     ]
-    return ThrowStrength(
-        number, webs, known, elements, tuple(least), torque, fit, tuple(left_out)
-    )
+    return ThrowStrength(number, webs, known, elements, tuple(least), torque, fit, tuple(left_out))

@@ -8,7 +8,7 @@ from crankbase.tables.table import Column, Table
 from crankbase.units.number_formats import UNBOUNDED
 from crankbase.units.units import RPM
 from crankfem.analyses.record import Record, attributes, plain
-from crankfem.analyses.strength.engine_strength import EngineStrength, ThrowStrength
+from crankfem.analyses.strength.engine_strength import EQUAL, EngineStrength, ThrowStrength
 from dynamics.strength.concentration import FACTORS, ConcentrationFactors
 from dynamics.strength.crank_web import RANGES
 from dynamics.strength.element_factors import SYMBOLS, ElementFactors
@@ -126,7 +126,10 @@ def factor_table(record: Record) -> Table:
         for name, own in throw["webs"].items():
             for way, key in (("formulas", "factors"), ("finite elements", "finite_elements")):
                 if own.get(key) is not None:
-                    values = tuple(own[key][one] for one in FACTORS)
+                    values = tuple(
+                        None if own[key][one] is None else round(own[key][one], EQUAL)
+                        for one in FACTORS
+                    )
                     web = f"{throw['throw']} {name.removesuffix(' web')}"
                     rows.setdefault((way, values), []).append(web)
     ways = [way for way, _ in rows]
