@@ -73,6 +73,7 @@ DEPICTED_ELSEWHERE = {
     "ShaftEnds": "a part of a crankshaft, which draws it",
     "SolveError": "an error",
     "ThrowStrength": "a part of EngineStrength",
+    "FatiguePlace": "a part of EngineFatigue",
     "Unbalance": "two vectors",
     "Web": "a part of a throw, which draws it",
 }
