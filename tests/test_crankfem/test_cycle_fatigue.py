@@ -7,12 +7,13 @@ import pytest
 
 import crankfem as cf
 from comparing import close
-from crankfem.analyses.shaft.whole_shaft import shaft_response
-from crankfem.analyses.strength import cycle_fatigue
+from crankbase.errors import InputError
+from crankfem.analyses.strength import cycle_fatigue, shaft_loads
 from crankfem.analyses.strength.cycle_fatigue import EngineFatigue, FatiguePlace, fatigue_or_reason
 from crankfem.analyses.strength.cycle_loads import ShaftUnderForces, cycle_loads
 from crankfem.analyses.strength.fatigue_records import fatigue_record, fatigue_table
 from crankfem.analyses.strength.shaft_loads import judged_speeds
+from crankfem.analyses.vibration.misfiring import Superposition
 from crankfem.files.engine.mechanism_file import mechanism_of
 from dynamics.response.order_excitation import at_angles
 from dynamics.strength.findley import critical_plane, findley_factor, findley_limit
@@ -94,6 +95,44 @@ def test_torque_and_axial_force_are_the_chains(loads, vibration):
         expected = sense * (cycle[:, node] + passed[throw])
         largest = np.abs(expected).max()
         assert own.ends[throw, 1, :, 11] == close(expected, abs=1e-6 * largest)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("sense", [1, -1])
+def test_pin_forces_and_torques_agree_whichever_way_the_shaft_turns(vibration, sense):
+    """Slowly what a rod turns goes into the shaft: the throw's inertia takes little of it."""
+    file = vibration.engine_file
+    first, *others = file.engine.firing_order
+    if sense != file.engine.turning_sense:
+        others.reverse()
+    own = replace(vibration, engine_file=file.changed(engine={"firing_order": (first, *others)}))
+    assert own.engine_file.engine.turning_sense == sense
+    slow = vibration.forced_torsional.response.speeds[:1]
+    (loads,) = cycle_loads(own, mechanism_of(own.engine_file), slow, [()])
+    radius = own.engine_file.throw.crank_radius
+    taken = np.ptp(loads.pins[:, 0, :, 5], axis=1)
+    given = radius * np.ptp(loads.pins[:, 0, :, 0], axis=1)
+    assert np.all(taken < 0.1 * given)
+
+
+@pytest.mark.slow
+def test_unbounded_vibration_is_refused(vibration):
+    forced = vibration.forced_torsional
+    speed = forced.response.speeds[:1]
+
+    class Endless(Superposition):
+        def at(self, speeds, cases):
+            for case, series in super().at(speeds, cases):
+                endless = {
+                    key: replace(own, unbounded=np.ones_like(own.unbounded))
+                    for key, own in series.items()
+                }
+                yield case, endless
+
+    with pytest.MonkeyPatch.context() as patched:
+        patched.setattr(shaft_loads, "Superposition", Endless)
+        with pytest.raises(InputError, match=r"damping: given none for .* vibration that is unb"):
+            list(cycle_loads(vibration, mechanism_of(vibration.engine_file), speed, [()]))
 
 
 @pytest.mark.slow
@@ -205,7 +244,11 @@ def test_sentences_of_misfiring_and_of_places_without_a_factor():
     )
     said = EngineFatigue((place,), 0.1566, ()).sentence
     assert "safety factor is 1.50" in said
-    assert "while cylinder 3 misfires; UR M53 has no factor there." in said
+    assert "while cylinder 3 misfires; UR M53 does not judge that place." in said
+    weak = replace(place, value=3.3e8, rule_factor=0.9)
+    said = EngineFatigue((weak, place), 0.1566, ()).sentence
+    assert "is 0.50 at" in said
+    assert "; 1 of 2 places are below 1; UR M53 has Q = 0.90 for that place." in said
 
 
 @pytest.mark.slow

@@ -120,7 +120,7 @@ def test_both_stand_side_by_side_and_the_smaller_formula_is_named(judge, stresse
     assert web["finite_elements"]["beta_torsion"] == own.beta_torsion
     assert web["factors"]["beta_torsion"] == formulas.beta_torsion
     table = factor_table(record)
-    assert [row[1] for row in table.rows][0] == "formulas"
+    assert next(row[1] for row in table.rows) == "formulas"
     assert "finite elements" in [row[1] for row in table.rows]
     smaller = [
         name
@@ -128,7 +128,11 @@ def test_both_stand_side_by_side_and_the_smaller_formula_is_named(judge, stresse
         if getattr(formulas, name) < getattr(own, name)
     ]
     said = " ".join(found.unsafe)
-    assert smaller and "beta_torsion" in smaller  # the short rigid journal: see docs/strength.md
+    more = 100.0 * (own.beta_torsion / formulas.beta_torsion - 1.0)
+    assert f"beta_T (up to {more:.2g} %)" in found.warning
+    assert "beta_Q" not in found.warning or "beta_shear" in smaller
+    assert judge().warning == ""
+    assert "beta_torsion" in smaller  # the short rigid journal: see docs/strength.md
     for name, symbol in (("beta_torsion", "beta_T"), ("beta_shear", "beta_Q")):
         assert (f"{symbol} is {getattr(formulas, name):.3f} by the formula" in said) == (
             name in smaller
@@ -174,4 +178,4 @@ def test_what_is_not_meshed_has_no_factor():
 
 
 def test_nothing_is_unsafe_without_both():
-    assert unsafe_formulas(None, ElementFactors(web=None, **FACTORS)) == []
+    assert unsafe_formulas(None, ElementFactors(web=None, **FACTORS)) == {}

@@ -141,8 +141,11 @@ class EngineFatigue:
             f"{least.safety:.2f} at the {least.name} of throw {least.throw}, at "
             f"{RPM * least.speed:.4g} 1/min, shaft angle {least.shaft_angle_deg:.0f}°, {firing}"
         )
+        broken = sum(one.safety < 1.0 for one in self.places)
+        if broken:
+            said += f"; {broken} of {len(self.places)} places are below 1"
         if least.rule_factor is None:
-            return f"{said}; UR M53 has no factor there."
+            return f"{said}; UR M53 does not judge that place."
         return f"{said}; UR M53 has Q = {least.rule_factor:.2f} for that place."
 
     def to_pandas(self) -> DataFrame:
@@ -188,7 +191,8 @@ def engine_fatigue(
     Raises
     ------
     InputError
-        If the engine has no section [strength], or a throw neither fillets nor oil holes.
+        If the engine has no section [strength], a throw neither fillets nor oil holes, or vibration is
+        unbounded.
     MeshError, SolveError
         If a throw cannot be meshed or solved.
 

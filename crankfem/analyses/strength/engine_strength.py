@@ -148,13 +148,35 @@ class EngineStrength:
         for own in self.throws:
             webs: dict[str, list[str]] = {}
             for name, elements in own.elements.items():
-                for text in unsafe_formulas(own.factors.get(name), elements):
+                smaller = unsafe_formulas(own.factors.get(name), elements)
+                for symbol, (formula, other) in smaller.items():
+                    text = (
+                        f"{symbol} is {formula:.3f} by the formula and {other:.3f} by finite elements, "
+                        f"{_more(formula, other)} more (estimated error {100.0 * elements.error:.2g} %): the "
+                        "formula is on the unsafe side"
+                    )
                     webs.setdefault(text, []).append(name)
             said += [
                 (own.number, f", {'both webs' if len(names) > 1 else names[0]}: {text}")
                 for text, names in webs.items()
             ]
         return _of_throws(said)
+
+    @property
+    def warning(self) -> str:
+        """Which formulas give smaller factors than finite elements, with the largest difference; or ""."""
+        most: dict[str, tuple[float, float]] = {}
+        for own in self.throws:
+            for name, elements in own.elements.items():
+                for symbol, both in unsafe_formulas(own.factors.get(name), elements).items():
+                    most[symbol] = max(
+                        most.get(symbol, both), both, key=lambda two: two[1] / two[0]
+                    )
+        named = ", ".join(f"{symbol} (up to {_more(*both)})" for symbol, both in most.items())
+        return named and (
+            "By finite elements factors of stress concentration are larger than by the formulas of UR M53: "
+            f"{named}. There the formulas are on the unsafe side."
+        )
 
 
 def engine_strength(
@@ -232,6 +254,10 @@ def _of_throws(said: Iterable[tuple[int, str]]) -> tuple[str, ...]:
         f"throw{'s' if len(throws) > 1 else ''} {', '.join(map(str, throws))}{text}"
         for text, throws in found.items()
     )
+
+
+def _more(one: float, other: float) -> str:
+    return f"{100.0 * (other / one - 1.0):.2g} %"
 
 
 def _shrunk(own: ThrowWeb) -> str:

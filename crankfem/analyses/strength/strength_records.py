@@ -18,7 +18,9 @@ from dynamics.strength.fatigue import REQUIRED
 def strength_record(found: EngineStrength) -> Record:
     """Return what is told of a crankshaft's strength; null where an equivalent stress is unbounded."""
     return {
-        **attributes(found, "sentence", "passed", "source", "left_out", "unsafe", "by_elements"),
+        **attributes(
+            found, "sentence", "passed", "source", "left_out", "unsafe", "warning", "by_elements"
+        ),
         "remarks": list(found.remarks),
         "required_factor": REQUIRED,
         "throws": [_throw(own) for own in found.throws],
