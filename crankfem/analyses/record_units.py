@@ -65,7 +65,8 @@ _NAMES = {
 }
 # Of ends of paths, "*" being any name.
 _PLACES = {
-    "1": "places.acceptability places.safety factors.* finite_elements.* ratios.* shrink_fit.friction shrink_fit.safety "
+    "1": "places.acceptability places.safety factors.* finite_elements.* ratios.* shrink_fit.friction "
+    "shrink_fit.safety "
     "axial_forces.difference change.major change.minor comparison.throws constants.* elasticity.* "
     "errors.* first.* kinematics_deviation.* kinetic_shares.* model_difference.maximum "
     "model_difference.mean modes.axial modes.bending modes.torsional quality.* responses.apart "
