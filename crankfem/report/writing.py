@@ -137,7 +137,7 @@ def render_report(results: Mapping[str, Any], pictures: Path) -> tuple[str, str 
     figures, unread = load_figures(results, pictures)
     note = f"Left out, because they cannot be read: {', '.join(unread)}." if unread else None
     html = (
-        _environment()
+        report_environment()
         .get_template(TEMPLATE)
         .render(
             r=results,
@@ -147,15 +147,16 @@ def render_report(results: Mapping[str, Any], pictures: Path) -> tuple[str, str 
             further=further_compliances(results),
             figures=figures,
             picture_notes=[one for one in (results["picture_note"], note) if one],
-            style=Markup(_template(STYLE)),
-            scripts=_plotting() if any(own.plot is not None for own in figures.values()) else (),
+            style=Markup(template_text(STYLE)),
+            scripts=plotting() if any(own.plot is not None for own in figures.values()) else (),
         )
     )
     return html, note
 
 
 @cache
-def _environment() -> "Environment":
+def report_environment() -> "Environment":
+    """Return what renders templates of reports, with all filters and tables."""
     from jinja2 import Environment, PackageLoader, StrictUndefined
 
     environment = Environment(
@@ -171,11 +172,11 @@ def _environment() -> "Environment":
     return environment
 
 
-def _plotting() -> tuple[Markup, ...]:
+def plotting() -> tuple[Markup, ...]:
     """Scripts that draw the interactive plots: the library, and what uses it."""
     from plotly.offline import get_plotlyjs
 
-    return tuple(Markup(script(text)) for text in (get_plotlyjs(), _template(DRAWING)))
+    return tuple(Markup(script(text)) for text in (get_plotlyjs(), template_text(DRAWING)))
 
 
 def script(text: str) -> str:
@@ -187,5 +188,6 @@ def script(text: str) -> str:
     return shown.replace("</script", "<\\/script").replace("<!--", "<\\!--")
 
 
-def _template(name: str) -> str:
+def template_text(name: str) -> str:
+    """Return the text of a template, style or script."""
     return (files("crankfem.report") / "templates" / name).read_text(encoding="utf-8")

@@ -134,10 +134,10 @@ function parts(job, row) {
     found.push(button("Cancel", change("POST", `/api/jobs/${job.id}/cancel`)));
     return found;
   }
-  const files = { "results/report.html": "Report", "throw_report.html": "Report", "result.json": "JSON", "model.json": "Model", "throw.step": "STEP" };
+  const files = { "results/report.html": "Report", "throw_drawing.svg": "Report", "result.json": "JSON", "model.json": "Model", "throw.step": "STEP" };
   for (const [file, name] of Object.entries(files)) {
     if (job.files.includes(file)) {
-      found.push(made("a", { href: `/api/jobs/${job.id}/files/${file}`, target: "_blank", rel: "noopener", textContent: name, ariaLabel: `${name} of ${job.title}, ${when}` }));
+      found.push(made("a", { href: `/api/jobs/${job.id}/${name === "Report" ? "report" : `files/${file}`}`, target: "_blank", rel: "noopener", textContent: name, ariaLabel: `${name} of ${job.title}, ${when}` }));
     }
   }
   found.push(
