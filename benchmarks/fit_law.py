@@ -103,6 +103,7 @@ class Network:
         self.noise = 0.0
 
     def parts(self, weights: Array | None = None) -> list[Array]:
+        """Weights as the arrays of `Networks`, one network's."""
         weights = self.weights if weights is None else weights
         ends = np.cumsum([int(np.prod(shape)) for shape in self.shapes])
         return [
@@ -110,10 +111,12 @@ class Network:
         ]
 
     def values(self, x: Array, weights: Array | None = None) -> Array:
+        """Answers (n,) for scaled inputs (n, d)."""
         a, b, c, d, last, direct, constant = self.parts(weights)
         return np.asarray(np.tanh(np.tanh(x @ a.T + b) @ c.T + d) @ last + x @ direct + constant)
 
     def derivatives(self, x: Array) -> tuple[Array, Array]:
+        """Answers (n,), and their derivatives (n, weights)."""
         a, b, c, d, last, direct, constant = self.parts()
         one = np.tanh(x @ a.T + b)
         two = np.tanh(one @ c.T + d)

@@ -17,27 +17,10 @@ from crankbase.errors import InputError
 from fem.analysis import analyze_throw
 from fem.material import STEEL
 from geometry.throw import CrankThrow
+from regression.law.ratios import FILLETS, LARGEST_FILLET, PLAIN, REAL
 
 Array = NDArray[np.float64]
-# Ratios to the main journal's diameter, of plain throws; drawn a little beyond, so that the edges of the
-# law's range lie inside.
-PLAIN = {
-    "crank_radius": (0.45, 1.4),
-    "pin_diameter": (0.7, 1.0),
-    "main_journal_length": (0.35, 0.75),
-    "pin_length": (0.4, 0.85),
-    "web_width": (1.15, 1.9),
-    "web_thickness": (0.18, 0.55),
-    "fillet_radius": (0.03, 0.075),
-}
-REAL = {
-    "crank_radius": (0.45, 2.0),
-    "pin_diameter": (0.7, 1.0),
-    "main_journal_length": (0.3, 1.0),
-    "pin_length": (0.3, 1.0),
-    "web_width": (1.15, 2.0),
-    "web_thickness": (0.18, 0.6),
-}
+# Points are drawn a little beyond the law's ranges, so that their ends lie inside.
 BEYOND = 0.03  # of the range's logarithm, at each end
 DRAWN = 24  # numbers for each throw
 
@@ -56,6 +39,7 @@ SAMPLES = {
     "plain-train": Sample("plain", 23_001, BEYOND, 0.5),
     "plain-held-out": Sample("plain", 23_002),
     "plain-test": Sample("plain", 23_005),
+    "wide-train": Sample("wide", 23_007, BEYOND, 0.5),
     "real-train": Sample("real", 23_003, BEYOND, 0.5),
     "real-test": Sample("real", 23_006),
 }
@@ -68,7 +52,7 @@ def draw(name: str, count: int) -> Iterator[tuple[int, dict[str, Any]]]:
         1 << math.ceil(math.log2(count))
     )
     for number, point in enumerate(points[:count]):
-        fields = (plain_fields if sample.tier == "plain" else real_fields)(sample, point)
+        fields = FIELDS[sample.tier](sample, point)
         try:
             CrankThrow(**fields)
         except InputError:
@@ -101,14 +85,19 @@ def _or(share: float, usual: float, chance: float, low: float, high: float) -> f
     return low + (high - low) * (share - chance) / (1.0 - chance)
 
 
+def wide_fields(sample: Sample, point: Array) -> dict[str, Any]:
+    """Fields of a throw of obround webs within the ranges of real ones, with fillets of their own."""
+    fields = _lengths(sample, point, REAL) | {"fillet_radius": 0.0}
+    for share, name in zip(point[len(REAL) :].tolist(), FILLETS, strict=False):
+        fields[name] = _or(share, 0.0, 0.1, 0.02, LARGEST_FILLET)
+    return fields
+
+
 def real_fields(sample: Sample, point: Array) -> dict[str, Any]:
     """Fields of a throw as they are: fillets, bores, web ends, outlines, slopes and unequal webs."""
-    fields = _lengths(sample, point, REAL)
-    rest = iter(point[len(REAL) :].tolist())
+    fields = wide_fields(sample, point)
+    rest = iter(point[len(REAL) + 2 :].tolist())
     half = 0.5 * fields["web_width"]
-    fields["fillet_radius"] = 0.0
-    for name in ("main_journal_fillet_radius", "pin_fillet_radius"):
-        fields[name] = _or(next(rest), 0.0, 0.1, 0.02, 0.085)
     fields["main_journal_bore"] = _or(next(rest), 0.0, 0.4, 0.1, 0.68)
     fields["pin_bore"] = _or(next(rest), 0.0, 0.4, 0.1, 0.64) * fields["pin_diameter"]
     offsets = _or(next(rest), 0.0, 0.5, -0.16, 0.1), _or(next(rest), 0.0, 0.5, -0.1, 0.16)
@@ -137,6 +126,9 @@ def real_fields(sample: Sample, point: Array) -> dict[str, Any]:
                 if f"web_{name}" in fields:
                     fields[web][name] = fields[f"web_{name}"] * side
     return fields
+
+
+FIELDS = {"plain": plain_fields, "wide": wide_fields, "real": real_fields}
 
 
 def answers(fields: dict[str, Any], accuracy: float) -> dict[str, Any]:

@@ -2,6 +2,7 @@
 
 import re
 
+from crankbase.errors import InputError
 from crankbase.units.quantity import parse_quantity
 
 UNIT = re.compile(r"[a-zA-Z][^,\s]*(\s+[a-zA-Z][^,\s]*)*\s*$")
@@ -9,6 +10,8 @@ UNIT = re.compile(r"[a-zA-Z][^,\s]*(\s+[a-zA-Z][^,\s]*)*\s*$")
 
 def parse_quantities(text: str, unit: str, field: str) -> list[float]:
     """Convert quantities between commas to SI numbers; a unit at the end holds for bare numbers too.
+
+    A bare 0 needs no unit.
 
     Parameters
     ----------
@@ -27,14 +30,35 @@ def parse_quantities(text: str, unit: str, field: str) -> list[float]:
     --------
     >>> parse_quantities("0, -100, 0.5 kN", "N", "--pin-force")
     [0.0, -100000.0, 500.0]
+    >>> parse_quantities("0, -100 kN, 0", "N", "--pin-force")
+    [0.0, -100000.0, 0.0]
     """
     parts = [part.strip() for part in text.split(",")]
     last = UNIT.search(parts[-1])
+    ending = None if last is None else last.group()
     words = [
-        f"{part} {last.group()}" if last is not None and _is_number(part) else part
+        f"{part} {ending or unit}" if _is_number(part) and (ending or not float(part)) else part
         for part in parts
     ]
     return [parse_quantity(word, unit, field) for word in words]
+
+
+def parse_pin_force(text: str) -> list[float]:
+    """Return the force on a pin in the throw frame, x, y, z [N]; one number is Z towards the shaft.
+
+    Raises
+    ------
+    InputError
+    """
+    from fem.end_reactions import LARGEST_LOAD
+
+    found = parse_quantities(text, "N", "--pin-force")
+    if len(found) not in (1, 3) or not max(map(abs, found)) <= LARGEST_LOAD:
+        raise InputError(
+            f'--pin-force: given {text!r}; allowed is one radial force, like "100 kN", or x, y, z, like '
+            f'"40, -100, 0 kN", none beyond {LARGEST_LOAD:g} N.'
+        )
+    return found if len(found) == 3 else [0.0, 0.0 - found[0], 0.0]
 
 
 def _is_number(text: str) -> bool:

@@ -7,7 +7,7 @@ from typing import Any
 from markupsafe import Markup
 
 from crankfem.report.figures import load_figures
-from crankfem.report.writing import STYLE, plotting, report_environment, template_text
+from crankfem.report.writing import STYLE, page_environment, plotting, template_text
 
 TEMPLATE = "throw_report.html.j2"
 # What is shown where it is there, by what it is called in reports.
@@ -35,7 +35,7 @@ def render_throw_report(results: Mapping[str, Any], folder: Path) -> str:
     )
     shown = any(own.plot is not None for own in figures.values())
     return (
-        report_environment()
+        page_environment()
         .get_template(TEMPLATE)
         .render(
             r=results,

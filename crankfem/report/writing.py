@@ -18,10 +18,11 @@ from crankfem.analyses.mechanism.balanced_masses import (
 )
 from crankfem.analyses.mechanism.harmonics_record import harmonics_table
 from crankfem.analyses.mechanism.load_tables import bearing_table
+from crankfem.analyses.strength.fatigue_records import fatigue_table
 from crankfem.analyses.strength.strength_records import factor_table, strength_table, torque_table
 from crankfem.analyses.throw.compliances import compliance_tables, further_compliances
 from crankfem.analyses.throw.stress import mirrored, stress_tables
-from crankfem.analyses.throw.throw_tables import reaction_table, support_table
+from crankfem.analyses.throw.throw_tables import reaction_table, section_sentence, support_table
 from crankfem.analyses.vibration.mode_table import mode_table
 from crankfem.analyses.vibration.speed_table import speed_table
 from crankfem.analyses.vibration.tables import (
@@ -55,6 +56,8 @@ LATER: dict[str, Any] = {
     "picture_note": None,
     "throws": None,
     "strength": None,
+    "fatigue": None,
+    "fatigue_note": None,
 }
 LATER_ABOUT: dict[str, Any] = {"python": None, "platform": None, "processors": None, "packages": {}}
 # What makes tables, or their cells, of the results.
@@ -75,9 +78,11 @@ TABLES = (
     harmonics_table,
     support_table,
     reaction_table,
+    section_sentence,
     stress_tables,
     throw_mass_table,
     strength_table,
+    fatigue_table,
     factor_table,
     torque_table,
     mirrored,
@@ -137,7 +142,7 @@ def render_report(results: Mapping[str, Any], pictures: Path) -> tuple[str, str 
     figures, unread = load_figures(results, pictures)
     note = f"Left out, because they cannot be read: {', '.join(unread)}." if unread else None
     html = (
-        report_environment()
+        page_environment()
         .get_template(TEMPLATE)
         .render(
             r=results,
@@ -155,8 +160,8 @@ def render_report(results: Mapping[str, Any], pictures: Path) -> tuple[str, str 
 
 
 @cache
-def report_environment() -> "Environment":
-    """Return what renders templates of reports, with all filters and tables."""
+def page_environment() -> "Environment":
+    """Return what renders the templates of pages."""
     from jinja2 import Environment, PackageLoader, StrictUndefined
 
     environment = Environment(

@@ -4,13 +4,14 @@ Each answer of each tier has a network of its own, for the logarithm of its dime
 of one shape are kept as one stack, so that all are evaluated in a few products of matrices.
 """
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
+
+from crankbase.errors import InputError
 
 Array = NDArray[np.float64]
 
@@ -31,6 +32,7 @@ OUTPUTS = (
     "volume",
 )
 TIERS = ("plain", "real")
+TIERS_FITTED = ("plain",)
 FILE = Path(__file__).with_name("law.npz")
 # So many throws are evaluated at a time: what belongs to them stays in the processor's cache.
 BLOCK = 2048
@@ -66,38 +68,40 @@ class Networks:
     bands: Array
     poisson: Array
 
-    def answers(self, inputs: Array, rows: Sequence[int]) -> Array:
-        """Answers (len(rows), n) for inputs (d, n)."""
-        chosen = list(rows)
-        first, second = self.first[chosen], self.second[chosen]
-        first_constant = self.first_constant[chosen].reshape(-1, 1)
-        second_constant = self.second_constant[chosen][:, :, None]
-        last, direct = self.last[chosen][:, None, :], self.direct[chosen]
-        count, units, size = first.shape
-        first = first.reshape(count * units, size)
+    def answers(self, inputs: Array) -> Array:
+        """Answers (k, n) for inputs (d, n)."""
+        count, units, size = self.first.shape
+        first, constant = self.first.reshape(-1, size), self.first_constant.reshape(-1, 1)
         found = np.empty((count, inputs.shape[1]))
         for start in range(0, inputs.shape[1], BLOCK):
             part = slice(start, start + BLOCK)
             given = self.scaled(inputs[:, part])
-            hidden = np.tanh(first @ given + first_constant).reshape(count, units, -1)
-            hidden = np.tanh(second @ hidden + second_constant)
-            found[:, part] = (last @ hidden)[:, 0] + direct @ given
-        return np.asarray(np.exp(found + self.constant[chosen][:, None]))
+            hidden = np.tanh(first @ given + constant).reshape(count, units, -1)
+            hidden = np.tanh(self.second @ hidden + self.second_constant[:, :, None])
+            found[:, part] = (self.last[:, None, :] @ hidden)[:, 0] + self.direct @ given
+        return np.asarray(np.exp(found + self.constant[:, None]))
 
     def scaled(self, inputs: Array) -> Array:
         """Inputs (d, n) between -1 and 1."""
         scale = 2.0 / (self.high - self.low)
         return np.asarray((inputs - self.low[:, None]) * scale[:, None] - 1.0)
 
-    def half_widths(self, inputs: Array, rows: Sequence[int]) -> Array:
-        """Relative half widths (len(rows), n) of the bands of 95 % for inputs (d, n)."""
+    def half_widths(self, inputs: Array) -> Array:
+        """Relative half widths (k, n) of the bands of 95 % for inputs (d, n)."""
         outward = np.mean(self.scaled(inputs) ** 4, axis=0)
-        middle, gain = self.bands[list(rows)].T
+        middle, gain = self.bands.T
         return np.asarray(middle[:, None] + gain[:, None] * outward)
 
 
 @cache
-def networks(tier: str) -> Networks:
-    """Read the networks of a tier."""
+def networks(tier: str, names: tuple[str, ...] = OUTPUTS) -> Networks:
+    """Read the networks of a tier for some of the `OUTPUTS`."""
+    rows = [OUTPUTS.index(name) for name in names]
+    if tier not in TIERS_FITTED:
+        raise InputError(
+            "throw: given one that is not plain (obround webs of one thickness, fillets of one radius, no "
+            "bores) or outside the range of plain ones; allowed for the law are only these."
+        )
     with np.load(FILE) as kept:
-        return Networks(**{name: kept[f"{tier}_{name}"] for name in Networks.__annotations__})
+        arrays = {name: kept[f"{tier}_{name}"] for name in Networks.__annotations__}
+    return Networks(**{n: a if n in ("low", "high") else a[rows] for n, a in arrays.items()})

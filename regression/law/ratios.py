@@ -228,16 +228,24 @@ def overlap_slope(found: Ratios) -> Any:
 
 def plain_inputs(found: Ratios) -> Array:
     """What the networks of plain throws are given: (8, ...) array."""
-    lengths = [found[name] for name in REAL]
-    logs = np.log(np.array(np.broadcast_arrays(*lengths, found[FILLETS[0]])))
-    return np.concatenate([logs, overlap_slope(found)[None]])
+    lengths = [found[name] for name in (*REAL, FILLETS[0])]
+    rows = _rows([*lengths, overlap_slope(found)])
+    rows[:-1] = np.log(rows[:-1])
+    return rows
 
 
 def real_inputs(found: Ratios) -> Array:
     """What the networks of real throws are given: (20, ...) array."""
-    lengths = np.log(np.array(np.broadcast_arrays(*(found[name] for name in REAL))))
-    shape = lengths.shape[1:]
+    lengths = [found[name] for name in REAL]
     more = [found[name] for name in (*FILLETS, *FEATURES) if name != "thickness_step"]
     step = 0.5 * np.log(found["thickness_step"])
-    rows = [overlap_slope(found), *more, step * step]
-    return np.concatenate([lengths, [np.broadcast_to(row, shape) for row in rows]])
+    rows = _rows([*lengths, overlap_slope(found), *more, step * step])
+    rows[: len(REAL)] = np.log(rows[: len(REAL)])
+    return rows
+
+
+def _rows(values: list[Any]) -> Array:
+    """Stack numbers, or arrays of one shape with numbers among them."""
+    if any(isinstance(value, np.ndarray) for value in values):
+        values = np.broadcast_arrays(*values)
+    return np.array(values, dtype=float)

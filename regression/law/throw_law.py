@@ -5,9 +5,9 @@ compliances; E and the size enter exactly, Poisson's ratio near 0.3 by its mean 
 rigid discs, as in `fem.analysis.analyze_throw`; counterweights do not stiffen a throw and are left out.
 """
 
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
-from typing import Any
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -17,7 +17,7 @@ from crankbase.checks.scalars import is_number
 from crankbase.errors import InputError, quoted
 from crankbase.summaries import summarized
 from geometry.throw import CrankThrow
-from regression.law.networks import OUTPUTS, TIERS, networks
+from regression.law.networks import TIERS, networks
 from regression.law.ratios import (
     MORE_FIELDS,
     PLAIN_FIELDS,
@@ -31,6 +31,10 @@ from regression.law.ratios import (
     throw_dimensions,
 )
 from regression.models.angle import between_values
+
+if TYPE_CHECKING:
+    from fem.supports import Support
+    from regression.models.reaction_lookup import ReactionLookup
 
 Array = NDArray[np.float64]
 
@@ -58,6 +62,10 @@ class AxialLaw:
         "plain" or "real": which networks answered.
     nearest_limit : str
         Of one throw: the ratio nearest to an end of the law's range, in words.
+    throw : CrankThrow or None
+        The one throw.
+    elastic : (2,) tuple of float
+        Young's modulus [Pa] and Poisson's ratio.
     """
 
     pinned: Any
@@ -68,6 +76,8 @@ class AxialLaw:
     errors: Mapping[str, Any]
     tier: Any
     nearest_limit: str = ""
+    throw: CrankThrow | None = field(default=None, repr=False)
+    elastic: tuple[float, float] = (2.1e11, POISSON_RATIO)
 
     @property
     def band(self) -> tuple[Any, Any]:
@@ -92,6 +102,37 @@ class AxialLaw:
     def influence(self, gamma_deg: ArrayLike) -> Any:
         """Influence coefficient between equal neighbors, c(gamma) [m/N]; as `axial`."""
         return between_values(gamma_deg, (self.influence_guided, self.influence_pinned, self.ratio))
+
+    def reactions(self, pin_force: ArrayLike, support: "Support" = "pinned") -> "ReactionLookup":
+        """Reactions of the supports on the one throw under a force on its pin, axial motion blocked.
+
+        Parameters
+        ----------
+        pin_force : (3,) or (..., 3) array_like
+            Across the shaft, in the throw frame [N]; the radial force Z is ``(0, -Z, 0)``.
+        support : "pinned", "guided" or Neighbors
+            The left end takes the torque; `Neighbors` with equal angles.
+
+        Returns
+        -------
+        ReactionLookup
+            In equilibrium with the force, with bands from those of the networks.
+
+        Raises
+        ------
+        InputError
+            If this is the law of many throws, or the force, the support or the throw is none that the
+            law knows reactions of.
+        """
+        from regression.law.law_reactions import USED, law_reactions
+
+        if self.throw is None:
+            raise InputError(
+                "reactions: asked of the law of many throws; allowed is that of one, axial_law(throw)."
+            )
+        answers = LawAnswers(throw_dimensions(self.throw), *self.elastic)
+        values, widths = (own.ravel() for own in answers.values(USED))
+        return law_reactions(self.throw, values, widths, pin_force, support)
 
 
 @summarized("pinned [rad/(N m)]", "guided [rad/(N m)]", "band [rad/(N m)]", "tier")
@@ -163,15 +204,15 @@ def axial_law(
     >>> print(f"{axial_law(throw).pinned:.2e} m/N")
     1.29e-09 m/N
     """
-    found = _Answers(throw_dimensions(throw), youngs_modulus, poisson_ratio, nearest=True)
-    return AxialLaw(**found.results(AXIAL))
+    found = LawAnswers(throw_dimensions(throw), youngs_modulus, poisson_ratio, nearest=True)
+    return AxialLaw(**found.results(AXIAL), throw=throw, elastic=(youngs_modulus, poisson_ratio))
 
 
 def torsional_law(
     throw: CrankThrow, *, youngs_modulus: float = 2.1e11, poisson_ratio: float = POISSON_RATIO
 ) -> TorsionalLaw:
     """Torsional compliance of a throw by the law; parameters and errors as `axial_law`."""
-    found = _Answers(throw_dimensions(throw), youngs_modulus, poisson_ratio, nearest=True)
+    found = LawAnswers(throw_dimensions(throw), youngs_modulus, poisson_ratio, nearest=True)
     return TorsionalLaw(**found.results(TORSIONAL))
 
 
@@ -179,16 +220,20 @@ def throw_laws(
     throw: CrankThrow, *, youngs_modulus: float = 2.1e11, poisson_ratio: float = POISSON_RATIO
 ) -> tuple[AxialLaw, TorsionalLaw]:
     """Both laws of a throw in the time of one; parameters and errors as `axial_law`."""
-    found = _Answers(throw_dimensions(throw), youngs_modulus, poisson_ratio, nearest=True)
+    found = LawAnswers(throw_dimensions(throw), youngs_modulus, poisson_ratio, nearest=True)
     both = found.results(AXIAL | {f"twist {name}": one for name, one in TORSIONAL.items()})
-    errors, shared = (
-        both.pop("errors"),
-        {name: both.pop(name) for name in ("tier", "nearest_limit")},
-    )
+    errors = both.pop("errors")
+    shared = {name: both.pop(name) for name in ("tier", "nearest_limit")}
     axial = {name: both[name] for name in AXIAL}
     torsional = {name: both[f"twist {name}"] for name in TORSIONAL}
     return (
-        AxialLaw(**axial, **shared, errors={name: errors[name] for name in AXIAL}),
+        AxialLaw(
+            **axial,
+            **shared,
+            errors={name: errors[name] for name in AXIAL},
+            throw=throw,
+            elastic=(youngs_modulus, poisson_ratio),
+        ),
         TorsionalLaw(
             **torsional, **shared, errors={name: errors[f"twist {name}"] for name in TORSIONAL}
         ),
@@ -231,7 +276,7 @@ def axial_laws(
     >>> law.pinned.shape
     (3,)
     """
-    return AxialLaw(**_Answers(_given(dimensions), youngs_modulus, poisson_ratio).results(AXIAL))
+    return AxialLaw(**LawAnswers(_given(dimensions), youngs_modulus, poisson_ratio).results(AXIAL))
 
 
 def torsional_laws(
@@ -241,11 +286,11 @@ def torsional_laws(
     **dimensions: ArrayLike,
 ) -> TorsionalLaw:
     """Torsional compliance of many throws by the law; parameters and errors as `axial_laws`."""
-    found = _Answers(_given(dimensions), youngs_modulus, poisson_ratio)
+    found = LawAnswers(_given(dimensions), youngs_modulus, poisson_ratio)
     return TorsionalLaw(**found.results(TORSIONAL))
 
 
-class _Answers:
+class LawAnswers:
     """Answers of throws of some dimensions, each by the networks of its tier."""
 
     def __init__(
@@ -262,40 +307,50 @@ class _Answers:
         self.modulus, self.beside = youngs_modulus, poisson_ratio - POISSON_RATIO
         self.diameter = dimensions["main_journal_diameter"]
         self.plain = is_plain(self.ratios)
-        self.shape = np.broadcast_shapes(*(np.shape(value) for value in self.ratios.values()))
+        shapes = {value.shape for value in self.ratios.values() if isinstance(value, np.ndarray)}
+        self.shape = np.broadcast_shapes(*shapes)
 
-    def values(self, names: Sequence[str]) -> tuple[Array, Array]:
+    def values(self, names: tuple[str, ...]) -> tuple[Array, Array]:
         """Dimensionless answers (k, ...) by the names of `OUTPUTS`, and relative half widths."""
-        rows = [OUTPUTS.index(name) for name in names]
+        if not self.shape:
+            return self._of_tier("plain" if self.plain else "real", names, self.ratios, 1)
         plain = np.broadcast_to(self.plain, self.shape).ravel()
-        found = np.empty((2, len(rows), plain.size))
+        found = np.empty((2, len(names), plain.size))
         for tier, where in zip(TIERS, (plain, ~plain), strict=True):
-            if not where.any():
-                continue
-            some = networks(tier)
-            inputs = INPUTS[tier](self.ratios).reshape(len(some.low), -1)
-            if inputs.shape[1] != plain.size:
-                inputs = np.repeat(inputs, plain.size, axis=1)
-            inputs = inputs if where.all() else inputs[:, where]
-            mean, spread = some.poisson[rows].T[:, :, None]
-            answers = some.answers(inputs, rows) * np.exp(mean * self.beside)
-            widths = some.half_widths(inputs, rows) + 2.0 * spread * abs(self.beside)
-            found[:, :, where] = answers, widths
+            if where.all():
+                found[:] = self._of_tier(tier, names, self.ratios, plain.size)
+            elif where.any():
+                some = {
+                    name: np.broadcast_to(value, self.shape).ravel()[where]
+                    for name, value in self.ratios.items()
+                }
+                found[:, :, where] = self._of_tier(tier, names, some, int(where.sum()))
         return found[0].reshape(-1, *self.shape), found[1].reshape(-1, *self.shape)
+
+    def _of_tier(
+        self, tier: str, names: tuple[str, ...], found: Mapping[str, Any], count: int
+    ) -> tuple[Array, Array]:
+        some = networks(tier, names)
+        inputs = INPUTS[tier](found).reshape(len(some.low), -1)
+        if inputs.shape[1] != count:
+            inputs = np.repeat(inputs, count, axis=1)
+        answers, widths = some.answers(inputs), some.half_widths(inputs)
+        if self.beside:
+            mean, spread = some.poisson.T[:, :, None]
+            answers = answers * np.exp(mean * self.beside)
+            widths = widths + 2.0 * spread * abs(self.beside)
+        return answers, widths
 
     def results(self, kinds: Mapping[str, tuple[str, int]]) -> dict[str, Any]:
         """Fields of a law: answers in SI units, errors, tier and the nearest limit."""
-        answers, widths = self.values([name for name, _ in kinds.values()])
+        answers, widths = self.values(tuple(name for name, _ in kinds.values()))
+        if not self.shape:
+            answers, widths = answers[:, 0].tolist(), widths[:, 0].tolist()
         found: dict[str, Any] = {}
         for (name, (_, power)), answer in zip(kinds.items(), answers, strict=True):
-            unit = 1.0 if power == 0 else self.modulus * self.diameter**power
-            found[name] = answer / unit
+            found[name] = answer / (self.modulus * self.diameter**power) if power else answer
+        tier = np.where(self.plain, *TIERS) if self.shape else TIERS[not self.plain]
         errors = dict(zip(kinds, widths, strict=True))
-        tier: Any = np.where(self.plain, *TIERS)
-        if not self.shape:
-            found = {name: float(value) for name, value in found.items()}
-            errors = {name: float(value) for name, value in errors.items()}
-            tier = str(tier)
         return found | {"errors": errors, "tier": tier, "nearest_limit": self.nearest}
 
 
