@@ -29,7 +29,11 @@ export function startFiles() {
     drop.classList.remove("over");
     check([...event.dataTransfer.files]);
   });
-  byId("file").addEventListener("change", () => check([...byId("file").files]));
+  byId("file").addEventListener("change", () => {
+    const files = [...byId("file").files];
+    byId("file").value = ""; // the same file, changed, can be chosen again
+    check(files);
+  });
   document.addEventListener("jobs-changed", listJobs);
 }
 
