@@ -102,16 +102,18 @@ class Client:
         self,
         throw: Values,
         *,
-        radial_force: float = 1e5,
+        pin_force: Sequence[float] | None = None,
+        support: str = "pinned",
         gamma_deg: float | None = None,
         material: Values | None = None,
     ) -> Law:
-        """Ask the law: compliances, c and reactions with bands, without finite elements."""
+        """Ask the law: compliances, c and, with a force on the pin, reactions; without finite elements."""
         return self._post(
             Law,
             "throws/law",
             throw=throw,
-            radial_force=radial_force,
+            pin_force=pin_force,
+            support=support,
             gamma_deg=gamma_deg,
             material=material,
         )
@@ -146,6 +148,8 @@ class Client:
         *,
         throw: Values | None = None,
         responses: Sequence[str] | None = None,
+        pin_force: Sequence[float] | None = None,
+        support: str = "pinned",
         gamma_deg: float | None = None,
         strict: bool = False,
     ) -> Lookups:
@@ -154,6 +158,8 @@ class Client:
             "dimensions": dict(dimensions or {}),
             "throw": throw,
             "responses": None if responses is None else list(responses),
+            "pin_force": pin_force,
+            "support": support,
             "gamma_deg": gamma_deg,
             "strict": strict,
         }

@@ -153,7 +153,7 @@ def render_report(results: Mapping[str, Any], pictures: Path) -> tuple[str, str 
             figures=figures,
             picture_notes=[one for one in (results["picture_note"], note) if one],
             style=Markup(template_text(STYLE)),
-            scripts=_plotting() if any(own.plot is not None for own in figures.values()) else (),
+            scripts=plotting() if any(own.plot is not None for own in figures.values()) else (),
         )
     )
     return html, note
@@ -177,7 +177,7 @@ def page_environment() -> "Environment":
     return environment
 
 
-def _plotting() -> tuple[Markup, ...]:
+def plotting() -> tuple[Markup, ...]:
     """Scripts that draw the interactive plots: the library, and what uses it."""
     from plotly.offline import get_plotlyjs
 
@@ -194,5 +194,5 @@ def script(text: str) -> str:
 
 
 def template_text(name: str) -> str:
-    """Return the text of a file beside the templates."""
+    """Return the text of a template, style or script."""
     return (files("crankfem.report") / "templates" / name).read_text(encoding="utf-8")

@@ -90,23 +90,36 @@ class Banded(Answer):
     unit: str
 
 
-class EndReaction(Answer):
-    """Force [N] and moment [N m] of a support on the shaft, in the throw frame x, y, z."""
+Components = list[float] | list[list[float]]
+Bands = list[float | None] | list[list[float | None]]
 
-    force: tuple[float, float, float]
-    moment: tuple[float, float, float]
+
+class EndReaction(Answer):
+    """Force [N] and moment [N m] of a support on the shaft, x y z in the throw frame, of one throw or many.
+
+    Bands tell how far each may be off; None where no band holds.
+    """
+
+    force: Components
+    moment: Components
+    force_band: Bands
+    moment_band: Bands
+
+
+class Reactions(Answer):
+    """Reactions of both ends to a force on the pin; the axial motion of the ends is blocked."""
+
+    support: str
+    left: EndReaction
+    right: EndReaction
 
 
 class Law(Answer):
-    """Compliances by the law, each by response and support; and reactions to a radial force, ends pinned.
-
-    The axial motion of the ends is blocked for the reactions.
-    """
+    """Compliances by the law, each by response and support; reactions where a force was given."""
 
     values: dict[str, Banded]
     ratio: float
-    radial_force: float
-    reactions: dict[str, EndReaction]
+    reactions: Reactions | None
     tier: str
     nearest_limit: str
     remarks: list[str]
@@ -146,11 +159,12 @@ class LookedUp(Answer):
 
 
 class Lookups(Answer):
-    """Responses of a model by name, and why others are left out."""
+    """Responses of a model by name, and why others are left out; reactions where a force was given."""
 
     rows: int | None
     responses: dict[str, LookedUp]
     refused: dict[str, str]
+    reactions: Reactions | None
 
 
 class CheckedText(Answer):

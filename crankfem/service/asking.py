@@ -11,15 +11,17 @@ from pydantic_core import from_json
 from starlette.requests import Request
 
 from crankbase.checks.scalars import is_number
+from crankbase.errors import InputError
 from crankbase.model import InputModel, field_extra, part_kind, quantity_field
 from crankfem.service.problems import ProblemError
 from fem.material import STEEL, Material
+from fem.supports import Neighbors, Support
 from geometry.throw import CrankThrow
 
 Asked = TypeVar("Asked", bound=InputModel)
 Pin = tuple[float, float, float]
 LONGEST_NAME = 80
-UNIT_FORCE, LARGEST_FORCE = 1e5, 1e12  # [N]
+UNIT_FORCE = 1e5  # towards the shaft [N]
 
 
 class ThrowQuestion(InputModel):
@@ -66,17 +68,36 @@ class FormulasQuestion(ThrowQuestion):
     gamma_deg: float = _angle(180.0)
 
 
-class LawQuestion(ThrowQuestion):
-    """A throw, perhaps between equal neighbors, and a radial force on its pin."""
+class ReactionsQuestion(InputModel):
+    """A force on the pin and how the ends are supported, where reactions are wanted."""
 
-    gamma_deg: float | None = _angle(None)
-    radial_force: float = quantity_field(
-        "force on the middle of the pin towards the shaft, Z [N]",
-        "",
-        minimum=-LARGEST_FORCE,
-        maximum=LARGEST_FORCE,
-        default=UNIT_FORCE,
+    pin_force: Pin | None = Field(
+        None, description="force on the pin across the shaft, in the throw frame, x y z [N]"
     )
+    support: Literal["pinned", "guided", "neighbors"] = Field(
+        "pinned", description="of the ends; neighbors are equal throws at gamma_deg"
+    )
+    gamma_deg: float | None = _angle(None)
+
+    def read_support(self) -> Support:
+        """Return the support.
+
+        Raises
+        ------
+        InputError
+        """
+        if self.support != "neighbors":
+            return self.support
+        if self.gamma_deg is None:
+            raise InputError(
+                "gamma_deg: missing; the angle between neighboring cranks [deg] must be given with the "
+                "support neighbors."
+            )
+        return Neighbors(self.gamma_deg, self.gamma_deg)
+
+
+class LawQuestion(ThrowQuestion, ReactionsQuestion):
+    """A throw; with a force on its pin, the reactions are told too."""
 
 
 class AnalysisQuestion(ThrowQuestion):
@@ -101,7 +122,7 @@ class StressQuestion(ThrowQuestion):
     )
 
 
-class LookupQuestion(InputModel):
+class LookupQuestion(ReactionsQuestion):
     """Dimensions to look up in a model: numbers, texts, or lists of them for many throws."""
 
     throw: dict[str, Any] | None = Field(None, description="whose dimensions are taken")
@@ -109,7 +130,6 @@ class LookupQuestion(InputModel):
         {}, description="value or list of values by name; these change the throw's"
     )
     responses: list[str] | None = Field(None, description="which; all of the model by default")
-    gamma_deg: float | None = _angle(None)
     strict: bool = Field(False, description="refuse what lies outside the range of the model")
 
 

@@ -1,8 +1,10 @@
 """Jobs: submitted, followed, canceled, their results and files; and files checked before."""
 
 import asyncio
+import json
 import re
 from collections.abc import AsyncIterator, Mapping
+from pathlib import Path
 from typing import Any
 
 import anyio.to_thread
@@ -33,6 +35,7 @@ SANDBOX = (
     "sandbox allow-scripts allow-popups; default-src 'none'; script-src 'unsafe-inline' 'unsafe-eval'; "
     "style-src 'unsafe-inline'; img-src data: blob:; font-src data:"
 )
+BOXED = {"Content-Security-Policy": SANDBOX}
 MEDIA = {
     ".json": JSON,
     ".html": "text/html; charset=utf-8",
@@ -44,6 +47,13 @@ MEDIA = {
 }
 OTHER = "application/octet-stream"
 CHECKED = re.compile(r"[0-9a-f]{16}")
+
+
+def throw_report(folder: Path) -> str:
+    """Make the report of a throw from what its job has left."""
+    from crankfem.report.throw_report import render_throw_report
+
+    return render_throw_report(json.loads((folder / RESULT).read_text(encoding="utf-8")), folder)
 
 
 def job_routes(store: JobStore, runner: JobRunner, bounds: Bounds) -> APIRouter:
@@ -190,7 +200,7 @@ def job_routes(store: JobStore, runner: JobRunner, bounds: Bounds) -> APIRouter:
         if found is None:
             raise ProblemError(404, "The job has no such file, or not yet.")
         media = MEDIA.get(found.suffix, OTHER)
-        return FileResponse(found, media_type=media, headers={"Content-Security-Policy": SANDBOX})
+        return FileResponse(found, media_type=media, headers=BOXED)
 
     @routes.get("/jobs/{name}/result", tags=["jobs"], **described(JSON, None, 404))
     async def read_result(name: str) -> Response:
@@ -199,8 +209,12 @@ def job_routes(store: JobStore, runner: JobRunner, bounds: Bounds) -> APIRouter:
 
     @routes.get("/jobs/{name}/report", tags=["jobs"], **described("text/html", None, 404))
     async def read_report(name: str) -> Response:
-        """Return the report of an engine."""
-        return file_named(name, REPORT)
+        """Return the report of an engine or of a throw."""
+        job = job_named(name)
+        if job.kind != "analysis" or job.state != "done":
+            return file_named(name, REPORT)
+        text = await anyio.to_thread.run_sync(throw_report, store.place(name))
+        return Response(text, headers=BOXED, media_type=MEDIA[".html"])
 
     @routes.get("/jobs/{name}/files/{path:path}", tags=["jobs"], **described("*/*", None, 404))
     async def read_file(name: str, path: str) -> Response:

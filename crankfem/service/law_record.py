@@ -1,13 +1,21 @@
-"""What the law says of a throw as plain JSON content: values with bands, and reactions to a radial force."""
+"""What the law says of a throw as plain JSON content: values and reactions, all with bands."""
 
-from crankfem.analyses.record import Record
+from collections.abc import Sequence
+
+from crankfem.analyses.record import Record, attributes
 from fem.material import Material
+from fem.supports import Support
 from geometry.throw import CrankThrow
 from regression.law.throw_law import throw_laws
+from regression.models.reaction_lookup import ReactionLookup
 
 
 def law_record(
-    throw: CrankThrow, material: Material, radial_force: float, gamma_deg: float | None = None
+    throw: CrankThrow,
+    material: Material,
+    gamma_deg: float | None = None,
+    pin_force: Sequence[float] | None = None,
+    support: Support = "pinned",
 ) -> Record:
     """Return compliances, influence coefficients and reactions of a throw by the law.
 
@@ -15,10 +23,12 @@ def law_record(
     ----------
     throw : CrankThrow
     material : Material
-    radial_force : float
-        Z on the middle of the pin, towards the shaft [N].
     gamma_deg : float, optional
         Angle to equal neighbors, one more support [deg].
+    pin_force : (3,) sequence of float, optional
+        Across the shaft, in the throw frame [N]; without it no reactions are told.
+    support : "pinned", "guided" or Neighbors
+        For the reactions.
 
     Raises
     ------
@@ -55,8 +65,9 @@ def law_record(
     return {
         "values": values,
         "ratio": axial.ratio,
-        "radial_force": radial_force,
-        "reactions": _pinned_reactions(throw, radial_force, axial.influence_pinned / axial.pinned),
+        "reactions": None
+        if pin_force is None
+        else reactions_record(axial.reactions(pin_force, support)),
         "tier": axial.tier,
         "nearest_limit": axial.nearest_limit,
         "remarks": [
@@ -70,12 +81,16 @@ def _banded(value: float, error: float, unit: str) -> Record:
     return {"value": value, "lower": low, "upper": high, "unit": unit}
 
 
-def _pinned_reactions(throw: CrankThrow, force: float, axial_per_radial: float) -> Record:
-    """Reactions of pinned ends: across the shaft by levers, along it P = c Z / e_n."""
-    pin = throw.parts.pins[0]
-    right = 0.5 * (pin.start + pin.end) / throw.length
-    axial = axial_per_radial * force
+def reactions_record(found: ReactionLookup) -> Record:
+    """Return reactions by a law or a model: of each end force and moment, and how far they may be off."""
     return {
-        "left": {"force": [0.0, force * (1.0 - right), axial], "moment": [0.0, 0.0, 0.0]},
-        "right": {"force": [0.0, force * right, -axial], "moment": [0.0, 0.0, 0.0]},
+        "support": found.support,
+        **{
+            side: {
+                **attributes(getattr(found, side), "force", "moment"),
+                "force_band": attributes(getattr(found.band, side), "force")["force"],
+                "moment_band": attributes(getattr(found.band, side), "moment")["moment"],
+            }
+            for side in ("left", "right")
+        },
     }

@@ -19,6 +19,7 @@ from crankfem.service.answers import Lookups, ModelDescription, ModelNames
 from crankfem.service.asking import LookupQuestion, read_question, read_record
 from crankfem.service.bounds import Bounds
 from crankfem.service.job_store import JobStore
+from crankfem.service.law_record import reactions_record
 from crankfem.service.problems import ProblemError
 from crankfem.service.responses import answer, described
 from crankfem.service.tasks import MODEL
@@ -177,7 +178,13 @@ def _lookups(model: ComplianceModel, asked: LookupQuestion, rows: int | None) ->
         raise InputError(
             next(iter(refused.values()), "responses: given none; allowed are those of the model.")
         )
-    return {"rows": rows, "responses": found, "refused": refused}
+    reactions = None
+    if asked.pin_force is not None:
+        made = model.reactions(
+            asked.pin_force, asked.read_support(), strict=asked.strict, **dimensions
+        )
+        reactions = reactions_record(made)
+    return {"rows": rows, "responses": found, "refused": refused, "reactions": reactions}
 
 
 def _plain(value: Any) -> Any:

@@ -73,8 +73,9 @@ def described(
 def record_schemas() -> dict[str, Any]:
     """Return the schemas of records of quantities, and of problems."""
     found = {kind.__name__: _record_schema(kind) for kind in RECORDS}
-    whole = Problem.model_json_schema(ref_template=f"{REF}{{model}}")
-    return found | whole.pop("$defs") | {Problem.__name__: whole}
+    whole: dict[str, Any] = Problem.model_json_schema(ref_template=f"{REF}{{model}}")
+    found |= whole.pop("$defs")
+    return found | {Problem.__name__: whole}
 
 
 def _question_schema(kind: type[InputModel]) -> dict[str, Any]:

@@ -11,7 +11,7 @@ from crankfem.service.asking import UNIT_FORCE, AnalysisQuestion, FileQuestion, 
 from crankfem.service.uploads import write_upload
 from regression.records import Outcome
 
-RESULT, VIEW, SOLID, MODEL = "result.json", "throw_view.json", "throw.step", "model.json"
+RESULT, SOLID, MODEL = "result.json", "throw.step", "model.json"
 REPORT = "results/report.html"
 # A medium-speed engine's throw [m], on which knobs stand at first.
 EXAMPLE = {
@@ -73,12 +73,15 @@ def run_job(
 
 
 def _analysis(question: Mapping[str, Any], folder: Path, _: int, told: ToldProgress) -> None:
+    from crankfem.analyses.provenance import provenance_record
     from crankfem.analyses.record_units import with_units
     from crankfem.analyses.throw.fillets import stresses_or_reason
     from crankfem.analyses.throw.formula_records import formula_records
+    from crankfem.analyses.throw.pictures.drawing import write_drawing
     from crankfem.analyses.throw.stress import stress_record
     from crankfem.analyses.throw.throw_record import throw_record
     from crankfem.report.interactive.throw_view import throw_view
+    from crankfem.report.throw_report import DRAWING
     from fem.analysis import analyze_throw
     from geometry.mesher import mesh_here
     from geometry.solid_files import step_text
@@ -88,6 +91,7 @@ def _analysis(question: Mapping[str, Any], folder: Path, _: int, told: ToldProgr
     told.step("Meshing and solving")
     analysis = analyze_throw(throw, material, asked.accuracy, mesher=mesh_here)
     record: dict[str, Any] = {
+        "about": provenance_record(),
         "throw": throw_record(
             analysis, UNIT_FORCE, pin_force=asked.pin_force, gamma_deg=asked.gamma_deg
         ),
@@ -109,6 +113,8 @@ def _analysis(question: Mapping[str, Any], folder: Path, _: int, told: ToldProgr
         _write(folder, with_units(record))
     told.step("Writing the solid")
     write_text(folder / SOLID, step_text(throw, "full"), "solid")
+    told.step("Drawing it with its dimensions")
+    write_drawing(throw, folder / DRAWING, "Crank throw")
 
 
 def _stress(question: Mapping[str, Any], folder: Path, _: int, told: ToldProgress) -> None:

@@ -28,7 +28,13 @@ async def ask_law(request: Request) -> Response:
     """Tell compliances, c and reactions of a throw by the law, with bands, without finite elements."""
     asked = await read_question(request, LawQuestion)
     return answer(
-        law_record(asked.read_throw(), asked.read_material(), asked.radial_force, asked.gamma_deg)
+        law_record(
+            asked.read_throw(),
+            asked.read_material(),
+            asked.gamma_deg,
+            asked.pin_force,
+            asked.read_support(),
+        )
     )
 
 

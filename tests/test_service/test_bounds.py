@@ -2,6 +2,8 @@
 
 import json
 import socket
+import subprocess
+import sys
 import time
 from pathlib import Path
 
@@ -203,9 +205,6 @@ def test_each_request_has_one_log_line_without_contents(service):
 
 
 def test_a_second_service_does_not_take_the_folder(service):
-    import subprocess
-    import sys
-
     done = subprocess.run(
         [
             sys.executable,
@@ -226,9 +225,6 @@ def test_a_second_service_does_not_take_the_folder(service):
 
 
 def test_a_busy_port_is_told(service, tmp_path):
-    import subprocess
-    import sys
-
     port = service.address.rpartition(":")[2]
     done = subprocess.run(
         [sys.executable, "-m", "crankfem", "serve", "--folder", str(tmp_path), "--port", port],
@@ -238,6 +234,20 @@ def test_a_busy_port_is_told(service, tmp_path):
     )
     assert done.returncode == 2
     assert "cannot be listened at" in " ".join(done.stderr.split())
+
+
+def test_without_the_extra_the_command_says_which_one(tmp_path):
+    script = (
+        "import sys; sys.modules['uvicorn'] = None; from crankfem.cli.entry import main; main()"
+    )
+    done = subprocess.run(
+        [sys.executable, "-c", script, "serve", "--folder", str(tmp_path)],
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert done.returncode == 3
+    assert "pip install 'crankfem[serve]'" in " ".join(done.stderr.split())
 
 
 def test_a_refusal_of_the_client_has_its_status(locked):

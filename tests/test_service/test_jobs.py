@@ -56,7 +56,7 @@ def test_a_file_is_checked_before_it_is_run(service):
     assert "run" in told["commands"]
 
 
-@pytest.mark.slow
+@pytest.mark.further
 def test_the_queue_is_bounded_and_loses_nothing(own_service, throw):
     accepted, refused = [], []
     for _ in range(24):
@@ -128,7 +128,7 @@ def finished(service, name, least):
     raise AssertionError(job)
 
 
-@pytest.mark.slow
+@pytest.mark.further
 def test_a_study_goes_on_after_server_and_worker_were_killed(serve, tmp_path):
     first = serve(tmp_path)
     status, told = first.json("/api/studies", {"text": STUDY, "name": "study.toml"})
@@ -157,7 +157,7 @@ def test_a_study_goes_on_after_server_and_worker_were_killed(serve, tmp_path):
     assert second.end() == 0
 
 
-@pytest.mark.slow
+@pytest.mark.further
 def test_a_graceful_stop_leaves_jobs_for_the_next_start(serve, tmp_path, throw):
     first = serve(tmp_path)
     job = Client(first.address).analyze_throw(throw, accuracy=0.002)

@@ -28,7 +28,7 @@ def operations(service):
     return [found.ok() for found in schema.get_all_operations()]
 
 
-@pytest.mark.slow
+@pytest.mark.further
 @pytest.mark.parametrize("mode", ["POSITIVE", "NEGATIVE"])
 def test_every_answer_is_as_described(service, operations, mode):
     checks = [schemathesis.checks.CHECKS.get_one(name) for name in CHECKS]

@@ -29,7 +29,11 @@ export function startFiles() {
     drop.classList.remove("over");
     check([...event.dataTransfer.files]);
   });
-  byId("file").addEventListener("change", () => check([...byId("file").files]));
+  byId("file").addEventListener("change", () => {
+    const files = [...byId("file").files];
+    byId("file").value = ""; // the same file, changed, can be chosen again
+    check(files);
+  });
   document.addEventListener("jobs-changed", listJobs);
 }
 
@@ -134,10 +138,10 @@ function parts(job, row) {
     found.push(button("Cancel", change("POST", `/api/jobs/${job.id}/cancel`)));
     return found;
   }
-  const files = { "results/report.html": "Report", "throw_report.html": "Report", "result.json": "JSON", "model.json": "Model", "throw.step": "STEP" };
+  const files = { "results/report.html": "Report", "throw_drawing.svg": "Report", "result.json": "JSON", "model.json": "Model", "throw.step": "STEP" };
   for (const [file, name] of Object.entries(files)) {
     if (job.files.includes(file)) {
-      found.push(made("a", { href: `/api/jobs/${job.id}/files/${file}`, target: "_blank", rel: "noopener", textContent: name, ariaLabel: `${name} of ${job.title}, ${when}` }));
+      found.push(made("a", { href: `/api/jobs/${job.id}/${name === "Report" ? "report" : `files/${file}`}`, target: "_blank", rel: "noopener", textContent: name, ariaLabel: `${name} of ${job.title}, ${when}` }));
     }
   }
   found.push(

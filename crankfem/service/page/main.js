@@ -10,6 +10,7 @@ const FIRST = {
   crank_radius: 0.17, main_journal_diameter: 0.22, pin_diameter: 0.18, main_journal_length: 0.12,
   pin_length: 0.139, web_width: 0.285, web_thickness: 0.068, fillet_radius: 0.012,
 };
+const FORCE = [0, -1e5, 0]; // on the pin, towards the shaft [N]
 const panels = [];
 let fields = [];
 
@@ -20,16 +21,18 @@ const settings = {
   /* Values with their bands by the law, or by a model. */
   async estimate(question) {
     if (settings.source === "law") {
-      return askJson("/api/throws/law", question);
+      return askJson("/api/throws/law", { ...question, pin_force: FORCE });
     }
-    const found = await askJson(`/api/models/${settings.source}/lookup`, question);
+    const path = `/api/models/${settings.source}/lookup`;
+    // A model may know compliances without reactions.
+    const found = await askJson(path, { ...question, pin_force: FORCE }).catch(() => askJson(path, question));
     const values = {};
     const remarks = new Set();
     for (const [name, one] of Object.entries(found.responses)) {
       values[one.support === "pinned" && !name.endsWith("_pinned") ? `${name}_pinned` : name] = one;
       one.remarks.forEach((remark) => remarks.add(remark));
     }
-    return { values, remarks: [...remarks] };
+    return { values, remarks: [...remarks], reactions: found.reactions };
   },
 };
 

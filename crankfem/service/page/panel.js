@@ -49,7 +49,7 @@ export class Panel {
     this.find(".toml").addEventListener("click", () => this.saveToml());
     this.find(".json").addEventListener("click", () => this.saveJson());
     this.find(".step").addEventListener("click", () => this.saveFile("throw.step"));
-    this.find(".report").addEventListener("click", () => window.open(`/api/jobs/${this.job}/files/throw_report.html`));
+    this.find(".report").addEventListener("click", () => window.open(`/api/jobs/${this.job}/report`));
     setTimeout(loadDrawing, 500);
   }
 
@@ -164,7 +164,7 @@ export class Panel {
     }
     if (job.state === "done") {
       this.find(".step").disabled = !job.files.includes("throw.step");
-      this.find(".report").disabled = !job.files.includes("throw_report.html");
+      this.find(".report").disabled = !job.files.includes("throw_drawing.svg");
     }
   }
 
