@@ -75,6 +75,7 @@ DEPICTED_ELSEWHERE = {
     "SolveError": "an error",
     "TorsionalLaw": "a few numbers, as an AxialLaw",
     "ThrowStrength": "a part of EngineStrength",
+    "FatiguePlace": "a part of EngineFatigue",
     "Unbalance": "two vectors",
     "Web": "a part of a throw, which draws it",
 }

@@ -20,6 +20,7 @@ from crankfem.analyses.shaft.regression_source import REGRESSION, RESPONSES, thr
 from crankfem.analyses.shaft.sources import (
     FE,
     FE_PINNED,
+    GIVEN,
     axial_by_formulas,
     neighbor_angles,
     torsional_by_formulas,
@@ -37,6 +38,8 @@ from regression.models.angle import between_values
 from regression.models.compliance_model import ComplianceModel
 
 TABLE = "throw_compliances.csv"
+# Of stiffnesses that a maker gives without saying how sure they are; an assumption.
+MAKERS_ERROR = 0.05
 
 
 @dataclass(frozen=True)
@@ -92,6 +95,13 @@ def source_spread(
     """
     estimates = (own.error_estimate for own in analyses_by_name(engine_file, analysis).values())
     error = max(estimates)
+    if source == GIVEN:
+        return Spread(
+            "compliance",
+            1.0 - MAKERS_ERROR,
+            1.0 + MAKERS_ERROR,
+            name="error of the maker's stiffnesses, assumed",
+        )
     if source in (FE, FE_PINNED):
         of = " (that of the axial compliance)" if kind == "torsional" else ""
         return Spread(

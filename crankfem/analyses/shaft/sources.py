@@ -12,6 +12,7 @@ from crankfem.analyses.shaft.law_source import LawValue, law_values
 from crankfem.analyses.shaft.regression_source import REGRESSION, throw_lookups
 from crankfem.analyses.shaft.throw_analyses import Analyses, crank_analyses
 from crankfem.analyses.throw.law_record import LAW
+from crankfem.files.chain.shaft_lines import PLANT, plant_chain
 from crankfem.files.engine.engine_file import EngineFile
 from fem.material import Material
 from fem.shaft import ShaftCompliances, shaft_compliances
@@ -24,6 +25,8 @@ from regression.models.compliance_model import ComplianceModel
 from regression.models.lookup import Lookup
 
 FE, FE_PINNED = "fe", "fe pinned"
+# Of the torsional chain of a plant, as its maker gives it.
+GIVEN = "given"
 # The formulas know no free end: a throw tilts there as it does beside an opposite crank.
 NO_NEIGHBOR_DEG = 180.0
 
@@ -73,9 +76,23 @@ def torsional_sources(
     shaft: ShaftCompliances,
     model: ComplianceModel | None,
 ) -> Sources:
-    """Torsional compliance of each throw [rad/(N m)] by source."""
+    """Torsional compliance of each throw [rad/(N m)] by source; only the maker's where he gives the plant."""
+    if PLANT in engine_file.shaft_lines:
+        return {GIVEN: _given_by_plant(engine_file)}
     fitted = _fitted_sources(engine_file, analysis, model, "torsional_compliance", shaft.torsional)
     return fitted | torsional_by_formulas(engine_file.crank_throws, engine_file.material)
+
+
+def _given_by_plant(engine_file: EngineFile) -> tuple[NDArray[np.float64], str]:
+    """Half of what lies on either side of each crank, in a plant's chain."""
+    chain = engine_file.shaft_lines[PLANT]
+    nodes = plant_chain(chain, np.bincount(engine_file.throws).tolist()).throw_nodes
+    halves = 0.5 / chain.stiffness
+    # Before the first crank there may be nothing: it is taken to be as after it.
+    after = halves[list(nodes)]
+    before = np.concatenate((after[:1], after[:-1]))
+    remark = "the chain of the plant as its maker gives it (shaft_line.plant)"
+    return after + before, remark
 
 
 def _fitted_sources(
