@@ -18,8 +18,8 @@ HEAD = f"""\
 # Compliances of a throw of each shipped engine by finite elements of this program (written by
 # docs/build_throw_compliances.py), estimated error within {100.0 * ACCURACY:g} %: relative, of the axial
 # compliance. Axial between equal neighbors at an angle gamma:
-# e_0 + (e_180 - e_0) / (1 + rho cot^2(gamma/2)), exact for equal webs, for others through gamma = 0, 90
-# and 180 deg. Torsional: ends pinned. Of several throws that at the free end.
+# e_0 + (e_180 - e_0) / (1 + rho cot^2(gamma/2)), through gamma = 0, 90 and 180 deg, sections moving as
+# polynomials of degree 2. Torsional: ends pinned. Of several throws that at the free end.
 engine,e_0_m_per_N,e_180_m_per_N,rho,torsional_rad_per_Nm,error_estimate
 """
 

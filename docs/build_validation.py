@@ -89,6 +89,7 @@ GROUPS: dict[str, tuple[str, dict[str, str]]] = {
             "test_throw_reference_values": "independent finite elements, CalculiX 2.20",
             "test_v6_turning": "Modelica Standard Library 4.0.0",
             "test_mwm_forced": "equations written out, DOP853",
+            "test_mwm_pressure": "Mendes et al. 2008, openTorsion",
             "test_transient_mwm": "DOP853, Duhamel's integral",
             "test_least_squares": "statsmodels, NIST's certified values",
         },
@@ -98,6 +99,7 @@ GROUPS: dict[str, tuple[str, dict[str, str]]] = {
         "the case says so.",
         {
             "test_published_chains": "Mendes et al. 2008, Friswell et al.",
+            "test_direct_drive_plant": "data of Wartsila",
             "test_yamz5340": "Makushev, Polyakova 2024",
             "test_excitation_yamz": "Makushev, Polyakova 2024",
             "test_rod_models_paper": "Yamanin, Zhukov, Baryshnikov 2018",
@@ -118,6 +120,7 @@ GROUPS: dict[str, tuple[str, dict[str, str]]] = {
             "test_end_sections": "the shaft without rigid sections",
             "test_law": "finite elements of throws kept out",
             "test_symmetry_parts": "the throw meshed as a half and whole",
+            "test_reaction_lookups": "finite elements of every throw, in place of equations",
         },
     ),
 }

@@ -21,6 +21,7 @@ from fem.loads import NodalLoads, unit_pin_loads
 from fem.material import Material
 from fem.recovery import EnergyErrors
 from fem.refinement import refined_sizes
+from fem.section_motions import RIGID
 from fem.solver import SharedSolver
 from fem.symmetry import SymmetryClass, axial_class
 from fem.wished_accuracy import COMPLIANCE_ACCURACY
@@ -61,12 +62,15 @@ class Problem:
         See `fem.solver.factorize`.
     end_sections : {"rigid", "averaged"}
     watch : Stopwatch
+    degree : int
+        Of the polynomials that rigid end sections also move as; 0 for none.
     """
 
     material: Material
     solver: str
     end_sections: EndSections
     watch: Stopwatch
+    degree: int = 0
 
 
 @dataclass(frozen=True)
@@ -81,7 +85,9 @@ class RefinementLevel:
     pins : tuple of NodalLoads
         Unit loads on each pin.
     axial_part : CondensedClass
-        The class that an axial force excites.
+        The class that an axial force excites, of rigid sections.
+    solved_part : CondensedClass
+        The same as the mesh gives it, with all section motions.
     errors : EnergyErrors
         Of the solution under an axial force, ends pinned, as recovered stresses tell them.
     effectivity : float
@@ -94,6 +100,7 @@ class RefinementLevel:
     stiffness: sparse.csr_array
     pins: tuple[NodalLoads, ...]
     axial_part: CondensedClass
+    solved_part: CondensedClass
     errors: EnergyErrors
     effectivity: float
     solver: SharedSolver
@@ -128,20 +135,30 @@ class RefinementLevel:
         self, symmetries: Sequence[SymmetryClass], problem: Problem
     ) -> tuple[CondensedClass, ...]:
         """Condense classes on the same mesh."""
-        known = self.axial_part.symmetry
+        known = self.solved_part
         given = (self.mesh, self.stiffness, self.pins)
-        others = [
-            condense(*given, one, self.solver, problem.end_sections, problem.watch)
+        parts = [
+            known
+            if one == known.symmetry
+            else condense(
+                *given,
+                one,
+                self.solver,
+                problem.end_sections,
+                problem.watch,
+                problem.degree,
+            )
             for one in symmetries
-            if one != known
         ]
+        if not known.sections.bending:  # then its energies are known as well
+            parts = [one for one in parts if one is not known]
         with problem.watch.lap("error estimate"):
-            energies = class_energies(others, self.mesh, problem.material)
+            energies = class_energies(parts, self.mesh, problem.material)
             corrected = {
                 part.symmetry: corrected_class(part, own, self.effectivity)
-                for part, own in zip(others, energies, strict=True)
+                for part, own in zip(parts, energies, strict=True)
             }
-        corrected[known] = self.axial_part
+        corrected.setdefault(known.symmetry, self.axial_part)
         return tuple(corrected[one] for one in symmetries)
 
 
@@ -157,7 +174,7 @@ def solve_level(mesh: ThrowMesh, problem: Problem) -> RefinementLevel:
         stiffness = assemble_stiffness(mesh.points, mesh.elements, problem.material)
         pins = unit_pin_loads(mesh)
     solver = SharedSolver(problem.solver, watch)
-    part = condense(
+    solved = condense(
         mesh,
         stiffness,
         pins,
@@ -165,14 +182,16 @@ def solve_level(mesh: ThrowMesh, problem: Problem) -> RefinementLevel:
         solver,
         problem.end_sections,
         watch,
+        problem.degree,
     )
+    part = solved.up_to(RIGID)
     with watch.lap("error estimate"):
         stresses = class_errors((part,), mesh, problem.material)
         axial = np.append(axial_motion(part, "pinned"), np.zeros(len(part.pin_components)))
         errors = stresses.energy_errors(axial)
         factor = effectivity(mesh, errors.relative)
         part = corrected_class(part, stresses.products(), factor)
-    return RefinementLevel(mesh, stiffness, pins, part, errors, factor, solver)
+    return RefinementLevel(mesh, stiffness, pins, part, solved, errors, factor, solver)
 
 
 def solve_to_accuracy(

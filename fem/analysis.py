@@ -6,6 +6,7 @@ from fem.axial_analysis import AxialAnalysis
 from fem.condensation import EndSections
 from fem.loads import radial_directions
 from fem.material import STEEL, Material
+from fem.section_motions import SHARED, Sections, degree_of
 from fem.superelement import combine_classes
 from fem.symmetry import symmetry_classes
 from fem.throw_analysis import ThrowAnalysis
@@ -20,6 +21,7 @@ def analyze_throw(
     *,
     solver: str = "auto",
     end_sections: EndSections = "rigid",
+    sections: Sections = SHARED,
     mesher: Mesher | None = None,
 ) -> ThrowAnalysis:
     """Compute a throw's superelement, compliances, reactions and masses by finite elements.
@@ -40,6 +42,11 @@ def analyze_throw(
         Equation solver.
     end_sections : {"rigid", "averaged"}
         Rigid discs, or sections of which only the mean motion is given; the two bound the truth.
+    sections : {"rigid", 1, 2, 4}
+        What rigid end sections become where throws meet, between `Neighbors`, in a shaft and in its
+        vibration: polynomials of this degree over the section, or rigid discs there as well. Pinned and
+        guided answers are those of rigid sections in any case; `ThrowAnalysis.section_error` says what that
+        leaves out.
     mesher : callable, optional
         How to mesh: throw, size factor, part and size map to ThrowMesh. By default gmsh runs in a
         process of its own, which a crash or a hang cannot leave.
@@ -67,7 +74,7 @@ def analyze_throw(
     >>> print(f"{analysis.axial_compliance():.2e} m/N")
     1.29e-09 m/N
     """
-    problem = Problem(material, solver, end_sections, Stopwatch())
+    problem = Problem(material, solver, end_sections, Stopwatch(), degree_of(sections))
     level = solve_to_accuracy(throw, accuracy, problem, mesher or mesh_isolated)
     classes = level.condense(symmetry_classes(level.mesh.part), problem)
     with problem.watch.lap("masses"):

@@ -1,14 +1,18 @@
 """Estimated errors of a throw's corrected answers, from those that its mesh gives."""
 
+from dataclasses import replace
+
 import numpy as np
 from numpy.typing import NDArray
 
 from fem.correction import error_bars
 from fem.superelement import Superelement
-from fem.supports import Support, SupportedThrow, support_throw
+from fem.supports import Neighbors, Support, SupportedThrow, support_throw
 
 # An entry so small beside those on the diagonal is round-off.
 VANISHING = 1e-9
+# Steps of the cranks [deg] between which a throw of equal webs and rigid sections is guided or pinned.
+IN_LINE, OPPOSITE = 0.0, 180.0
 
 
 def axial_correction(corrected: Superelement, discrete: Superelement) -> float:
@@ -27,6 +31,20 @@ def supported_errors(
         torsional=float(error_bars(here.torsional, mesh.torsional, coarse, missing=missing)),
         stretches=error_bars(here.stretches, mesh.stretches, coarse, missing=missing),
         influences=error_bars(here.influences, mesh.influences, coarse, missing=missing),
+    )
+
+
+def section_errors(throw: Superelement, support: Support) -> SupportedThrow:
+    """What rigid sections leave out of a throw's compliances, in their units; see `ThrowAnalysis`."""
+    step = IN_LINE if support == "guided" else OPPOSITE
+    where = support if isinstance(support, Neighbors) else Neighbors(step, step)
+    bending = support_throw(throw, where)
+    rigid = support_throw(replace(throw, bending=None), where)
+    return SupportedThrow(
+        axial=bending.axial - rigid.axial,
+        torsional=bending.torsional - rigid.torsional,
+        stretches=bending.stretches - rigid.stretches,
+        influences=bending.influences - rigid.influences,
     )
 
 

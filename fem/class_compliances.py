@@ -1,7 +1,7 @@
 """Pinned and guided compliances of a throw from one symmetry class each, without the whole 12 x 12.
 
 Under these supports an axial force and radial pin forces in the crank plane excite one class only, a
-torque another. Studies, which need nothing else, save up to half of the solving that way.
+torque another. Refinement, which needs nothing else, saves more than half of the solving that way.
 """
 
 import numpy as np

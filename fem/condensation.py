@@ -2,30 +2,35 @@
 
 End sections are either rigid discs, or "averaged": only their mean translations and rotations are
 given, and they warp as they like under tractions of uniform and linear distribution. A real section is
-stiffer than the second and softer than the first, so the two bound the truth.
+stiffer than the second and softer than the first, so the two bound the truth. Beside the motions of rigid
+discs those of bending sections can be asked for (`fem.section_motions`), one factorization serving all.
 """
 
+import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy import sparse
-from scipy.linalg import null_space, qr
+from scipy.linalg import block_diag, null_space, qr
 
 from crankbase.errors import InputError
 from crankbase.stopwatch import Stopwatch
 from fem.assembly import symmetric_product
-from fem.loads import NodalLoads, end_sections, rigid_motions, unit_end_loads
+from fem.loads import NodalLoads, end_sections, end_surface, rigid_motions, unit_end_loads
+from fem.section_motions import RIGID, SectionMotions
 from fem.solver import SharedSolver
-from fem.symmetry import SymmetryClass
+from fem.symmetry import SymmetryClass, amplitude_shares, axial_class
 from geometry.mesh import ThrowMesh
 from geometry.solid import CRANK_PLANE, LEFT_END, MIDDLE_PLANE, RIGHT_END
 
 Array = NDArray[np.float64]
 EndSections = Literal["rigid", "averaged"]
 END_SECTIONS = ("rigid", "averaged")
+# A section that lacks less of its circle's area is solid: so much facets leave out at most.
+HOLLOW = 0.005
 
 
 @dataclass(frozen=True)
@@ -35,7 +40,7 @@ class CondensedClass:
     Attributes
     ----------
     symmetry : SymmetryClass
-        Which class; the columns of its ``ends`` are the unit motions below.
+        Which class; the columns of ``ends`` are the unit motions below, those of rigid sections first.
     stiffness : (k, k) array
         Stiffness of the meshed part against the unit motions.
     fields : (n, 3, k) array
@@ -66,6 +71,8 @@ class CondensedClass:
     missing : float
         Of a class as the mesh gives it: the largest share of any motion's energy that discretization is
         estimated to take; no answer is off by more.
+    sections : SectionMotions
+        What the end sections may do.
     """
 
     symmetry: SymmetryClass
@@ -81,6 +88,41 @@ class CondensedClass:
     pin_reactions: Array
     discrete: "CondensedClass | None" = None
     missing: float = 0.0
+    sections: SectionMotions = RIGID
+
+    @property
+    def ends(self) -> Array:
+        """Motions (2 n, k) of both end sections for unit amplitudes.
+
+        Six of the left and six of the right section, then those beyond the rigid ones of the left and of the
+        right.
+        """
+        return end_amplitudes(self.symmetry, self.sections)
+
+    @property
+    def shares(self) -> Array:
+        """Amplitudes (k, 2 n) of the class in unit motions of both end sections."""
+        return amplitude_shares(self.ends)
+
+    def up_to(self, sections: SectionMotions) -> "CondensedClass":
+        """Return the class with fewer of its section motions; of `RIGID`, with rigid sections."""
+        count = end_amplitudes(self.symmetry, sections).shape[1]
+        return replace(
+            self,
+            stiffness=self.stiffness[:count, :count],
+            fields=self.fields[:, :, :count],
+            pin_loads=self.pin_loads[:, :count],
+            end_forces=self.end_forces[:count, :count],
+            pin_reactions=self.pin_reactions[:, :count],
+            discrete=None if self.discrete is None else self.discrete.up_to(sections),
+            sections=sections,
+        )
+
+
+def end_amplitudes(symmetry: SymmetryClass, sections: SectionMotions) -> Array:
+    """Motions (2 n, k) of both end sections for unit amplitudes of a class; see `CondensedClass.ends`."""
+    beyond = symmetry.unit_motions(sections.mirror_x[6:], sections.mirror_z[6:])
+    return np.asarray(block_diag(symmetry.ends, beyond))
 
 
 def condense(
@@ -91,6 +133,7 @@ def condense(
     solver: str | SharedSolver = "auto",
     end_sections: EndSections = "rigid",
     watch: Stopwatch | None = None,
+    degree: int = 0,
 ) -> CondensedClass:
     """Condense one symmetry class of a throw's meshed part.
 
@@ -110,6 +153,8 @@ def condense(
         Whether end sections move as rigid discs, or only their mean motions are given.
     watch : Stopwatch, optional
         Takes the time.
+    degree : int
+        Of the polynomials that end sections also move as; 0 for none, always so of averaged sections.
 
     Raises
     ------
@@ -125,10 +170,16 @@ def condense(
     watch = Stopwatch() if watch is None else watch
     pin_loads, components = _pin_loads(mesh, pins, symmetry)
     shared = solver if isinstance(solver, SharedSolver) else SharedSolver(solver, watch)
-    solve = _with_rigid_ends if end_sections == "rigid" else _with_averaged_ends
     # The meshed part carries its share of a load on the whole pin.
     shares = pin_loads / symmetry.copies
-    fields, pin_fields = solve(mesh, stiffness, shares, symmetry, shared, watch)
+    if end_sections == "rigid":
+        sections = measured_sections(mesh, degree)
+        prescribed = unit_end_motions(mesh, symmetry, sections)
+        solved = _with_given_ends(mesh, stiffness, shares, symmetry, prescribed, shared, watch)
+    else:
+        sections = RIGID
+        solved = _with_averaged_ends(mesh, stiffness, shares, symmetry, shared, watch)
+    fields, pin_fields = solved
     if shared is not solver:
         shared.close()
     count = fields.shape[1]
@@ -154,7 +205,25 @@ def condense(
         end_sections=end_sections,
         end_forces=fields[ends].T @ forces[ends],
         pin_reactions=reactions,
+        sections=sections,
     )
+
+
+def measured_sections(mesh: ThrowMesh, degree: int) -> SectionMotions:
+    """Motions up to a degree of a throw's end sections, as wide as they are meshed.
+
+    The bore is that of the same area about the axis; the wider section counts, and its bore.
+    """
+    if degree == 0:
+        return RIGID
+    rings = []
+    for section in end_sections(axial_class(mesh.part)):
+        surface = end_surface(mesh, section)
+        radius = float(np.hypot(*mesh.points[surface.nodes, :2].T).max())
+        area = len(surface.images) * float(np.linalg.norm(surface.areas, axis=1).sum())
+        rings.append((radius, 1.0 - area / (np.pi * radius**2)))
+    radius, hollow = max(rings)
+    return SectionMotions(degree, radius, radius * math.sqrt(hollow) if hollow > HOLLOW else 0.0)
 
 
 def _end_unknowns(mesh: ThrowMesh, symmetry: SymmetryClass) -> NDArray[np.int64]:
@@ -191,19 +260,20 @@ def blocked_unknowns(
     return blocked
 
 
-def _with_rigid_ends(
+def _with_given_ends(
     mesh: ThrowMesh,
     stiffness: sparse.csr_array,
     pin_loads: Array,
     symmetry: SymmetryClass,
+    ends: list[tuple[NDArray[np.int64], Array]],
     solver: SharedSolver,
     watch: Stopwatch,
 ) -> tuple[Array, Array]:
-    """Fields (3 n, k) of unit motions of rigid end sections, and (3 n, a) of loads on the pins."""
-    count = symmetry.ends.shape[1]
+    """Fields (3 n, k) of given unit motions of the end sections, and (3 n, a) of loads on the pins."""
+    count = ends[0][1].shape[2]
     prescribed = np.zeros((len(mesh.points), 3, count))
     held = np.zeros((len(mesh.points), 3), dtype=bool)
-    for nodes, motions in unit_end_motions(mesh, symmetry):
+    for nodes, motions in ends:
         prescribed[nodes], held[nodes] = motions, True
     free = np.flatnonzero(~held.ravel())
     blocked = blocked_unknowns(mesh, symmetry).ravel()[free]
@@ -221,15 +291,16 @@ def _with_rigid_ends(
 
 
 def unit_end_motions(
-    mesh: ThrowMesh, symmetry: SymmetryClass
+    mesh: ThrowMesh, symmetry: SymmetryClass, sections: SectionMotions = RIGID
 ) -> list[tuple[NDArray[np.int64], Array]]:
-    """Nodes (s,) of each meshed end section, and their displacements (s, 3, k) as it moves rigidly."""
+    """Nodes (s,) of each meshed end section, and their displacements (s, 3, k) for unit amplitudes."""
+    ends = end_amplitudes(symmetry, sections)
+    beyond = 12 + sections.bending * np.arange(3)
     found = []
     for place, section in enumerate(end_sections(symmetry)):
         nodes = nodes_on(mesh, section)
-        arms = mesh.points[nodes] * (1.0, 1.0, 0.0)
-        motions = rigid_motions(arms) @ symmetry.ends[6 * place : 6 * place + 6]
-        found.append((nodes, motions))
+        own = np.r_[6 * place : 6 * place + 6, beyond[place] : beyond[place + 1]]
+        found.append((nodes, sections.fields(mesh.points[nodes]) @ ends[own]))
     return found
 
 

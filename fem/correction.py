@@ -23,9 +23,10 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from fem.condensation import CondensedClass
+from fem.condensation import CondensedClass, end_amplitudes
 from fem.material import Material
 from fem.recovery import StressErrors, stress_errors
+from fem.section_motions import RIGID
 from geometry.mesh import ThrowMesh
 from geometry.solid import FILLET
 
@@ -88,7 +89,7 @@ def corrected_class(part: CondensedClass, energies: Array, factor: float) -> Con
     ----------
     part : CondensedClass
     energies : (k + a, k + a) array
-        From `class_energies`.
+        From `class_energies`; not changed.
     factor : float
         The `effectivity` of the estimated errors.
 
@@ -100,10 +101,14 @@ def corrected_class(part: CondensedClass, energies: Array, factor: float) -> Con
     """
     count = len(part.stiffness)
     energies = factor * energies
-    missing = _largest_share(part.stiffness, energies[:count, :count])
+    rigid = end_amplitudes(part.symmetry, RIGID).shape[1]
+    missing = _largest_share(part.stiffness[:rigid, :rigid], energies[:rigid, :rigid])
     part = replace(part, missing=missing)
     if missing > LARGEST_SHARE:
         return part
+    if _largest_share(part.stiffness, energies[:count, :count]) > LARGEST_SHARE:
+        # Of a section's own bending the mesh may tell too little where it tells enough of the throw.
+        energies[rigid:count], energies[:, rigid:count] = 0.0, 0.0
     pins, components = part.pin_components.T
     pin_loads = part.pin_loads.copy()
     pin_loads[pins, :, components] += part.symmetry.copies * energies[count:, :count]

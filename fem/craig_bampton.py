@@ -35,8 +35,8 @@ from fem.condensation import CondensedClass
 from fem.fixed_interface_shapes import shapes_of_class, shapes_of_throw
 from fem.material import Material
 from fem.plots.frequency_stems import draw_frequencies
+from fem.section_motions import RIGID, SectionMotions, both_ends, section_turn
 from fem.solver import SharedSolver
-from fem.superelement import section_rotation
 from fem.symmetry import SymmetryClass, symmetry_classes
 from geometry.mesh import ThrowMesh
 
@@ -55,14 +55,15 @@ CUTOFF_FACTOR = 1.5
 @summarized("frequencies [Hz]", "stiffness", "highest_frequency [Hz]")
 @dataclass(frozen=True)
 class DynamicSuperelement:
-    """A throw condensed to 12 motions of its end sections and m amplitudes of shapes of its inside.
+    """A throw condensed to 2 n motions of its end sections and m amplitudes of shapes of its inside.
 
     Attributes
     ----------
-    stiffness, mass : (12 + m, 12 + m) array
+    stiffness, mass : (2 n + m, 2 n + m) array
         Unknowns ux uy uz rx ry rz of the left, then of the right end section, in the throw frame (or
-        that of the shaft, once turned), then the amplitudes of the shapes [sqrt(kg) m].
-    pin_loads : (pins, 12 + m, 6) array
+        that of the shaft, once turned); amplitudes of what the left, then the right section does beside
+        these [m], if sections bend; then the amplitudes of the shapes [sqrt(kg) m].
+    pin_loads : (pins, 2 n + m, 6) array
         Loads on these unknowns that unit forces along x, y, z on each pin, and unit moments about them
         at its center, are equivalent to.
     frequencies : (m,) array
@@ -80,6 +81,8 @@ class DynamicSuperelement:
         Natural modes were kept up to this multiple of it.
     solver : str
         The equation solver that was used.
+    sections : SectionMotions
+        The n motions of an end section.
     """
 
     stiffness: Array
@@ -92,19 +95,35 @@ class DynamicSuperelement:
     highest_frequency: float
     cutoff_factor: float
     solver: str
+    sections: SectionMotions = RIGID
 
     def turned(self, *, angle_deg: float) -> "DynamicSuperelement":
         """Return the superelement of the throw turned by an angle [deg] about the shaft, +z.
 
         The end motions are then in the shaft frame; pin loads stay in the frame of the throw.
         """
-        ends = np.kron(np.eye(2), section_rotation(math.radians(angle_deg)))
-        turn = block_diag(ends, np.eye(len(self.frequencies)))
+        return self._changed(section_turn(self.sections, math.radians(angle_deg)))
+
+    def bending_turned(self, *, angle_deg: float) -> "DynamicSuperelement":
+        """Return it with what sections do beside their mean motions, and only that, in a turned frame."""
+        turn = section_turn(self.sections, math.radians(angle_deg))
+        return self._changed(block_diag(np.eye(12), turn[12:, 12:]))
+
+    def shared_with(self, sections: SectionMotions) -> "DynamicSuperelement":
+        """Return it in section motions over another ring; see `Superelement.shared_with`."""
+        if sections == self.sections:
+            return self
+        own = both_ends(self.sections.amplitudes_of(sections))
+        return replace(self._changed(own.T), sections=sections)
+
+    def _changed(self, ends: Array) -> "DynamicSuperelement":
+        """Return it with other motions of the end sections, matrix (2 n, 2 n)."""
+        change = block_diag(ends, np.eye(len(self.frequencies)))
         return replace(
             self,
-            stiffness=turn @ self.stiffness @ turn.T,
-            mass=turn @ self.mass @ turn.T,
-            pin_loads=turn @ self.pin_loads,
+            stiffness=change @ self.stiffness @ change.T,
+            mass=change @ self.mass @ change.T,
+            pin_loads=change @ self.pin_loads,
         )
 
     def with_modes(self, count: int) -> "DynamicSuperelement":
@@ -118,7 +137,7 @@ class DynamicSuperelement:
             If it has not so many natural modes.
         """
         whole_within("count", count, 0, self.natural, "the superelement has no more natural modes")
-        kept = slice(0, 12 + count)
+        kept = slice(0, 2 * self.sections.count + count)
         return replace(
             self,
             stiffness=self.stiffness[kept, kept],
@@ -197,7 +216,7 @@ def dynamic_superelement(
     material : Material
         That of the condensation.
     classes : sequence of CondensedClass
-        All symmetry classes of the part, condensed with rigid end sections.
+        All symmetry classes of the part, condensed with rigid end sections or such that bend.
     highest_frequency : float
         Highest frequency of the shaft that is of interest [Hz]; 0 for Guyan's superelement, which
         has no shapes.
@@ -234,11 +253,12 @@ def dynamic_superelement(
     check_resolved(mesh, material, highest_frequency)
     matrices = PartMatrices.of_mesh(mesh, material)
     cutoff = cutoff_factor * highest_frequency
-    stiffness, mass = np.zeros((12, 12)), np.zeros((12, 12))
+    sections = classes[0].sections
+    stiffness, mass = np.zeros((2, 2 * sections.count, 2 * sections.count))
     found = []
     with closing(SharedSolver(solver, few_sides=False)) as shared:
         for part in classes:
-            shares, copies = part.symmetry.shares, part.symmetry.copies
+            shares, copies = part.shares, part.symmetry.copies
             fields = part.fields.reshape(mesh.unknowns, -1)
             inertia = symmetric_product(matrices.mass, fields)
             stiffness += copies * shares.T @ part.stiffness @ shares
@@ -252,8 +272,8 @@ def dynamic_superelement(
                             problem, part, matrices.stiffness, inertia, cutoff, corrections
                         )
                     )
-    inside = shapes_of_throw(mesh, len(classes[0].pin_loads), found)
-    end_pin_loads = sum(part.symmetry.shares.T @ part.pin_loads for part in classes)
+    inside = shapes_of_throw(mesh, classes[0], found)
+    end_pin_loads = sum(part.shares.T @ part.pin_loads for part in classes)
     count = len(inside.squares)
     mass = np.block([[mass, inside.coupling], [inside.coupling.T, np.eye(count)]])
     return DynamicSuperelement(
@@ -267,6 +287,7 @@ def dynamic_superelement(
         highest_frequency=highest_frequency,
         cutoff_factor=cutoff_factor,
         solver=classes[0].solver,
+        sections=sections,
     )
 
 

@@ -41,10 +41,10 @@ def displacement_field(
     ----------
     classes : sequence of CondensedClass
         All symmetry classes of the part.
-    motions : (12,) or (12, k) array
+    motions : (m,) or (m, k) array
         Motions of the left, then the right end section, in the throw frame, such as those that
-        `fem.supports.end_motions` finds. Under a load on a pin these do not say all: the load also
-        bends the throw between its ends.
+        `fem.supports.end_motions` finds: 12 of rigid sections, or all that the classes have. Under a load
+        on a pin these do not say all: the load also bends the throw between its ends.
     pin_loads : (pins, 6) or (pins, 6, k) array, optional
         Forces along x, y, z and moments about them on each pin, uniformly spread, if any.
 
@@ -53,7 +53,8 @@ def displacement_field(
     (n, 3) or (n, 3, k) array
         [m]
     """
-    field = np.asarray(sum(part.fields @ (part.symmetry.shares @ motions) for part in classes))
+    given = len(motions)
+    field = np.asarray(sum(part.fields @ (part.shares[:, :given] @ motions) for part in classes))
     if pin_loads is not None:
         for part in classes:
             pins, components = part.pin_components.T

@@ -15,9 +15,10 @@ from crankbase.summaries import summarized
 from crankbase.tables.frames import grid, table
 from fem.fillet_surface import FilletSurface
 from fem.fillets import Fillet
+from fem.rule_mesh import RULE_LOADS, FilletMeshing, ReadingQuality, fillet_meshings
 from fem.unit_loads import LoadedThrow, UnitLoad
 from geometry.drilling import DrillingExit
-from geometry.throw import CrankThrow
+from geometry.mesher import Throw
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -40,8 +41,11 @@ class _Peak:
     principals: Array
     von_mises: float
     von_mises_place: Array
+    shear: float
+    shear_place: Array
     nominal: float
     error_estimate: float
+    quality: ReadingQuality
 
     @property
     def factor(self) -> float:
@@ -52,6 +56,11 @@ class _Peak:
     def von_mises_factor(self) -> float:
         """Largest equivalent stress by von Mises divided by the nominal stress."""
         return self.von_mises / self.nominal
+
+    @property
+    def shear_factor(self) -> float:
+        """Largest shear stress divided by the nominal stress."""
+        return self.shear / self.nominal
 
 
 @summarized(
@@ -77,10 +86,15 @@ class FilletPeak(_Peak):
     von_mises : float
         Largest equivalent stress by von Mises, same unit.
     von_mises_place : (3,) array
+    shear : float
+        Largest shear stress, half of the difference of the outer principal stresses, same unit.
+    shear_place : (3,) array
     nominal : float
         Nominal stress, as `fem.nominal_stress` defines it; under a torque a shear stress.
     error_estimate : float
-        Estimated relative error of the two largest values.
+        Estimated relative error of the largest values.
+    quality : ReadingQuality
+        How well the elements agree on the stress where the rule reads it.
     """
 
     fillet: Fillet
@@ -89,6 +103,16 @@ class FilletPeak(_Peak):
     def name(self) -> str:
         """Name of the fillet."""
         return self.fillet.name
+
+    @property
+    def rule_factor(self) -> float | None:
+        """Factor as UR M53 defines it: by the largest shear stress under a torque, by von Mises in bending.
+
+        None under loads that the rule does not have.
+        """
+        if self.load.kind == "torsion":
+            return self.shear_factor
+        return self.von_mises_factor if self.load.kind in RULE_LOADS else None
 
 
 @summarized("exit: outlet.name", "load: load.kind", "factor", "von_mises_factor", "error_estimate")
@@ -103,7 +127,9 @@ class OilHolePeak(_Peak):
     ----------
     outlet : DrillingExit
         Which exit.
-    load, principal, principal_place, principals, von_mises, von_mises_place, nominal, error_estimate
+    load, principal, principal_place, principals, von_mises, von_mises_place, shear, shear_place, nominal
+        As in `FilletPeak`.
+    error_estimate, quality
         As in `FilletPeak`.
     """
 
@@ -114,6 +140,11 @@ class OilHolePeak(_Peak):
         """Such as "pin, oil hole 1 at 45 deg"."""
         return self.outlet.name
 
+    @property
+    def rule_factor(self) -> float | None:
+        """Factor as UR M53 defines it, by the largest principal stress; None where it has no such load."""
+        return self.factor if self.load.kind in ("torsion", "bending", "cross bending") else None
+
 
 @summarized("peaks", "error_estimate", "accuracy", "sharp_corners")
 @dataclass(frozen=True)
@@ -122,7 +153,7 @@ class FilletStresses:
 
     Attributes
     ----------
-    throw : CrankThrow
+    throw : CrankThrow or ImportedThrow
     peaks : tuple of FilletPeak
         For each load, the fillets from left to right.
     sharp_corners : tuple of str
@@ -135,23 +166,38 @@ class FilletStresses:
         Elements across the quarter circle of a fillet where it was refined last.
     accuracy : float
         The accuracy that was asked for.
+    mesh : {"adaptive", "m53"}
+        The kind of mesh that was asked for.
     hole_peaks : tuple of OilHolePeak
         For each load, the exits of the oil holes in their order.
     """
 
-    throw: CrankThrow
+    throw: Throw
     peaks: tuple[FilletPeak, ...]
     sharp_corners: tuple[str, ...]
     loaded: LoadedThrow = field(repr=False)
     surface: FilletSurface = field(repr=False)
     fineness: float
     accuracy: float
+    mesh: str = "adaptive"
     hole_peaks: tuple[OilHolePeak, ...] = ()
 
     @property
     def error_estimate(self) -> float:
         """Largest of the error estimates."""
         return max(peak.error_estimate for peak in (*self.peaks, *self.hole_peaks))
+
+    @property
+    def meshings(self) -> tuple[FilletMeshing, ...]:
+        """How finely the fillets on the meshed part are meshed, beside what UR M53 asks for."""
+        fillets = {peak.name: peak.fillet for peak in self.peaks}
+        return fillet_meshings(self.loaded.mesh, list(fillets.values()))
+
+    @property
+    def rule_met(self) -> bool:
+        """Whether the mesh, and the stresses under the loads that UR M53 has, are as it asks."""
+        read = [peak.quality.met for peak in self.peaks if peak.load.kind in RULE_LOADS]
+        return all(read) and all(found.met for found in self.meshings)
 
     @property
     def accuracy_met(self) -> bool:

@@ -5,13 +5,15 @@ more where these turned out to be stressed, and solved again. The change from on
 the error. The ends are pinned, so that the forces in every section follow from the loads alone.
 """
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
+from crankbase.checks.choices import check_choice
 from crankbase.errors import InputError
 from crankbase.units.quantity import format_quantity
 from fem.accuracy import Mesher
@@ -24,10 +26,15 @@ from fem.loads import radial_directions
 from fem.material import STEEL, Material
 from fem.nominal_stress import nominal_hole_stress, nominal_stress
 from fem.principal import largest_principal, principal_stresses, von_mises
+from fem.rule_mesh import RULE_LOADS, WISHED_SIZE, reading_quality, rule_sizes
 from fem.unit_loads import LoadedThrow, solve_unit_loads, unit_loads
 from fem.wished_accuracy import STRESS_ACCURACY
 from geometry.drilling import DrillingExit
-from geometry.mesher import mesh_isolated
+from geometry.imported import ImportedThrow
+from geometry.imported_parts import imported_parts
+from geometry.mesh import ThrowMesh
+from geometry.mesher import Throw, mesh_isolated
+from geometry.parts import WebPlate
 from geometry.sizes import SizeMap
 from geometry.throw import CrankThrow
 
@@ -35,6 +42,8 @@ Array = NDArray[np.float64]
 
 Integers = NDArray[np.int64]
 Site = Fillet | DrillingExit
+FilletMesh = Literal["adaptive", "m53"]
+FILLET_MESHES = ("adaptive", "m53")
 
 # Size factor of the mesh that element sizes away from the fillets are taken from.
 BULK = 1.2
@@ -50,17 +59,20 @@ STRESSED = 0.8
 # with much finer meshes.
 ORDER, SAFETY, SCATTER = 2.0, 1.5, 0.15
 MOST_UNKNOWNS = 400_000
+# Elements across a quarter circle of a rule's mesh, and how many unknowns that may take.
+RULE_FINE, MOST_RULE_UNKNOWNS = 0.5 * math.pi / WISHED_SIZE, 800_000
 # Of the throw's length.
 CUT_TOLERANCE = 1e-9
 
 
 def fillet_stresses(
-    throw: CrankThrow,
+    throw: Throw,
     material: Material = STEEL,
     accuracy: float = 0.05,
     *,
     solver: str = "auto",
     end_sections: EndSections = "rigid",
+    mesh: FilletMesh = "adaptive",
     mesher: Mesher | None = None,
 ) -> FilletStresses:
     """Compute the stresses at a throw's fillets and oil holes under unit loads by finite elements.
@@ -70,7 +82,9 @@ def fillet_stresses(
 
     Parameters
     ----------
-    throw : CrankThrow
+    throw : CrankThrow or ImportedThrow
+        Of a CAD part, fillets are the faces that run smoothly into journals and pins; oil holes of CAD
+        parts have no stresses.
     material : Material
         The stresses depend on its Poisson's ratio alone.
     accuracy : float
@@ -80,6 +94,10 @@ def fillet_stresses(
     end_sections : {"rigid", "averaged"}
         Whether end sections move as rigid discs, or may warp and only their mean motions are given. It
         matters at the main journals' fillets, all the more the shorter the journals.
+    mesh : {"adaptive", "m53"}
+        Fine where fillets are stressed, or as IACS UR M53, Appendix III, asks for: elements of a quarter of
+        the radius all over the fillets on the side of the overlap, layers growing below, six elements across
+        the web. `FilletStresses.meshings` tell what was reached.
     mesher : callable, optional
         How to mesh; by default gmsh runs in a process of its own.
 
@@ -108,25 +126,37 @@ def fillet_stresses(
     pin, left web: 2.7
     """
     _check(throw, material, accuracy)
+    check_choice("mesh", mesh, FILLET_MESHES, "fillets are meshed in these ways")
     mesh_with = mesher or mesh_isolated
-    fillets = throw_fillets(throw.parts)
-    outlets = [outlet for hole in throw.parts.drillings for outlet in hole.exits]
+    usual = mesh_with(throw, BULK, "auto", None)
+    parts = throw.parts if isinstance(throw, CrankThrow) else imported_parts(throw, usual)
+    webs = parts.webs if mesh == "m53" else ()
+    points = fillet_points(usual)
+    fillets = [fillet for fillet in throw_fillets(parts) if fillet.holds(points).any()]
+    outlets = [outlet for hole in parts.drillings for outlet in hole.exits]
     sites: tuple[Site, ...] = (*fillets, *outlets)
+    if not sites:
+        raise InputError(
+            "throw: given a part whose fillets do not stand round its journals and pins like a torus; "
+            "allowed is at least one that does."
+        )
     loads = unit_loads(radial_directions(throw))
 
     def solved(sizes: SizeMap, fineness: float) -> _FilletRefinementLevel:
-        mesh = mesh_with(throw, 1.0, "auto", sizes)
-        loaded = solve_unit_loads(mesh, loads, material, solver, end_sections)
+        meshed = mesh_with(throw, 1.0, "auto", sizes)
+        loaded = solve_unit_loads(meshed, loads, material, solver, end_sections)
         return _FilletRefinementLevel.judged(loaded, sites, fineness)
 
-    level = solved(*_first_sizes(throw, sites, mesh_with))
+    level = solved(*_first_sizes(usual, sites))
     errors = np.full((len(sites), len(loads)), np.inf)
-    wanted = max(FINE, (1.0 + 1e-9) * SCATTER / accuracy)
+    wanted = max(RULE_FINE if webs else FINE, (1.0 + 1e-9) * SCATTER / accuracy)
     for _ in range(MOST_MESHES - 1):
         unsettled = errors > accuracy
+        if webs and np.all(np.isfinite(errors)):
+            unsettled |= level.badly_read(sites)
         if not unsettled.any():
             break
-        sizes, fineness = level.finer_sizes(sites, unsettled, wanted)
+        sizes, fineness = level.finer_sizes(sites, unsettled, wanted, webs)
         if fineness < LEAST_REFINEMENT * level.fineness:
             break
         coarse, level = level, solved(sizes, fineness)
@@ -140,7 +170,7 @@ def fillet_stresses(
         peaks=tuple(
             FilletPeak(
                 fillet=fillet,
-                nominal=nominal_stress(throw.parts, fillet, load),
+                nominal=nominal_stress(parts, fillet, load),
                 **level.peak(number, column, errors),
             )
             for column, load in enumerate(loads)
@@ -149,17 +179,18 @@ def fillet_stresses(
         hole_peaks=tuple(
             OilHolePeak(
                 outlet=outlet,
-                nominal=nominal_hole_stress(throw.parts, outlet, load),
-                **level.peak(number, column, errors),
+                nominal=nominal_hole_stress(parts, outlet, load),
+                **level.peak(number, column, errors, at_hole=True),
             )
             for column, load in enumerate(loads)
             for number, outlet in enumerate(outlets, start=len(fillets))
         ),
-        sharp_corners=sharp_corners(throw.parts),
+        sharp_corners=sharp_corners(parts),
         loaded=level.loaded,
         surface=level.surface,
         fineness=level.fineness,
         accuracy=accuracy,
+        mesh=mesh,
     )
 
 
@@ -204,29 +235,73 @@ class _FilletRefinementLevel:
         return np.where(np.abs(place) < CUT_TOLERANCE * self.loaded.mesh.length, 0.0, place)
 
     def finer_sizes(
-        self, sites: Sequence[Site], loads: NDArray[np.bool_], fineness: float
+        self,
+        sites: Sequence[Site],
+        loads: NDArray[np.bool_],
+        fineness: float,
+        webs: Sequence[WebPlate] = (),
     ) -> tuple[SizeMap, float]:
         """Sizes of a mesh that is finer where the sites are stressed, and how fine it can be.
 
-        `loads` (sites, k) says under which loads.
+        `loads` (sites, k) says under which loads. With `webs` it is as fine as UR M53 asks for.
         """
         stressed = []
         for nodes, chosen in zip(self.on, loads, strict=True):
             here = nodes[self.surface.meshed[nodes]]
             share = self.equivalent[here] / self.equivalent[nodes].max(axis=0)
             stressed.append(self.surface.points[here[(share > STRESSED)[:, chosen].any(axis=1)]])
-        measured = measured_sizes(self.loaded.mesh)
-        return _sizes_within_budget(measured, sites, stressed, fineness)
+        sizes = measured_sizes(self.loaded.mesh)
+        if not webs:
+            return _sizes_within_budget(sizes, sites, stressed, fineness)
+        on = [nodes[self.surface.meshed[nodes]] for nodes in self.on]
+        fillets = [
+            (site, self.surface.points[nodes])
+            for site, nodes in zip(sites, on, strict=True)
+            if isinstance(site, Fillet)
+        ]
+        sizes = rule_sizes(sizes, webs, fillets)
+        if (expected := sizes.expected_unknowns()) > MOST_RULE_UNKNOWNS:
+            raise InputError(
+                f'mesh: given "m53", whose elements would make about {expected:,} unknowns with these '
+                f'fillets; allowed are {MOST_RULE_UNKNOWNS:,}, or "adaptive".'
+            )
+        return _sizes_within_budget(sizes, sites, stressed, fineness, MOST_RULE_UNKNOWNS)
 
-    def peak(self, number: int, column: int, errors: Array) -> dict[str, Any]:
+    def badly_read(self, sites: Sequence[Site]) -> NDArray[np.bool_]:
+        """At which fillets (sites, k), under which loads of UR M53, elements differ more than it allows."""
+        return np.array(
+            [
+                [
+                    isinstance(site, Fillet)
+                    and load.kind in RULE_LOADS
+                    and not self.peak(number, column, np.zeros_like(self.largest[0]))["quality"].met
+                    for column, load in enumerate(self.loaded.loads)
+                ]
+                for number, site in enumerate(sites)
+            ]
+        )
+
+    def peak(
+        self, number: int, column: int, errors: Array, at_hole: bool = False
+    ) -> dict[str, Any]:
         """Largest stresses at a site under a load, both given by their numbers; errors (sites, k)."""
         nodes = self.on[number]
         principals = self.principals[nodes, column]
         signed = largest_principal(principals)
         first = int(np.argmax(np.abs(signed)))
         second = int(np.argmax(self.equivalent[nodes, column]))
+        shears = 0.5 * (principals[:, 0] - principals[:, 2])
+        third = int(np.argmax(shears))
+        load = self.loaded.loads[column]
+        torsion = load.kind == "torsion"
+        # Where UR M53 reads its factors: the largest shear or equivalent stress, at holes the principal one.
+        place = first if at_hole else third if torsion else second
+        read = int(self.surface.nodes[nodes[place]])
         return {
-            "load": self.loaded.loads[column],
+            "load": load,
+            "shear": float(shears[third]),
+            "shear_place": self._place(nodes[third]),
+            "quality": reading_quality(self.loaded, read, column, shear=torsion),
             "principal": float(signed[first]),
             "principal_place": self._place(nodes[first]),
             "principals": principals[first],
@@ -249,9 +324,8 @@ def _errors(coarse: _FilletRefinementLevel, fine: _FilletRefinementLevel) -> Arr
     return np.asarray(np.maximum(estimate, SCATTER / fine.fineness))
 
 
-def _first_sizes(throw: CrankThrow, sites: Sequence[Site], mesher: Mesher) -> tuple[SizeMap, float]:
+def _first_sizes(usual: ThrowMesh, sites: Sequence[Site]) -> tuple[SizeMap, float]:
     """Sizes of a mesh that is a little finer than usual at all sites, and how fine it is there."""
-    usual = mesher(throw, BULK, "auto", None)
     points = fillet_points(usual)
     places = [points[site.holds(points)] for site in sites]
     sizes, fineness = _sizes_within_budget(measured_sizes(usual), sites, places, COARSE)
@@ -261,7 +335,11 @@ def _first_sizes(throw: CrankThrow, sites: Sequence[Site], mesher: Mesher) -> tu
 
 
 def _sizes_within_budget(
-    sizes: SizeMap, sites: Sequence[Site], places: Sequence[Array], fineness: float
+    sizes: SizeMap,
+    sites: Sequence[Site],
+    places: Sequence[Array],
+    fineness: float,
+    most: int | None = None,
 ) -> tuple[SizeMap, float]:
     """Sizes with so many elements across the sites at some places, or with as many as may be."""
     while True:
@@ -270,7 +348,7 @@ def _sizes_within_budget(
             for points, site in zip(places, sites, strict=True)
         ]
         finer = refine_at(sizes, wished)
-        if finer.expected_unknowns() <= MOST_UNKNOWNS or fineness < COARSEST:
+        if finer.expected_unknowns() <= (most or MOST_UNKNOWNS) or fineness < COARSEST:
             return finer, fineness
         fineness *= 0.9
 
@@ -288,16 +366,22 @@ def _too_small(sites: Sequence[Site]) -> InputError:
     )
 
 
-def _check(throw: CrankThrow, material: Material, accuracy: float) -> None:
-    if not isinstance(throw, CrankThrow):
+def _check(throw: Throw, material: Material, accuracy: float) -> None:
+    if not isinstance(throw, CrankThrow | ImportedThrow):
         raise InputError(
-            f"throw: given a {type(throw).__name__}; allowed is a CrankThrow, because a CAD part does "
-            "not say what its fillets and webs measure."
+            f"throw: given a {type(throw).__name__}; allowed is a CrankThrow, or an ImportedThrow of a "
+            "STEP file."
         )
     if not isinstance(material, Material):
         raise InputError(f"material: given {material!r}; allowed is a Material, like STEEL.")
     STRESS_ACCURACY.checked("accuracy", accuracy)
-    if not throw_fillets(throw.parts) and not throw.oil_holes:
+    if isinstance(throw, ImportedThrow):
+        if not throw.fillets:
+            raise InputError(
+                f"{throw.path}: given a part without a fillet at its main journals and pins; allowed is at "
+                "least one, because the elastic stress at a sharp corner has no bound."
+            )
+    elif not throw_fillets(throw.parts) and not throw.oil_holes:
         raise InputError(
             "fillet_radius: given 0 at all main journals and pins; allowed is at least one fillet, because "
             "the elastic stress at a sharp corner has no bound."

@@ -33,12 +33,15 @@ class FilletSurface:
         xx, yy, zz, xy, yz, zx under k loads [Pa].
     meshed : (s,) array of bool
         Which are on the meshed part itself, not only on its mirror images.
+    normals : (s, 3) array
+        Of the surface, outwards.
     """
 
     nodes: Integers
     points: Array
     stress: Array
     meshed: NDArray[np.bool_]
+    normals: Array
 
 
 def fillet_surface(loaded: LoadedThrow) -> FilletSurface:
@@ -60,7 +63,7 @@ def fillet_surface(loaded: LoadedThrow) -> FilletSurface:
         loaded.material,
     )
     meshed = np.isin(found.nodes, whole.numbers[0])
-    return FilletSurface(found.nodes, points[found.nodes], found.stress, meshed)
+    return FilletSurface(found.nodes, points[found.nodes], found.stress, meshed, found.normals)
 
 
 def fillet_points(mesh: ThrowMesh) -> Array:

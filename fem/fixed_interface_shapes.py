@@ -92,7 +92,7 @@ def shapes_of_class(
     cutoff : float
         Natural modes up to this frequency are kept [Hz].
     corrections : bool
-        Whether the static answer of those left out is added, one shape for each end motion.
+        Whether the static answer of those left out is added, one shape for each motion of rigid ends.
 
     Raises
     ------
@@ -101,7 +101,8 @@ def shapes_of_class(
     SolveError
         If the modes cannot be found.
     """
-    forces = inertia if corrections else inertia[:, :0]
+    # The inertia of what sections do beside their mean motions is too small to count.
+    forces = inertia[:, : part.symmetry.ends.shape[1] if corrections else 0]
     squares, natural, shapes = _fixed_interface_shapes(problem, cutoff, forces)
     copies = part.symmetry.copies
     pin_fields = part.pin_fields.reshape(len(shapes), -1)
@@ -115,22 +116,22 @@ def shapes_of_class(
         squares=squares,
         natural=natural,
         shapes=shapes,
-        coupling=copies * part.symmetry.shares.T @ (inertia.T @ shapes),
+        coupling=copies * part.shares.T @ (inertia.T @ shapes),
         pin_loads=pin_loads,
     )
 
 
 def shapes_of_throw(
-    mesh: ThrowMesh, pins: int, parts: Sequence[FixedInterfaceShapes]
+    mesh: ThrowMesh, one: CondensedClass, parts: Sequence[FixedInterfaceShapes]
 ) -> FixedInterfaceShapes:
-    """Put the shapes of all classes together: natural modes first, both kinds ascending."""
+    """Put the shapes of all classes, of which one is given, together: natural modes first, ascending."""
     none = FixedInterfaceShapes(
         symmetries=(),
         squares=np.zeros(0),
         natural=np.zeros(0, dtype=bool),
         shapes=np.zeros((mesh.unknowns, 0)),
-        coupling=np.zeros((12, 0)),
-        pin_loads=np.zeros((pins, 0, 6)),
+        coupling=np.zeros((2 * one.sections.count, 0)),
+        pin_loads=np.zeros((len(one.pin_loads), 0, 6)),
     )
     parts = [none, *parts]
     symmetries = [symmetry for part in parts for symmetry in part.symmetries]

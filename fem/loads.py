@@ -130,10 +130,14 @@ def unit_end_loads(mesh: ThrowMesh, end: str) -> NodalLoads:
     Their work is the mean motion of the section. Of a quarter the left end only is meshed, and its
     images are those across the crank plane.
     """
-    images = tuple(image for image in mirror_images(mesh) if not image.across_middle)
-    surface = _surface(mesh, mesh.surfaces[end], images)
     center = np.array([0.0, 0.0, 0.0 if end == LEFT_END else mesh.length])
-    return _unit_loads(_with_center(surface, center))
+    return _unit_loads(_with_center(end_surface(mesh, end), center))
+
+
+def end_surface(mesh: ThrowMesh, end: str) -> LoadedSurface:
+    """Return a meshed end section; its images are those across the crank plane."""
+    images = tuple(image for image in mirror_images(mesh) if not image.across_middle)
+    return _surface(mesh, mesh.surfaces[end], images)
 
 
 def end_sections(symmetry: SymmetryClass) -> tuple[str, ...]:

@@ -11,16 +11,14 @@ from crankbase.checks.scalars import whole_within
 from crankbase.errors import InputError, quoted
 from crankbase.summaries import summarized
 from fem.condensation import CondensedClass
+from fem.end_reactions import LARGEST_LOAD
 from fem.loads import Distribution, NodalLoads, pin_load, pin_surfaces
 from fem.superelement import Superelement
-from fem.supports import STRETCH, Support, end_motions
+from fem.supports import STRETCH, Support, all_end_motions
 from fem.throw_frames import motion_table
 from geometry.mesh import ThrowMesh
 
 Array = NDArray[np.float64]
-
-# Far beyond any real load, far below what overflows.
-LARGEST_LOAD = 1e30
 
 
 @summarized("displacement", "rotation")
@@ -85,7 +83,7 @@ class PinResponse:
 
 
 def equivalent_load(classes: Sequence[CondensedClass], load: NodalLoads) -> Array:
-    """End loads (12,) that a load on a pin is equivalent to: its work on the end motions.
+    """End loads (2 n,) that a load on a pin is equivalent to: its work on the end motions of the classes.
 
     Parameters
     ----------
@@ -94,10 +92,10 @@ def equivalent_load(classes: Sequence[CondensedClass], load: NodalLoads) -> Arra
     load : NodalLoads
         One load case.
     """
-    found = np.zeros(12)
+    found = np.zeros(2 * classes[0].sections.count)
     for part in classes:
         work = np.einsum("sa,sak->k", load.of_class(part.symmetry)[..., 0], part.fields[load.nodes])
-        found += part.symmetry.shares.T @ work
+        found += part.shares.T @ work
     return found
 
 
@@ -124,28 +122,29 @@ def pin_response(
     ----------
     throw : Superelement
     support : "pinned", "guided" or Neighbors
-    load : (12,) array
-        From `equivalent_load`.
+    load : (m,) array
+        From `end_load`.
     local : (6,) array
         The loaded pin's part of `local_motion`.
     pin : int
         Which pin.
     """
-    motions = end_motions(throw, support, load[:, None])[:, 2]
-    moved = local + throw.pin_loads[pin].T @ motions
+    motions = all_end_motions(throw, support, load[:, None])[:, 2]
+    moved = local + throw.joined.pin_loads[pin, : len(motions)].T @ motions
     return PinResponse(
         Motion(motions[0:3], motions[3:6]),
         Motion(motions[6:9], motions[9:12]),
         Motion(moved[:3], moved[3:]),
-        float(STRETCH @ motions),
+        float(STRETCH @ motions[:12]),
     )
 
 
 def pin_compliance(throw: Superelement, support: Support, pin: int) -> Array:
     """Mean motions (6, 6) of a pin per unit force and moment on it, the throw axially free."""
     place = slice(6 * pin, 6 * pin + 6)
-    motions = end_motions(throw, support, throw.pin_loads[pin])[:, 2:]
-    return np.asarray(throw.pin_flexibility[place, place] + throw.pin_loads[pin].T @ motions)
+    loads = throw.joined.pin_loads[pin]
+    motions = all_end_motions(throw, support, loads)[:, 2:]
+    return np.asarray(throw.pin_flexibility[place, place] + loads[: len(motions)].T @ motions)
 
 
 def checked_vector(name: str, given: ArrayLike, unit: str) -> Array:
@@ -220,9 +219,13 @@ def end_load(
     moment: ArrayLike,
     distribution: Distribution,
 ) -> Array:
-    """End loads (12,) that a force and a moment (3,) on a pin are equivalent to; errors as above."""
+    """End loads (m,) that a force and a moment (3,) on a pin are equivalent to; errors as above.
+
+    On the motions of the superelement where throws meet, the 12 of rigid sections first.
+    """
     given = checked_vector("pin_force", force, "N"), checked_vector("pin_moment", moment, "N m")
-    uniform = superelement.pin_loads[checked_pin(pin, len(mesh.pins))] @ np.concatenate(given)
+    pins = superelement.joined.pin_loads
+    uniform = pins[checked_pin(pin, len(mesh.pins))] @ np.concatenate(given)
     if distribution == "uniform":
         return np.asarray(uniform)
     return np.asarray(

@@ -31,6 +31,12 @@ def largest_principal(principals: Array) -> Array:
     return np.asarray(np.where(first >= -last, first, last))
 
 
+def largest_shear(stress: Array) -> Array:
+    """Half of the largest difference (...) of principal stresses, of stresses (..., 6)."""
+    principals = principal_stresses(stress)
+    return np.asarray(0.5 * (principals[..., 0] - principals[..., 2]))
+
+
 def von_mises(stress: Array) -> Array:
     """Equivalent stress (...) by von Mises of stresses (..., 6) in the same unit."""
     xx, yy, zz, xy, yz, zx = np.moveaxis(stress, -1, 0)

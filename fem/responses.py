@@ -1,8 +1,7 @@
 """What a study keeps of a throw: its responses, each with an estimate of its discretization error.
 
-Under its supports a throw's axial answers are those of one symmetry class, its torsional ones those of
-another; no others are solved for a throw with equal webs. Every answer is corrected for what
-discretization takes from it (`fem.correction`), and its error is a share of that.
+Every answer is corrected for what discretization takes from it (`fem.correction`), and its error is a
+share of that.
 """
 
 import math
@@ -14,29 +13,28 @@ import numpy as np
 from numpy.typing import NDArray
 
 from crankbase.stopwatch import Stopwatch
-from fem.accuracy import Mesher, Problem, RefinementLevel, solve_to_accuracy
+from fem.accuracy import Mesher, Problem, solve_to_accuracy
 from fem.angle_law import effective_angle_law
-from fem.class_compliances import unit_response
-from fem.condensation import CondensedClass
 from fem.correction import error_bars
+from fem.end_moments import end_moment_numbers
 from fem.fillet_stress import fillet_stresses
-from fem.loads import RADIAL, radial_directions
+from fem.loads import radial_directions
 from fem.material import STEEL, Material
-from fem.superelement import RX, RY, combine_classes
-from fem.supports import STRETCH, TWIST
-from fem.symmetry import symmetry_classes, torsional_class
+from fem.section_motions import SHARED, degree_of
+from fem.superelement import Superelement, combine_classes
+from fem.supports import Support, support_throw
+from fem.symmetry import symmetry_classes
 from geometry.mass import mass_properties
 from geometry.mesher import mesh_isolated
 from geometry.throw import CrankThrow
 
 Array = NDArray[np.float64]
 
-SUPPORTS = ("pinned", "guided")
-# Loads that tilt the two ends as neighbors do: against each other in the crank plane, alike across it.
-TILT_IN_PLANE = np.zeros(12)
-TILT_IN_PLANE[[RX, 6 + RX]] = 1.0, -1.0
-TILT_ACROSS = np.zeros(12)
-TILT_ACROSS[[RY, 6 + RY]] = 1.0, 1.0
+SUPPORTS: tuple[Support, ...] = ("pinned", "guided")
+RATIOS = {
+    "tilt_stiffness_ratio": "axial_compliance_in_line",
+    "cross_tilt_stiffness_ratio": "tangential_end_moment_in_line",
+}
 # Of the unit loads of `fem.unit_loads`, those whose concentration factors the field knows.
 STRESS_LOADS = ("bending", "torsion")
 STRESS_ACCURACY = 0.05
@@ -90,6 +88,41 @@ RESPONSES: Mapping[str, ResponseKind] = MappingProxyType(
         ),
         "axial_reaction_guided": ResponseKind(
             "P_g/Z", "", "axial reaction per unit radial force on the pin, length kept, ends guided"
+        ),
+        "radial_end_moment_left_guided": ResponseKind(
+            "m_Zl", "", "end moment (-x) per radial force and length, left end, ends guided"
+        ),
+        "radial_end_moment_right_guided": ResponseKind(
+            "m_Zr", "", "end moment (+x) per radial force and length, right end, ends guided"
+        ),
+        "axial_end_moment_left_guided": ResponseKind(
+            "m_Nl", "", "end moment (-x) per axial force and length, left end, ends guided"
+        ),
+        "axial_end_moment_right_guided": ResponseKind(
+            "m_Nr", "", "end moment (+x) per axial force and length, right end, ends guided"
+        ),
+        "tangential_end_moment_opposed_guided": ResponseKind(
+            "m_To", "", "half difference of end moments (y) per tangential force and length, guided"
+        ),
+        "tangential_end_moment_alike_guided": ResponseKind(
+            "m_Ta", "", "half sum of end moments (y) per tangential force and length, guided"
+        ),
+        "radial_end_moment_in_line": ResponseKind(
+            "m_Z0", "", "end moment (-x) per radial force and length, left end, neighbors in line"
+        ),
+        "axial_end_moment_in_line": ResponseKind(
+            "m_N0", "", "end moment (-x) per axial force and length, left end, neighbors in line"
+        ),
+        "tangential_end_moment_in_line": ResponseKind(
+            "m_T0", "", "half difference of end moments (y), as m_To, neighbors in line"
+        ),
+        "tangential_end_moment_opposite": ResponseKind(
+            "m_T180", "", "half sum of end moments (y), as m_Ta, neighbors opposite, 180 deg"
+        ),
+        "cross_tilt_stiffness_ratio": ResponseKind(
+            "rho_x",
+            "",
+            "as rho, both ends tilting alike in the crank plane, against each other across",
         ),
         "mass": ResponseKind("m", "kg", "mass"),
         "fillet_stress_factor": ResponseKind(
@@ -154,19 +187,30 @@ def evaluate_throw(
     MeshError, SolveError
         If the throw cannot be meshed or solved.
     """
-    problem = Problem(material, "auto", "rigid", Stopwatch())
+    problem = Problem(material, "auto", "rigid", Stopwatch(), degree_of(SHARED))
     level = solve_to_accuracy(throw, accuracy, problem, mesher)
-    axial = _class_responses(level.axial_part, level, STRETCH, TILT_IN_PLANE)
-    (torsional_part,) = level.condense([torsional_class(level.mesh.part)], problem)
-    torsional = _class_responses(torsional_part, level, TWIST, TILT_ACROSS)
-    answers: dict[str, Answer] = {}
-    for number, support in enumerate(SUPPORTS):
-        compliance, influence = axial.compliances[number], axial.influences[number]
-        answers[f"axial_compliance_{support}"] = compliance
-        answers[f"torsional_compliance_{support}"] = torsional.compliances[number]
-        answers[f"influence_coefficient_{support}"] = influence
-        answers[f"axial_reaction_{support}"] = _ratio(influence, compliance)
-    answers |= _angle_law_responses(throw, level, problem, axial, torsional)
+    part = level.mesh.part
+    classes = level.condense(symmetry_classes(part), problem)
+    corrected, discrete = (
+        combine_classes(one, radial_directions(throw))
+        for one in (classes, [one.discrete or one for one in classes])
+    )
+    values, plain = (_plain_answers(one, throw.length, part) for one in (corrected, discrete))
+    given = list(values.values()), list(plain.values())
+    bars = error_bars(*given, level.axial_correction, missing=corrected.missing)
+    answers: dict[str, Answer] = {
+        name: (value, bar / abs(value or 1.0))
+        for (name, value), bar in zip(values.items(), bars.tolist(), strict=True)
+    }
+    for support in SUPPORTS:
+        answers[f"axial_reaction_{support}"] = _ratio(
+            answers[f"influence_coefficient_{support}"], answers[f"axial_compliance_{support}"]
+        )
+    # A ratio of differences is known less well than what it is made of.
+    for name, other in RATIOS.items():
+        if name in answers:
+            value, error = answers[name]
+            answers[name] = value, math.hypot(error, answers[other][1])
     mass = mass_properties(level.mesh, material.density).mass
     answers["mass"] = (mass, abs(mass / (material.density * throw.volume) - 1.0))
     if stresses:
@@ -179,82 +223,30 @@ def evaluate_throw(
     )
 
 
-@dataclass(frozen=True)
-class _ClassResponses:
-    """Responses of one symmetry class.
-
-    Attributes
-    ----------
-    compliances : list of (value, error)
-        Under the class's unit end load, for each of `SUPPORTS`.
-    influences : list of (value, error)
-        Motion along that load under a unit radial force on the first pin, for each of `SUPPORTS`.
-    tilt : (value, error)
-        Of the moments that tilt both ends as neighbors do, ends pinned.
-    """
-
-    compliances: list[Answer]
-    influences: list[Answer]
-    tilt: Answer
-
-
-def _class_responses(
-    part: CondensedClass, level: RefinementLevel, load: Array, tilt: Array
-) -> _ClassResponses:
-    """Solve a class under its end load, under the radial force on the pin and the tilting moments."""
-    values = _class_values(part, load, tilt)
-    plain = _class_values(part.discrete or part, load, tilt)
-    bars = error_bars(values, plain, level.axial_correction, missing=part.missing)
-    errors = bars / np.where(values == 0.0, 1.0, np.abs(values))
-    found = list(zip(values.tolist(), errors.tolist(), strict=True))
-    return _ClassResponses(found[:2], found[2:4], found[4])
-
-
-def _class_values(part: CondensedClass, load: Array, tilt: Array) -> Array:
-    """Compliances and influences (2 each) for each of `SUPPORTS`, and the tilt."""
-    pull, moments = load @ part.symmetry.ends, tilt @ part.symmetry.ends
-    radial = part.pin_loads[0, :, :3] @ RADIAL
-    amplitudes = np.array([unit_response(part, support, pull) for support in SUPPORTS])
-    tilting = unit_response(part, "pinned", moments) @ moments
-    return np.concatenate([amplitudes @ pull, amplitudes @ radial, [tilting]])
+def _plain_answers(throw: Superelement, length: float, part: str) -> dict[str, float]:
+    """Answers that follow from a superelement without another one's error."""
+    found: dict[str, float] = {}
+    for support in SUPPORTS:
+        answer = support_throw(throw, support)
+        found[f"axial_compliance_{support}"] = answer.axial
+        found[f"torsional_compliance_{support}"] = answer.torsional
+        found[f"influence_coefficient_{support}"] = answer.influence
+    law = effective_angle_law(throw)
+    found |= {
+        "axial_compliance_opposite": law.opposite,
+        "axial_compliance_in_line": law.in_line,
+        "tilt_stiffness_ratio": law.ratio,
+        "influence_coefficient_opposite": law.influence_opposite,
+        "influence_coefficient_in_line": law.influence_in_line,
+    }
+    if part != "full":
+        found |= end_moment_numbers(throw, length, alike=part == "quarter")
+    return found
 
 
 def _ratio(numerator: Answer, denominator: Answer) -> Answer:
     """Quotient of two answers whose errors are not known to be alike."""
     return numerator[0] / denominator[0], math.hypot(numerator[1], denominator[1])
-
-
-def _angle_law_responses(
-    throw: CrankThrow,
-    level: RefinementLevel,
-    problem: Problem,
-    axial: _ClassResponses,
-    torsional: _ClassResponses,
-) -> dict[str, Answer]:
-    """e_0, e_180, c_0, c_180 and rho; see `fem.angle_law`.
-
-    For equal webs the tilts of neighbors in line and opposite are those of guided and pinned ends. For
-    others the numbers come from chains of the whole throw, with the errors of guided and pinned ends.
-    """
-    pinned, guided = range(2)
-    ratio = _ratio(axial.tilt, torsional.tilt)
-    if level.mesh.part == "quarter":
-        return {
-            "axial_compliance_opposite": axial.compliances[pinned],
-            "axial_compliance_in_line": axial.compliances[guided],
-            "tilt_stiffness_ratio": ratio,
-            "influence_coefficient_opposite": axial.influences[pinned],
-            "influence_coefficient_in_line": axial.influences[guided],
-        }
-    classes = level.condense(symmetry_classes(level.mesh.part), problem)
-    law = effective_angle_law(combine_classes(classes, radial_directions(throw)))
-    return {
-        "axial_compliance_opposite": (law.opposite, axial.compliances[pinned][1]),
-        "axial_compliance_in_line": (law.in_line, axial.compliances[guided][1]),
-        "tilt_stiffness_ratio": (law.ratio, ratio[1]),
-        "influence_coefficient_opposite": (law.influence_opposite, axial.influences[pinned][1]),
-        "influence_coefficient_in_line": (law.influence_in_line, axial.influences[guided][1]),
-    }
 
 
 def _largest_factor(throw: CrankThrow, material: Material, mesher: Mesher) -> Answer:

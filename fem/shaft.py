@@ -150,12 +150,34 @@ class ShaftCompliances:
         )
 
 
+def sharing_sections(throws: Sequence[Superelement]) -> list[Superelement]:
+    """Return throws as they stand in a shaft, with the same section motions.
+
+    Those of the widest section, of the lowest degree that a throw was solved with. Where journals side by
+    side differ in diameter or bore, both move as the same polynomials.
+    """
+    lowest = min((throw.joined.sections for throw in throws), key=lambda one: one.degree).sections
+    joined = [throw.with_sections(lowest).joined for throw in throws]
+    widest = max((throw.sections for throw in joined), key=lambda one: (one.radius, one.bore))
+    return [throw.shared_with(widest) for throw in joined]
+
+
+def shaft_unknowns(place: int, throws: int, bending: int) -> NDArray[np.int64]:
+    """Unknowns of a throw by its place among those of a row: sections of six, then what goes beyond them."""
+    beyond = 6 * (throws + 1) + bending * place
+    return np.concatenate([6 * place + np.arange(12), beyond + np.arange(2 * bending)])
+
+
 def assemble_shaft(throws: Sequence[Superelement]) -> Array:
-    """Stiffness (6 (n + 1), 6 (n + 1)) of throws in a row, each already turned to its crank angle."""
-    stiffness = np.zeros((6 * (len(throws) + 1),) * 2)
+    """Stiffness (n (s + 1), n (s + 1)) of s throws in a row, each already turned to its crank angle.
+
+    Unknowns are the mean motions of the sections, six each, and then what the sections do beside them.
+    """
+    sections = throws[0].sections
+    stiffness = np.zeros((sections.count * (len(throws) + 1),) * 2)
     for place, throw in enumerate(throws):
-        part = slice(6 * place, 6 * place + 12)
-        stiffness[part, part] += throw.stiffness
+        own = shaft_unknowns(place, len(throws), sections.bending)
+        stiffness[np.ix_(own, own)] += throw.stiffness
     return stiffness
 
 
@@ -175,16 +197,17 @@ def solve_shaft(
     Parameters
     ----------
     throws : sequence of n Superelement
-        Each already turned to its crank angle.
-    loads : (6 (n + 1), k) array
-        Forces and moments on the sections. The first section is held axially and against rotation.
+        Each already turned to its crank angle, all with the same section motions.
+    loads : (u, k) array
+        On the unknowns of `assemble_shaft`: forces and moments on the sections first. The first section is
+        held axially and against rotation.
     bearing_stiffness : float or (n + 1,) array_like, optional
         Lateral, of each main bearing or of all [N/m]; ``math.inf`` for rigid ones. Zero for all is the limit
         of ever softer equal bearings, which share what the loads do not balance themselves.
 
     Returns
     -------
-    (6 (n + 1), k) array
+    (u, k) array
         Motions; of a shaft without bearings relative to its first and last section.
 
     Raises
@@ -197,7 +220,8 @@ def solve_shaft(
     lateral = _lateral_stiffness(bearing_stiffness, sections)
     stiffness = assemble_shaft(throws)
     across = 6 * np.arange(sections)[:, None] + [UX, UY]
-    blocked = np.zeros(6 * sections, dtype=bool)
+    size = len(stiffness)
+    blocked = np.zeros(size, dtype=bool)
     blocked[[UZ, RZ]] = True
     if np.any(lateral > 0.0):
         elastic = np.isfinite(lateral)
@@ -207,7 +231,7 @@ def solve_shaft(
     # The shaft is held at its ends, where no force is left once equal bearings have balanced the loads.
     ends = across[[0, -1]].ravel()
     blocked[ends] = True
-    rigid = np.zeros((6 * sections, 4))
+    rigid = np.zeros((size, 4))
     rigid[ends] = np.eye(4)
     rigid[~blocked] = -np.linalg.solve(
         stiffness[np.ix_(~blocked, ~blocked)], stiffness[np.ix_(~blocked, ends)]
@@ -251,7 +275,8 @@ def shaft_compliances(
     Parameters
     ----------
     throws : sequence of n Superelement
-        From the free end, each in its own throw frame.
+        From the free end, each in its own throw frame. Their sections bend where throws meet, as far as
+        they were solved so, and are left to themselves at the ends of the shaft.
     crank_angles_deg : sequence of n float
         Angle of each crank about +z [deg].
     bearing_stiffness : float or (n + 1,) array_like, optional
@@ -268,11 +293,11 @@ def shaft_compliances(
 
     Notes
     -----
-    Without lateral restraint (zero) every throw has its pinned compliances, axial and torsional, whatever the
-    angles to its neighbors: an axial force through the section centers and a torque about their line load
-    each throw by themselves alone, so the common journal carries no bending moment and no lateral force, and
-    tilts and moves as either throw wants it to. Only bearings that hold the journals on one line
-    join the throws.
+    With rigid sections and without lateral restraint (zero) every throw has its pinned compliances, axial and
+    torsional, whatever the angles to its neighbors, and nearly so with sections that bend: an axial force
+    through the section centers and a torque about their line load each throw by themselves alone, so the
+    common journal carries no bending moment and no lateral force, and tilts and moves as either throw wants it
+    to. Only bearings that hold the journals on one line join the throws.
     """
     if not throws or len(throws) != len(crank_angles_deg):
         raise InputError(
@@ -282,21 +307,24 @@ def shaft_compliances(
     count = len(throws)
     angles = finite_vector("crank_angles_deg", crank_angles_deg).tolist()
     refuse_crank_radians("crank_angles_deg", angles)
-    turned = [throw.turned(angle_deg=angle) for throw, angle in zip(throws, angles, strict=True)]
-    pulls = np.zeros((6 * (count + 1), 2))
+    turned = [
+        throw.turned(angle_deg=angle)
+        for throw, angle in zip(sharing_sections(throws), angles, strict=True)
+    ]
+    sections = turned[0].sections
+    size = sections.count * (count + 1)
+    pulls = np.zeros((size, 2))
     pulls[[6 * count + UZ, 6 * count + RZ], [0, 1]] = 1.0
-    radial, tangential = (
-        [
-            np.pad(loads, ((6 * place, 6 * (count - 1 - place)), (0, 0)))
-            for place, loads in enumerate(of_throws)
-        ]
-        for of_throws in (
-            [throw.radial_loads for throw in turned],
-            [throw.tangential_loads for throw in turned],
-        )
-    )
+
+    def on_shaft(place: int, loads: Array) -> Array:
+        found = np.zeros((size, loads.shape[1]))
+        found[shaft_unknowns(place, count, sections.bending)] = loads
+        return found
+
+    radial = [on_shaft(place, throw.radial_loads) for place, throw in enumerate(turned)]
+    tangential = [on_shaft(place, throw.tangential_loads) for place, throw in enumerate(turned)]
     loads = np.hstack([pulls, *radial, *tangential])
-    motions = solve_shaft(turned, loads, bearing_stiffness)
+    motions = solve_shaft(turned, loads, bearing_stiffness)[: 6 * (count + 1)]
     stretch = np.diff(motions[UZ::6], axis=0)
     twist = np.diff(motions[RZ::6], axis=0)
     by_radial, by_tangential = np.split(stretch[:, 2:], 2, axis=1)

@@ -2,13 +2,14 @@
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from fem.condensation import CondensedClass
 from fem.loads import RADIAL
+from fem.section_motions import RIGID, SectionMotions, Sections, both_ends, section_turn
 
 Array = NDArray[np.float64]
 
@@ -20,10 +21,15 @@ UX, UY, UZ, RX, RY, RZ = range(6)
 class Superelement:
     """A throw condensed to the motions of its end sections.
 
+    That of a throw by itself has rigid sections. Where throws meet its `joined` counts, whose sections bend:
+    2 b unknowns more, amplitudes [m] of motions of the left and then of the right section that no force acts
+    on from outside. With these held at zero it is the superelement of rigid sections again.
+
     Attributes
     ----------
     stiffness : (12, 12) array
-        Unknowns ux uy uz rx ry rz of the left, then of the right end section, in the throw frame.
+        Unknowns ux uy uz rx ry rz of the left, then of the right end section, in the throw frame; (12 + 2 b,
+        12 + 2 b) of sections that bend, mean motions of the sections first.
     pin_loads : (pins, 12, 6) array
         End loads that unit forces along x, y, z on each pin, and unit moments about them at its
         center, are equivalent to: with end forces F and loads p on pin k the end motions q satisfy
@@ -35,6 +41,10 @@ class Superelement:
         Direction of a radial force on each pin, towards the shaft.
     missing : float
         Where answers are those of a mesh, not corrected: what they are short of at most, as a share.
+    sections : SectionMotions
+        What the sections may do.
+    bending : Superelement or None
+        Of a throw of rigid sections: the same with sections that bend.
     """
 
     stiffness: Array
@@ -42,6 +52,49 @@ class Superelement:
     pin_flexibility: Array
     radials: Array
     missing: float = 0.0
+    sections: SectionMotions = RIGID
+    bending: "Superelement | None" = field(default=None, repr=False)
+
+    @property
+    def joined(self) -> "Superelement":
+        """The superelement where throws meet: with sections that bend, if the throw was solved with them."""
+        return self.bending or self
+
+    def with_sections(self, sections: Sections) -> "Superelement":
+        """Return the superelement of which fewer section motions count where throws meet.
+
+        Raises
+        ------
+        InputError
+            If more are asked for than the throw was solved with.
+        """
+        whole = self.joined
+        kept = whole.sections.up_to(sections)
+        if not kept.bending:
+            return replace(self, bending=None)
+        beyond = 12 + np.arange(kept.bending)
+        own = np.r_[:12, beyond, beyond + whole.sections.bending]
+        return replace(
+            self,
+            bending=replace(
+                whole,
+                stiffness=whole.stiffness[np.ix_(own, own)],
+                pin_loads=whole.pin_loads[:, own],
+                sections=kept,
+            ),
+        )
+
+    def shared_with(self, sections: SectionMotions) -> "Superelement":
+        """Return the superelement in section motions over another ring, that of a neighbor's bore."""
+        if sections == self.sections:
+            return self
+        own = both_ends(self.sections.amplitudes_of(sections))
+        return replace(
+            self,
+            stiffness=own.T @ self.stiffness @ own,
+            pin_loads=own.T @ self.pin_loads,
+            sections=sections,
+        )
 
     @property
     def pin_load(self) -> Array:
@@ -68,9 +121,12 @@ class Superelement:
 
         The motions are then in the shaft frame; pin loads stay in the frame of the throw.
         """
-        both = np.kron(np.eye(2), section_rotation(math.radians(angle_deg)))
+        both = section_turn(self.sections, math.radians(angle_deg))
         return replace(
-            self, stiffness=both @ self.stiffness @ both.T, pin_loads=both @ self.pin_loads
+            self,
+            stiffness=both @ self.stiffness @ both.T,
+            pin_loads=both @ self.pin_loads,
+            bending=None if self.bending is None else self.bending.turned(angle_deg=angle_deg),
         )
 
 
@@ -95,18 +151,29 @@ def combine_classes(
     Returns
     -------
     Superelement
+        Of rigid sections, with that of bending ones beside it if the classes have them.
     """
-    stiffness = np.zeros((12, 12))
-    pin_loads = np.zeros((len(radials), 12, 6))
+    rigid = _combined([part.up_to(RIGID) for part in classes], radials)
+    if not classes[0].sections.bending:
+        return rigid
+    return replace(rigid, bending=_combined(classes, radials))
+
+
+def _combined(classes: Sequence[CondensedClass], radials: Array) -> Superelement:
+    """Return one superelement of all motions that the classes have."""
+    sections = classes[0].sections
+    size = 2 * sections.count
+    stiffness = np.zeros((size, size))
+    pin_loads = np.zeros((len(radials), size, 6))
     pin_flexibility = np.zeros((6 * len(radials),) * 2)
     for part in classes:
-        shares = part.symmetry.shares
+        shares = part.shares
         stiffness += part.symmetry.copies * shares.T @ part.stiffness @ shares
         pin_loads += shares.T @ part.pin_loads
         carried = part.pin_components @ (6, 1)
         pin_flexibility[np.ix_(carried, carried)] += part.pin_flexibility
     missing = max(part.missing for part in classes)
-    return Superelement(stiffness, pin_loads, pin_flexibility, radials, missing)
+    return Superelement(stiffness, pin_loads, pin_flexibility, radials, missing, sections)
 
 
 def superelement_of_end_forces(classes: Sequence[CondensedClass], radials: Array) -> Superelement:

@@ -1,20 +1,23 @@
 """What a throw does under each named support: compliances, influence coefficient, reactions."""
 
-from collections.abc import Mapping
+import math
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from typing import Any, Literal
+from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.linalg import block_diag, pinvh
 
 from crankbase.checks.scalars import is_number
 from crankbase.errors import InputError, quoted
-from crankbase.summaries import summarized
+from fem.end_reactions import EndReaction, Reactions
 from fem.superelement import RX, RY, RZ, UX, UY, UZ, Superelement, section_rotation
-from fem.throw_frames import load_table
 
 Array = NDArray[np.float64]
 LONGEST_CHAIN = 64
+# Softer than this share of the stiffest is a motion of a class that was not solved.
+UNSOLVED = 1e-11
 # Motions of an end section that a support holds at both ends; besides, the left end is held along and
 # about the shaft.
 HELD = {"pinned": (UX, UY), "guided": (UX, UY, RX, RY)}
@@ -59,47 +62,6 @@ TABLE_SUPPORTS: Mapping[str, Support] = {
     "guided": "guided",
     **{f"neighbors {step:g} deg": Neighbors(step, step) for step in (0.0, 90.0, 120.0, 180.0)},
 }
-
-
-@summarized("force [N]", "moment [N m]")
-@dataclass(frozen=True)
-class EndReaction:
-    """Force [N] and moment [N m] on one end section, each (3,), in the throw frame."""
-
-    force: Array
-    moment: Array
-
-
-@summarized(
-    "left force: left.force [N]",
-    "left moment: left.moment [N m]",
-    "right force: right.force [N]",
-    "right moment: right.moment [N m]",
-)
-@dataclass(frozen=True)
-class Reactions:
-    """What supports (and under `Neighbors` the adjoining throws) exert on a throw's end sections."""
-
-    left: EndReaction
-    right: EndReaction
-
-    def to_pandas(self) -> Any:
-        """Return a table of forces and moments Fx to Mz at the left and the right end.
-
-        Returns
-        -------
-        pandas.DataFrame
-            Units are in ``frame.attrs["units"]``.
-
-        Raises
-        ------
-        MissingLibraryError
-            If pandas is not installed.
-        """
-        ends = {"left": self.left, "right": self.right}
-        return load_table(
-            {name: np.concatenate([one.force, one.moment]) for name, one in ends.items()}
-        )
 
 
 @dataclass(frozen=True)
@@ -163,18 +125,19 @@ def reactions(throw: Superelement, support: Support, load: Array) -> Reactions:
         The left end takes the torque. Under `Neighbors` every throw carries the same pin load in its
         own frame, its left end takes its torque and axial push, and a force along the whole chain
         keeps the length of the middle throw.
-    load : (12,) array
-        End loads that the load on the pin is equivalent to, such as ``throw.pin_loads[pin] @ p``.
+    load : (m,) array
+        End loads that the load on the pin is equivalent to, such as ``throw.joined.pin_loads[pin] @ p``.
 
     Returns
     -------
     Reactions
     """
-    motions = end_motions(throw, support, load[:, None])
+    motions = all_end_motions(throw, support, load[:, None])
     under_load = motions[:, 2]
-    axial_force = -(STRETCH @ under_load) / (STRETCH @ motions[:, 0])
+    axial_force = -(STRETCH @ under_load[:12]) / (STRETCH @ motions[:12, 0])
     combined = under_load + axial_force * motions[:, 0]
-    forces = throw.stiffness @ combined - load
+    stiffness = throw.stiffness if len(combined) == 12 else throw.joined.stiffness
+    forces = (stiffness @ combined)[:12] - load[:12]
     return Reactions(
         EndReaction(forces[0:3].copy(), forces[3:6].copy()),
         EndReaction(forces[6:9].copy(), forces[9:12].copy()),
@@ -204,81 +167,125 @@ def free_motions(ends: Array, support: str) -> NDArray[np.int64]:
 
 
 def end_motions(throw: Superelement, support: Support, pin_loads: Array | None = None) -> Array:
+    """Mean motions (12, 2 + m) of a throw's end sections under unit loads; see `all_end_motions`."""
+    return all_end_motions(throw, support, pin_loads)[:12]
+
+
+def all_end_motions(throw: Superelement, support: Support, pin_loads: Array | None = None) -> Array:
     """Motions of a throw's end sections under unit loads.
 
     Parameters
     ----------
     throw : Superelement
     support : "pinned", "guided" or Neighbors
-    pin_loads : (12, m) array, optional
+    pin_loads : (12 or all, m) array, optional
         End loads that loads on the pins are equivalent to; by default those of the six unit loads on
-        each pin.
+        each pin. Those on other motions than the mean ones are zero where they are not given.
 
     Returns
     -------
-    (12, 2 + m) array
-        Under a unit axial force, a unit torque, and the pin loads. The right end is free to move along
-        the shaft, so these load cases carry any other.
+    (12 or all, 2 + m) array
+        Under a unit axial force, a unit torque, and the pin loads; between neighbors all motions of the
+        joined superelement. The right end is free to move along the shaft, so these load cases carry any
+        other.
 
     Raises
     ------
     InputError
         If the support is none of these.
     """
+    joined = throw.joined
     if pin_loads is None:
-        pin_loads = np.hstack(list(throw.pin_loads))
+        pin_loads = np.hstack(list(joined.pin_loads))
     if isinstance(support, Neighbors):
-        return _between_neighbors(throw.stiffness, pin_loads, support)
+        loads = np.zeros((len(joined.stiffness), pin_loads.shape[1]))
+        loads[: len(pin_loads)] = pin_loads
+        return _between_neighbors(joined, loads, support)
     if not isinstance(support, str) or support not in HELD:
         raise InputError(
             f'support: given {support!r}; allowed are "pinned", "guided" or '
             "Neighbors(left_deg, right_deg), because the compliance depends on it severalfold."
         )
-    loads = np.column_stack([STRETCH, TWIST, pin_loads])
+    loads = np.column_stack([STRETCH, TWIST, pin_loads[:12]])
     free = free_motions(np.eye(12), support)
     motions = np.zeros_like(loads)
     motions[free] = np.linalg.solve(throw.stiffness[np.ix_(free, free)], loads[free])
     return motions
 
 
-def _between_neighbors(stiffness: Array, pin_loads: Array, support: Neighbors) -> Array:
-    """The middle throw's motions in a chain long enough that its compliances no longer change."""
-    reach, before = 4, np.full(2, np.inf)
-    while True:
-        motions = _chain_motions(stiffness, pin_loads, support, reach)
-        answers = motions[[6 + UZ, 6 + RZ], [0, 1]]
-        if np.all(np.abs(answers - before) <= 1e-10 * answers) or 2 * reach > LONGEST_CHAIN:
-            return motions
-        before, reach = answers, 2 * reach
-
-
-def _chain_motions(throw: Array, pin_loads: Array, support: Neighbors, reach: int) -> Array:
-    """Motions of the middle throw, its left end fixed axially and against rotation.
+def _between_neighbors(throw: Superelement, pin_loads: Array, support: Neighbors) -> Array:
+    """Motions (all, 2 + m) of a throw between neighbors.
 
     Axial force and torque through the throws are known: those of the load case, and under a pin force
     none, since each throw's left end takes its own torque and axial push (otherwise they would add up
-    along the chain). So only the tilts couple the throws, and solving for these alone stays accurate
-    however long the chain.
+    along the chain). So only the tilts, and what the sections do beside their mean motions, couple the
+    throws, and solving for these alone stays accurate however long the chain.
     """
-    tilts, through = [RX, RY, 6 + RX, 6 + RY], [6 + UZ, 6 + RZ]
-    tilt_part, coupling, through_part = (
-        throw[np.ix_(rows, columns)]
-        for rows, columns in ((tilts, tilts), (tilts, through), (through, through))
+    bending = throw.sections.bending
+    sides = [
+        np.r_[6 * end + RX, 6 * end + RY, 12 + bending * end + np.arange(bending)] for end in (0, 1)
+    ]
+    coupled, through = np.concatenate(sides), np.array([6 + UZ, 6 + RZ])
+    own, coupling, through_part = (
+        throw.stiffness[np.ix_(rows, columns)]
+        for rows, columns in ((coupled, coupled), (coupled, through), (through, through))
     )
     forces = np.hstack([np.eye(2), pin_loads[through]])
     carried = np.linalg.solve(through_part, coupling.T).T
-    condensed = tilt_part - carried @ coupling.T
-    tilting = np.hstack([np.zeros((4, 2)), pin_loads[tilts]]) - carried @ forces
+    condensed = own - carried @ coupling.T
+    loads = np.hstack([np.zeros((len(coupled), 2)), pin_loads[coupled]]) - carried @ forces
+
+    def turn(angle_deg: float) -> Array:
+        angle = math.radians(angle_deg)
+        return block_diag(section_rotation(angle)[:2, :2], throw.sections.turn(angle))
+
+    moved = (
+        _helix_motions(condensed, loads, turn(support.right_deg))
+        if support.left_deg == support.right_deg
+        else _chain_motions(condensed, loads, support, turn)
+    )
+    motions = np.zeros((len(throw.stiffness), loads.shape[1]))
+    motions[coupled] = moved
+    motions[through] = np.linalg.solve(through_part, forces - coupling.T @ moved)
+    return motions
+
+
+def _helix_motions(throw: Array, loads: Array, turn: Array) -> Array:
+    """Coupled motions of a throw in an endless helix: each does in its own frame what the others do.
+
+    Its right section is its right neighbor's left one, which moves as its own left one but turned. Motions
+    that loads do not excite by symmetry may be without stiffness, because their class was not solved.
+    """
+    both = np.vstack([np.eye(len(turn)), turn])
+    return np.asarray(both @ pinvh(both.T @ throw @ both, rtol=UNSOLVED) @ (both.T @ loads))
+
+
+def _chain_motions(
+    throw: Array, loads: Array, support: Neighbors, turn: Callable[[float], Array]
+) -> Array:
+    """Coupled motions of the middle throw of a chain long enough that they no longer change."""
+    reach, before = 4, np.full(loads.shape, np.inf)
+    while True:
+        motions = _middle_motions(throw, loads, support, turn, reach)
+        change = np.abs(motions - before).max(axis=0)
+        if np.all(change <= 1e-10 * np.abs(motions).max(axis=0)) or 2 * reach > LONGEST_CHAIN:
+            return motions
+        before, reach = motions, 2 * reach
+
+
+def _middle_motions(
+    throw: Array, loads: Array, support: Neighbors, turn: Callable[[float], Array], reach: int
+) -> Array:
+    """Coupled motions of the middle one of 2 reach + 1 throws."""
+    count = len(throw) // 2
     places = np.arange(-reach, reach + 1)
     steps = np.where(places < 0, support.left_deg, support.right_deg)
-    stiffness = np.zeros((2 * (len(places) + 1),) * 2)
-    loads = np.zeros((len(stiffness), tilting.shape[1]))
-    for place, angle in enumerate(np.deg2rad(steps * places)):
-        turn = np.kron(np.eye(2), section_rotation(float(angle))[:2, :2])
-        part = slice(2 * place, 2 * place + 4)
-        stiffness[part, part] += turn @ condensed @ turn.T
-        loads[part] += turn @ tilting
-    motions = np.zeros((12, tilting.shape[1]))
-    motions[tilts] = np.linalg.solve(stiffness, loads)[2 * reach : 2 * reach + 4]
-    motions[through] = np.linalg.solve(through_part, forces - coupling.T @ motions[tilts])
-    return motions
+    stiffness = np.zeros((count * (len(places) + 1),) * 2)
+    sides = np.zeros((len(stiffness), loads.shape[1]))
+    for place, angle_deg in enumerate((steps * places).tolist()):
+        both = np.kron(np.eye(2), turn(angle_deg))
+        part = slice(count * place, count * place + 2 * count)
+        stiffness[part, part] += both @ throw @ both.T
+        sides[part] += both @ loads
+    middle = slice(count * reach, count * reach + 2 * count)
+    return np.asarray(np.linalg.solve(stiffness, sides)[middle])

@@ -47,10 +47,13 @@ class SurfaceStress:
         Numbers of the nodes.
     stress : (s, k, 6) array
         xx, yy, zz, xy, yz, zx for k displacements [Pa].
+    normals : (s, 3) array
+        Of the surface, outwards.
     """
 
     nodes: Integers
     stress: Array
+    normals: Array
 
 
 def surface_stress(
@@ -99,9 +102,8 @@ def surface_stress(
         at_middles += 0.5 * turn @ strains @ turn.transpose(0, 1, 3, 2)
     strains = np.concatenate([at_corners, at_middles])
     normals = np.concatenate([normals, middle_normals])
-    return SurfaceStress(
-        np.concatenate([corners, middles]), _plane_stress(strains, normals, material)
-    )
+    nodes = np.concatenate([corners, middles])
+    return SurfaceStress(nodes, _plane_stress(strains, normals, material), normals)
 
 
 @dataclass(frozen=True)

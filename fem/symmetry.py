@@ -99,16 +99,27 @@ class SymmetryClass:
         The left end's unknowns, which the right end mirrors if the middle plane is a cut and has
         besides if it is not.
         """
-        left = np.eye(6)[:, self.end_unknowns]
+        return self.unit_motions(MIRROR_X, MIRROR_Z)
+
+    def unit_motions(
+        self, mirror_x: NDArray[np.float64], mirror_z: NDArray[np.float64]
+    ) -> NDArray[np.float64]:
+        """Motions (2 n, k) of both end sections as of `ends`, for n motions of a section.
+
+        Parameters
+        ----------
+        mirror_x, mirror_z : (n,) array
+            Their signs when mirrored across the crank plane and across the section.
+        """
+        left = np.eye(len(mirror_x))[:, self.crank_plane * mirror_x >= 0.0]
         if self.middle_plane:
-            return np.vstack([left, self.middle_plane * MIRROR_Z[:, None] * left])
+            return np.vstack([left, self.middle_plane * mirror_z[:, None] * left])
         return np.asarray(np.kron(np.eye(2), left), dtype=np.float64)
 
     @property
     def shares(self) -> NDArray[np.float64]:
         """Amplitudes (k, 12) of the class in unit motions of both end sections."""
-        ends = self.ends
-        return np.asarray(ends.T / np.sum(ends**2, axis=0)[:, None])
+        return amplitude_shares(self.ends)
 
     @property
     def central_motions(self) -> NDArray[np.bool_]:
@@ -128,6 +139,11 @@ class SymmetryClass:
         if self.middle_plane:
             blocked[MIDDLE_PLANE] = (2,) if self.middle_plane > 0 else (0, 1)
         return blocked
+
+
+def amplitude_shares(ends: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Amplitudes (k, m) of unit motions `ends` (m, k), which are orthogonal, in motions of the ends."""
+    return np.asarray(ends.T / np.sum(ends**2, axis=0)[:, None])
 
 
 # Which planes each part of a throw is cut by: the crank plane, the middle plane.

@@ -1,6 +1,6 @@
 """A throw's elastic and mass properties from one superelement: what `analyze_throw` returns."""
 
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
@@ -9,10 +9,8 @@ from numpy.typing import ArrayLike, NDArray
 from crankbase.checks.choices import check_choice
 from crankbase.summaries import summarized
 from fem.angle_law import AngleLaw, angle_law, compliance, compliance_over_angle
-from fem.answer_errors import axial_correction, stiffness_errors, supported_errors
-from fem.axial_analysis import SolvedThrow
-from fem.condensation import CondensedClass
 from fem.craig_bampton import DynamicSuperelement, dynamic_superelement
+from fem.end_reactions import Reactions
 from fem.loads import Distribution
 from fem.modes import ThrowModes, free_modes
 from fem.pin_response import (
@@ -25,11 +23,10 @@ from fem.pin_response import (
     pin_response,
 )
 from fem.plots.over_angle import ANGLES_DEG, LABELS, Compliance, check_compliance, plot_compliance
-from fem.superelement import Superelement, combine_classes
+from fem.solved_superelement import SolvedSuperelement
 from fem.supports import (
     STRETCH,
     TABLE_SUPPORTS,
-    Reactions,
     Support,
     SupportedThrow,
     end_motions,
@@ -55,7 +52,7 @@ NO_FORCE = (0.0, 0.0, 0.0)
     "mesh.unknowns",
 )
 @dataclass(frozen=True, kw_only=True)
-class ThrowAnalysis(SolvedThrow):
+class ThrowAnalysis(SolvedSuperelement):
     """A throw's elastic and mass properties, from one mesh and one superelement.
 
     Attributes
@@ -68,46 +65,7 @@ class ThrowAnalysis(SolvedThrow):
     masses : MassProperties
     """
 
-    superelement: Superelement
-    classes: tuple[CondensedClass, ...] = field(repr=False)
     masses: MassProperties
-
-    @property
-    def stiffness(self) -> NDArray[np.float64]:
-        """Stiffness (12, 12): ux uy uz rx ry rz of the left, then the right end section [SI]."""
-        return self.superelement.stiffness
-
-    @property
-    def discrete(self) -> "ThrowAnalysis":
-        """The same throw as its mesh gives it, not corrected: for comparisons on one mesh."""
-        classes = tuple(one.discrete or one for one in self.classes)
-        plain = combine_classes(classes, self.superelement.radials)
-        taken = axial_correction(self.superelement, plain)
-        return replace(self, classes=classes, superelement=plain, error_estimate=taken)
-
-    @property
-    def corrected(self) -> bool:
-        """Whether answers are corrected for discretization: not where it takes too much to be told."""
-        return all(one.discrete is not None for one in self.classes)
-
-    @property
-    def stiffness_error(self) -> NDArray[np.float64]:
-        """Estimated errors (12, 12) of the entries of the stiffness [SI]."""
-        return stiffness_errors(self.superelement, self.discrete.superelement)
-
-    def error_bars(self, support: Support = "pinned") -> SupportedThrow:
-        """Estimated errors left in compliances under a support, in their units (docs/accuracy.md)."""
-        return supported_errors(self.superelement, self.discrete.superelement, support)
-
-    @property
-    def solver(self) -> str:
-        """The equation solver that was used."""
-        return self.classes[0].solver
-
-    @property
-    def end_sections(self) -> str:
-        """What the end sections may do: "rigid" or "averaged"."""
-        return self.classes[0].end_sections
 
     @property
     def mass(self) -> float:
@@ -130,7 +88,7 @@ class ThrowAnalysis(SolvedThrow):
 
     @property
     def angle_law(self) -> AngleLaw:
-        """Compliance and influence coefficient over the angle to equal neighbors, in closed form.
+        """Compliance and influence coefficient over the angle to equal neighbors by three numbers.
 
         Raises
         ------
@@ -330,8 +288,9 @@ class ThrowAnalysis(SolvedThrow):
     ) -> "Axes":
         """Draw a compliance over the angle to equal neighbors, beside the pinned and the guided throw.
 
-        With equal webs neighbors in line give the guided value and opposite ones the pinned value, of the
-        torsional compliance the other way round. The band is the estimated discretization error.
+        With equal webs neighbors in line come near the guided value and opposite ones near the pinned value,
+        of the torsional compliance the other way round: at them if sections are rigid. The band is the
+        estimated discretization error.
 
         Parameters
         ----------

@@ -32,10 +32,11 @@ class Line:
 
     def distance(self, point: Point) -> float:
         """Distance of a point from the piece [m]."""
-        start, end, where = np.array(self.start), np.array(self.end), np.array(point)
-        along = end - start
-        share = float(np.clip((where - start) @ along / (along @ along), 0.0, 1.0))
-        return float(np.linalg.norm(start + share * along - where))
+        (u, v), (u_1, v_1) = self.start, self.end
+        along, up = u_1 - u, v_1 - v
+        share = ((point[0] - u) * along + (point[1] - v) * up) / (along * along + up * up)
+        share = min(max(share, 0.0), 1.0)
+        return math.hypot(u + share * along - point[0], v + share * up - point[1])
 
     @property
     def largest_u(self) -> float:

@@ -1,6 +1,7 @@
 """One crank throw: its dimensions, what they mean, and which of them can be built."""
 
 import math
+from functools import cached_property
 from typing import TYPE_CHECKING, Literal, Self
 
 from pydantic import model_validator
@@ -87,7 +88,7 @@ class CrankThrow(ThrowDimensions):
         check_throw(self, self.parts)
         return self
 
-    @property
+    @cached_property
     def parts(self) -> ThrowParts:
         """The throw as the sequence of its parts, left to right."""
         return throw_parts(self)

@@ -1,6 +1,8 @@
 """What of a throw's dimensions fits together: every refusal names field, value, limit and reason."""
 
 import math
+from collections.abc import Callable
+from functools import partial
 
 from crankbase.errors import InputError
 from crankbase.units.quantity import format_quantity
@@ -198,14 +200,13 @@ def _check_seat(
 ) -> None:
     """A journal must lie within its web."""
     reach = web.outline.distance(axis)
-    width = in_mm(web.outline.width)
     # A journal whose surface is also that of the web cannot be meshed; a fillet keeps them apart.
     limit = 2.0 * reach / (1.0 if _fillet_on(web, cylinder) > 0.0 else 1.0 + SMALLEST_LEDGE)
     if 2.0 * cylinder.radius > limit:
         raise dimension_error(
             cylinder_field(throw, parts, cylinder, "diameter"),
             2.0 * cylinder.radius,
-            f"at most {in_mm(limit)} with a web width of {width}",
+            f"at most {in_mm(limit)} with a web width of {in_mm(web.outline.width)}",
             f"or the {label(cylinder)} would stand outside the {web_label(throw, web)}",
         )
 
@@ -217,7 +218,7 @@ def _fillet_on(web: WebPlate, cylinder: Cylinder) -> float:
 def _check_fillets(throw: ThrowDimensions, parts: ThrowParts) -> None:
     """Fillets must leave some of their journal, fit their webs, and be large enough to matter."""
     given: dict[str, float] = {}
-    limits: dict[str, list[tuple[float, str]]] = {}
+    limits: dict[str, list[tuple[float, Callable[[], str]]]] = {}
     lowest: dict[str, float] = {}
     for cylinder in parts.cylinders:
         name = cylinder_field(throw, parts, cylinder, "fillet_radius")
@@ -226,20 +227,17 @@ def _check_fillets(throw: ThrowDimensions, parts: ThrowParts) -> None:
         given[name] = max(cylinder.start_fillet, cylinder.end_fillet)
         # Of a main journal, the throw has half.
         length = (cylinder.end - cylinder.start) * (1.0 if cylinder.is_pin else 2.0)
-        reason = f"the {label(cylinder)} of {in_mm(length)} is too short for two larger fillets"
-        limits.setdefault(name, []).append((FILLET_SHARE_OF_LENGTH * length, reason))
+        limits.setdefault(name, []).append(
+            (FILLET_SHARE_OF_LENGTH * length, partial(_too_short, cylinder, length))
+        )
         smallest = SMALLEST_FILLET_SHARE * 2.0 * cylinder.radius
         lowest[name] = max(lowest.get(name, 0.0), smallest)
     for place, web in enumerate(parts.webs):
         for cylinder, axis in _adjacent_cylinders(web, *parts.cylinders[place : place + 2]):
             name = cylinder_field(throw, parts, cylinder, "fillet_radius")
             if name in limits and _fillet_on(web, cylinder) > 0.0:
-                reason = (
-                    f"the {web_label(throw, web)} of {in_mm(web.outline.width)} is too narrow for a larger "
-                    f"one round the {label(cylinder)} of {in_mm(2.0 * cylinder.radius)}"
-                )
                 room = web.outline.distance(axis) - cylinder.radius
-                limits[name].append((room, reason))
+                limits[name].append((room, partial(_too_narrow, throw, web, cylinder)))
                 ledge = room - _fillet_on(web, cylinder)
                 smallest = SMALLEST_FOOT_LEDGE * 2.0 * cylinder.radius
                 if 1e-9 * room < ledge < smallest:
@@ -252,15 +250,27 @@ def _check_fillets(throw: ThrowDimensions, parts: ThrowParts) -> None:
                     )
     for name, radius in given.items():
         highest, reason = min(limits[name], key=lambda limit: limit[0])
+        if lowest[name] * (1.0 - 1e-12) <= radius <= highest * (1.0 + 1e-12):
+            continue
         allowed = f"0, or {in_mm(lowest[name])} to {in_mm(highest)}"
         if highest < lowest[name]:
             allowed = "only 0 (sharp corners)"
         if radius > highest * (1.0 + 1e-12):
-            raise dimension_error(name, radius, allowed, f"because {reason}")
-        if radius < lowest[name] * (1.0 - 1e-12):
-            raise dimension_error(
-                name, radius, allowed, "because a smaller one acts as a sharp corner (give 0)"
-            )
+            raise dimension_error(name, radius, allowed, f"because {reason()}")
+        raise dimension_error(
+            name, radius, allowed, "because a smaller one acts as a sharp corner (give 0)"
+        )
+
+
+def _too_short(cylinder: Cylinder, length: float) -> str:
+    return f"the {label(cylinder)} of {in_mm(length)} is too short for two larger fillets"
+
+
+def _too_narrow(throw: ThrowDimensions, web: WebPlate, cylinder: Cylinder) -> str:
+    return (
+        f"the {web_label(throw, web)} of {in_mm(web.outline.width)} is too narrow for a larger one round the "
+        f"{label(cylinder)} of {in_mm(2.0 * cylinder.radius)}"
+    )
 
 
 def _check_bore(throw: ThrowDimensions, parts: ThrowParts, cylinder: Cylinder) -> None:

@@ -12,7 +12,10 @@ TORSIONAL = "torsional_compliance"
 INFLUENCE = "influence_coefficient"
 TILT_RATIO = "tilt_stiffness_ratio"
 # Responses that are above zero in every throw; influence coefficients and reactions have a sign.
-ABOVE_ZERO = (AXIAL, TORSIONAL, TILT_RATIO, "mass", "fillet_stress_factor")
+ABOVE_ZERO = (
+    *(AXIAL, TORSIONAL, TILT_RATIO),
+    *("cross_tilt_stiffness_ratio", "mass", "fillet_stress_factor"),
+)
 # Compliances of a force at its own place, which finite elements find too small if nothing corrects them;
 # an influence coefficient is none.
 TOO_SMALL = (AXIAL, TORSIONAL)

@@ -1,5 +1,6 @@
 """What a whole engine's calculation would refuse at its end, found out before anything is computed."""
 
+from crankfem.analyses.shaft.law_source import refuse_law
 from crankfem.analyses.shaft.regression_source import chosen_regressions, refused
 from crankfem.analyses.shaft.saved_model import usable_model
 from crankfem.analyses.study.fitting import check_study_can_be_fitted
@@ -18,6 +19,7 @@ def refuse_what_cannot_run(engine_file: EngineFile) -> None:
         With one sentence that names the field, what was given and what is allowed.
     """
     refuse_limits(engine_file)
+    refuse_law(engine_file)
     if engine_file.model_path is not None:
         usable_model(engine_file, None)
     elif engine_file.study is not None:

@@ -12,6 +12,7 @@ from crankfem.analyses.assumptions import input_values
 from crankfem.analyses.engine_refusals import refuse_what_cannot_run
 from crankfem.analyses.record import Record, attributes, input_records
 from crankfem.analyses.shaft.regression_source import chosen_regressions
+from crankfem.analyses.throw.law_record import law_record
 from crankfem.analyses.vibration.engine_limits import rule_reason
 from crankfem.files.chain.chain_file import ChainFile, load_chain
 from crankfem.files.engine.engine_file import EngineFile
@@ -24,6 +25,7 @@ from crankfem.files.hinge.hinge_file import HingeFile, load_hinge
 from crankfem.files.reading.toml_file import InputRecord, TomlFile
 from crankfem.files.sections.crank_throws import PLAIN
 from crankfem.files.sections.engine_sections import Engine
+from fem.material import STEEL, Material
 from geometry.throw import CrankThrow
 from regression.plans.plan import PlannedStudy
 from regression.records import RUN
@@ -53,6 +55,8 @@ class CheckedFile:
     remarks : tuple of str
     throws : dict
         Name to throw, where throws have names; the first then is that at the free end.
+    material : Material
+        Of the throws.
     """
 
     path: Path
@@ -65,6 +69,7 @@ class CheckedFile:
     engine: Record | None = None
     remarks: tuple[str, ...] = ()
     throws: dict[str, CrankThrow] = field(default_factory=dict)
+    material: Material = STEEL
 
 
 def check_file(given: str) -> CheckedFile:
@@ -97,22 +102,28 @@ def check_file(given: str) -> CheckedFile:
 
 def check_record(checked: CheckedFile) -> Record:
     """Return a checked file as plain JSON content in SI units, angles in degrees."""
-    throws = {name: _throw_record(throw) for name, throw in checked.throws.items()}
+    throws = {
+        name: _throw_record(throw, checked.material) for name, throw in checked.throws.items()
+    }
     return {
         "engine": checked.name,
         "valid": True,
         "file": str(checked.path),
         **attributes(checked, "kind", "sections", "commands", "remarks"),
         "arrangement": checked.engine,
-        **_throw_record(checked.throw),
+        **_throw_record(checked.throw, checked.material),
         "inputs": input_records(checked.inputs),
     } | ({"throws": throws} if throws else {})
 
 
-def _throw_record(throw: CrankThrow | None) -> Record:
+def _throw_record(throw: CrankThrow | None, material: Material) -> Record:
     if throw is None:
         return {"shape": None, "dimensions": None}
-    return {"shape": shape_record(throw), "dimensions": _dimensions(throw)}
+    return {
+        "shape": shape_record(throw),
+        "dimensions": _dimensions(throw),
+        "law": law_record(throw, material),
+    }
 
 
 def shape_record(throw: CrankThrow) -> Record:
@@ -179,6 +190,7 @@ def _throw(read: ThrowFile, content: TomlFile) -> CheckedFile:
         read.throw,
         remarks=() if read.material.remark is None else (read.material.remark,),
         throws={} if PLAIN in read.throws else read.throws,
+        material=read.material,
     )
 
 
@@ -196,6 +208,7 @@ def _mechanism(read: MechanismFile, content: TomlFile) -> CheckedFile:
         _arrangement(Engine.from_text(content.sections["engine"])),
         (*read.remarks, *gas),
         _in_mechanism(read, content),
+        read.material,
     )
 
 
@@ -240,6 +253,7 @@ def _engine(read: EngineFile, content: TomlFile) -> CheckedFile:
         _arrangement(read.engine),
         tuple(remarks),
         dict(read.throws_by_name),
+        read.material,
     )
 
 

@@ -8,6 +8,7 @@ import typer
 
 from crankfem.cli import console
 from crankfem.cli.commands.check import check
+from crankfem.cli.commands.class_document import class_
 from crankfem.cli.commands.compare import compare
 from crankfem.cli.commands.doe import doe
 from crankfem.cli.commands.fields import fields
@@ -20,6 +21,7 @@ from crankfem.cli.commands.mechanism import mechanism
 from crankfem.cli.commands.new import new
 from crankfem.cli.commands.optimum import optimum
 from crankfem.cli.commands.run import report, run
+from crankfem.cli.commands.serve import serve
 from crankfem.cli.commands.shapes import draw, export
 from crankfem.cli.commands.throw import stress, throw
 from crankfem.cli.commands.two_mass import two_mass
@@ -44,6 +46,7 @@ class CatalogedCommand:
 COMMANDS = (
     CatalogedCommand(run, MAIN_JOB, ("run 6chn25-34", "run mine.toml --output results --strict")),
     CatalogedCommand(report, MAIN_JOB, ("report mine-results",)),
+    CatalogedCommand(serve, MAIN_JOB, ("serve", "serve --models models --port 8000")),
     CatalogedCommand(
         new,
         FILES,
@@ -123,6 +126,7 @@ COMMANDS = (
             "vibration mwm-six",
         ),
     ),
+    CatalogedCommand(class_, VIBRATION, ("class 5rt-flex50d --output submission",)),
     CatalogedCommand(
         two_mass, VIBRATION, ("two-mass yamz-5340", "two-mass yamz-5340 --order 14.5")
     ),
@@ -170,7 +174,10 @@ def _crankfem(
 
 
 for listed in COMMANDS:
-    app.command(epilog=examples_text(listed.examples), rich_help_panel=listed.group)(listed.command)
+    # One command has the name of what Python keeps for itself.
+    called = listed.command.__name__.strip("_").replace("_", "-")
+    told = examples_text(listed.examples)
+    app.command(called, epilog=told, rich_help_panel=listed.group)(listed.command)
 
 
 def main() -> None:

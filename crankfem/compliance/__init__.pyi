@@ -5,6 +5,8 @@ from fem.angle_law import AngleLaw as AngleLaw
 from fem.axial_analysis import AxialAnalysis as AxialAnalysis
 from fem.calculix import write_calculix as write_calculix
 from fem.craig_bampton import DynamicSuperelement as DynamicSuperelement
+from fem.end_reactions import EndReaction as EndReaction
+from fem.end_reactions import Reactions as Reactions
 from fem.fillet_peaks import FilletPeak as FilletPeak
 from fem.fillet_peaks import FilletStresses as FilletStresses
 from fem.fillet_peaks import OilHolePeak as OilHolePeak
@@ -14,5 +16,3 @@ from fem.pin_response import Motion as Motion
 from fem.pin_response import PinResponse as PinResponse
 from fem.shaft import ShaftCompliances as ShaftCompliances
 from fem.shaft import shaft_compliances as shaft_compliances
-from fem.supports import EndReaction as EndReaction
-from fem.supports import Reactions as Reactions

@@ -13,6 +13,7 @@ from crankfem.analyses.mechanism.mechanism_run import run_mechanism
 from crankfem.analyses.provenance import repeat_record
 from crankfem.analyses.record_units import with_units
 from crankfem.analyses.shaft.throw_analyses import analyze_throws
+from crankfem.analyses.strength.cycle_fatigue import fatigue_or_reason
 from crankfem.analyses.strength.engine_strength import engine_strength
 from crankfem.analyses.study.studies import fitted
 from crankfem.analyses.throw.fillets import (
@@ -42,6 +43,7 @@ from crankfem.jobs.run_progress import Progress, SilentProgress, TimedProgress
 from crankfem.jobs.run_records import UNIT_RADIAL_FORCE as UNIT_RADIAL_FORCE
 from crankfem.jobs.run_records import run_results
 from crankfem.report.writing import write_report
+from fem.fillet_stress import FilletMesh
 from fem.throw_analysis import ThrowAnalysis
 from regression.runs.store import ResultStore
 from regression.runs.study import check_workers, run_plan
@@ -182,20 +184,41 @@ def _compute(
         coupled=True,
         step=told.step,
     )
-    strength = None
+    strength = fatigue = fatigue_note = None
     if engine_file.strength is not None:
         told.step("Judging the crankshaft's strength")
-        strength = engine_strength(vibration, mechanism=inputs.mechanism)
+        known = {name: own.stresses for name, own in throws.items() if own.stresses is not None}
+        strength = engine_strength(vibration, mechanism=inputs.mechanism, stresses=known)
+        if strength.warning:
+            told.note(strength.warning)
+        told.step("Following the stresses over the cycle")
+        fatigue, fatigue_note = fatigue_or_reason(vibration, strength, known, inputs.mechanism)
     harmonics = None if inputs.torque is None else inputs.torque.harmonics()
     told.stop()
-    return RunComputation(inputs, throws, mechanism, study, vibration, harmonics, model, strength)
+    return RunComputation(
+        inputs,
+        throws,
+        mechanism,
+        study,
+        vibration,
+        harmonics,
+        model,
+        strength,
+        fatigue,
+        fatigue_note,
+    )
 
 
 def _with_stresses(
     engine_file: EngineFile, analysis: ThrowAnalysis, name: str, told: TimedProgress
 ) -> ThrowComputation:
     """Compute the stresses at the fillets of a throw, where there are any."""
-    stresses, reason = stresses_or_reason(engine_file.named_throws[name], engine_file.material)
+    strength = engine_file.strength
+    mesh: FilletMesh = "adaptive"
+    if strength is not None and strength.factors == "finite elements":
+        mesh = "m53"
+    throw = engine_file.named_throws[name]
+    stresses, reason = stresses_or_reason(throw, engine_file.material, mesh)
     if stresses is None:
         of_throw = f" of throw {name}" if engine_file.throws_by_name else ""
         told.note(f"No stresses at the fillets{of_throw}: {reason}")

@@ -3,6 +3,7 @@
 from dataclasses import dataclass
 
 from crankfem.analyses.mechanism.mechanism_run import MechanismRun
+from crankfem.analyses.strength.cycle_fatigue import EngineFatigue
 from crankfem.analyses.strength.engine_strength import EngineStrength
 from crankfem.analyses.study.studies import StudyResult
 from crankfem.analyses.vibration.run import EngineVibration
@@ -53,6 +54,10 @@ class RunComputation:
         Of the study, or the saved one.
     strength : EngineStrength or None
         None without a section [strength].
+    fatigue : EngineFatigue or None
+        Over the cycle; None without that section.
+    fatigue_note : str or None
+        Why there is none, with the section.
     """
 
     inputs: RunInputs
@@ -63,6 +68,8 @@ class RunComputation:
     harmonics: Harmonics | None
     model: ComplianceModel | None
     strength: EngineStrength | None = None
+    fatigue: EngineFatigue | None = None
+    fatigue_note: str | None = None
 
     @property
     def throw(self) -> ThrowComputation:

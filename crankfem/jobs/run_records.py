@@ -18,6 +18,7 @@ from crankfem.analyses.provenance import provenance_record
 from crankfem.analyses.record import Record, attributes, input_records
 from crankfem.analyses.shaft.regression_source import RESPONSES, throw_lookup
 from crankfem.analyses.shaft.shaft_record import shaft_balance_record, shaft_record
+from crankfem.analyses.strength.fatigue_records import fatigue_record
 from crankfem.analyses.strength.strength_records import strength_record
 from crankfem.analyses.study.fit_records import study_record
 from crankfem.analyses.throw.compliances import regression_record
@@ -78,6 +79,8 @@ def run_results(computed: RunComputation) -> dict[str, Any]:
         "shaft": shaft_record(computed.vibration.shaft, computed.crank_analyses),
         "vibration": run_record(computed.vibration),
         "strength": None if computed.strength is None else strength_record(computed.strength),
+        "fatigue": None if computed.fatigue is None else fatigue_record(computed.fatigue),
+        "fatigue_note": computed.fatigue_note,
     }
     if engine_file.throws_by_name:
         found["throws"] = _named_records(computed, first)

@@ -83,7 +83,9 @@ def conclusions(results: Record) -> list[str]:
         _misfiring(results["vibration"]),
         _assumed(results),
         _other_models(results["vibration"]),
-        (results.get("strength") or {}).get("sentence", ""),
+        " ".join(
+            own["sentence"] for own in (results.get("strength"), results.get("fatigue")) if own
+        ),
     ]
     return [one for one in found if one]
 

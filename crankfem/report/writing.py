@@ -18,10 +18,11 @@ from crankfem.analyses.mechanism.balanced_masses import (
 )
 from crankfem.analyses.mechanism.harmonics_record import harmonics_table
 from crankfem.analyses.mechanism.load_tables import bearing_table
+from crankfem.analyses.strength.fatigue_records import fatigue_table
 from crankfem.analyses.strength.strength_records import factor_table, strength_table, torque_table
 from crankfem.analyses.throw.compliances import compliance_tables, further_compliances
 from crankfem.analyses.throw.stress import mirrored, stress_tables
-from crankfem.analyses.throw.throw_tables import reaction_table, support_table
+from crankfem.analyses.throw.throw_tables import reaction_table, section_sentence, support_table
 from crankfem.analyses.vibration.mode_table import mode_table
 from crankfem.analyses.vibration.speed_table import speed_table
 from crankfem.analyses.vibration.tables import (
@@ -55,6 +56,8 @@ LATER: dict[str, Any] = {
     "picture_note": None,
     "throws": None,
     "strength": None,
+    "fatigue": None,
+    "fatigue_note": None,
 }
 LATER_ABOUT: dict[str, Any] = {"python": None, "platform": None, "processors": None, "packages": {}}
 # What makes tables, or their cells, of the results.
@@ -75,9 +78,11 @@ TABLES = (
     harmonics_table,
     support_table,
     reaction_table,
+    section_sentence,
     stress_tables,
     throw_mass_table,
     strength_table,
+    fatigue_table,
     factor_table,
     torque_table,
     mirrored,
@@ -137,7 +142,7 @@ def render_report(results: Mapping[str, Any], pictures: Path) -> tuple[str, str 
     figures, unread = load_figures(results, pictures)
     note = f"Left out, because they cannot be read: {', '.join(unread)}." if unread else None
     html = (
-        _environment()
+        page_environment()
         .get_template(TEMPLATE)
         .render(
             r=results,
@@ -147,15 +152,16 @@ def render_report(results: Mapping[str, Any], pictures: Path) -> tuple[str, str 
             further=further_compliances(results),
             figures=figures,
             picture_notes=[one for one in (results["picture_note"], note) if one],
-            style=Markup(_template(STYLE)),
-            scripts=_plotting() if any(own.plot is not None for own in figures.values()) else (),
+            style=Markup(template_text(STYLE)),
+            scripts=plotting() if any(own.plot is not None for own in figures.values()) else (),
         )
     )
     return html, note
 
 
 @cache
-def _environment() -> "Environment":
+def page_environment() -> "Environment":
+    """Return what renders the templates of pages."""
     from jinja2 import Environment, PackageLoader, StrictUndefined
 
     environment = Environment(
@@ -171,11 +177,11 @@ def _environment() -> "Environment":
     return environment
 
 
-def _plotting() -> tuple[Markup, ...]:
+def plotting() -> tuple[Markup, ...]:
     """Scripts that draw the interactive plots: the library, and what uses it."""
     from plotly.offline import get_plotlyjs
 
-    return tuple(Markup(script(text)) for text in (get_plotlyjs(), _template(DRAWING)))
+    return tuple(Markup(script(text)) for text in (get_plotlyjs(), template_text(DRAWING)))
 
 
 def script(text: str) -> str:
@@ -187,5 +193,6 @@ def script(text: str) -> str:
     return shown.replace("</script", "<\\/script").replace("<!--", "<\\!--")
 
 
-def _template(name: str) -> str:
+def template_text(name: str) -> str:
+    """Return the text of a template, style or script."""
     return (files("crankfem.report") / "templates" / name).read_text(encoding="utf-8")

@@ -290,7 +290,7 @@ def torsional_chain(
                 "for one of them, because the damper sits on the free end."
             )
     count = compliances.size
-    names = _throw_names(cylinders, count)
+    names = throw_names(cylinders, count)
     absolute = one_for_each("throw_damping", throw_damping, count, "throws", "N m s/rad", PASSIVE)
     halves = compliances / 2.0
     joined = np.array([*(halves[:-1] + halves[1:]), halves[-1]])
@@ -332,7 +332,14 @@ def _with_machine(chain: Chain, machine: DrivenMachine) -> Chain:
     return with_ground(wider, machine.name, damping=machine.damping)
 
 
-def _throw_names(cylinders: int | Sequence[int], count: int) -> list[str]:
+def throw_names(cylinders: int | Sequence[int], count: int) -> list[str]:
+    """Return the names of the cranks' nodes, from the free end.
+
+    Raises
+    ------
+    InputError
+        If there are not so many numbers of cylinders as throws, or one of them is below 1.
+    """
     given = [cylinders] * count if isinstance(cylinders, int | np.integer) else list(cylinders)
     if len(given) != count:
         raise InputError(

@@ -29,8 +29,8 @@ class AssembledShaft:
     """A crankshaft by its matrices.
 
     The u unknowns are the motions of the n + 1 sections in the shaft's frame, six each, the amplitudes
-    of the throws' shapes, and the rotations of damper ring and driven machine; those that supports hold
-    are left out.
+    of what the sections do beside these, those of the throws' shapes, and the rotations of damper ring and
+    driven machine; those that supports hold are left out.
 
     Attributes
     ----------
@@ -114,7 +114,7 @@ def assemble_crankshaft(
     Raises
     ------
     InputError
-        If there is no throw, or a support or a pin's mass has no place.
+        If there is no throw, their sections move in other ways, or a support or a pin's mass has no place.
     """
     if not throws or not all(isinstance(throw, ShaftThrow) for throw in throws):
         raise InputError(
@@ -129,13 +129,24 @@ def assemble_crankshaft(
     around = ShaftSurroundings() if around is None else around
     count = len(throws) + 1
     rings = around.rings(count)
-    first_shape = 6 * count
+    bending = throws[0].bending
+    if any(throw.bending != bending for throw in throws):
+        raise InputError(
+            f"throws: given bending {sorted({throw.bending for throw in throws})}; allowed is one number, "
+            "because throws side by side share the motions of a section."
+        )
+    first_shape = (6 + bending) * count
     size = first_shape + sum(throw.shapes for throw in throws) + len(rings)
     mass, stiffness, damping, loss = np.zeros((4, size, size))
     pin_rows, pin_slices, pin_frames = [], [], []
     place = first_shape
     for number, throw in enumerate(throws):
-        own = np.r_[6 * number : 6 * number + 12, place : place + throw.shapes]
+        beyond = 6 * count + bending * number
+        own = np.r_[
+            6 * number : 6 * number + 12,
+            beyond : beyond + 2 * bending,
+            place : place + throw.shapes,
+        ]
         place += throw.shapes
         turn = throw.turn
         mass[np.ix_(own, own)] += turn @ throw.mass @ turn.T

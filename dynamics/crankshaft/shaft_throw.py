@@ -11,6 +11,7 @@ from crankbase.checks.arrays import (
     positive_number,
     read_only,
 )
+from crankbase.checks.scalars import whole_number
 from crankbase.errors import InputError
 from crankbase.summaries import summarized
 
@@ -27,10 +28,11 @@ class ShaftThrow:
 
     Parameters
     ----------
-    stiffness, mass : array_like of shape (12 + m, 12 + m)
+    stiffness, mass : array_like of shape (12 + 2 b + m, 12 + 2 b + m)
         Unknowns ux uy uz rx ry rz of the left, then of the right end section (the middles of its
-        main journals), then m amplitudes of shapes of its inside.
-    pin_loads : array_like of shape (p, 12 + m, 6)
+        main journals), then b amplitudes each of what the left and the right section does beside these
+        mean motions, then m amplitudes of shapes of its inside.
+    pin_loads : array_like of shape (p, 12 + 2 b + m, 6)
         Loads on these unknowns that unit forces along x, y, z on each pin, and unit moments, are
         equivalent to. Transposed, they give the pin's mean motion.
     pins : array_like of shape (p, 3)
@@ -39,6 +41,9 @@ class ShaftThrow:
         From section to section [m].
     crank_angle_deg : float
         Of the throw's first pin about +z, counted from +y [deg].
+    bending : int
+        b: how many motions a section has beside its mean motions; 0 for rigid sections. Throws side by side
+        share them, so they are those of the shaft's frame, whatever the crank angle.
 
     Raises
     ------
@@ -53,15 +58,17 @@ class ShaftThrow:
     length: float
     _: KW_ONLY
     crank_angle_deg: float = 0.0
+    bending: int = 0
 
     def __post_init__(self) -> None:
         for name in ("stiffness", "mass", "pin_loads", "pins"):
             object.__setattr__(self, name, read_only(finite_array(name, getattr(self, name))))
         finite_array("crank_angle_deg", self.crank_angle_deg)
         positive_number("length", self.length, "m", "a throw has a length")
+        whole_number("bending", self.bending, 0, "a section has these motions beside its mean ones")
         size = len(self.stiffness)
         for name in ("stiffness", "mass"):
-            _check_symmetric(name, getattr(self, name), size)
+            _check_symmetric(name, getattr(self, name), size, 12 + 2 * self.bending)
         if self.pins.ndim != 2 or self.pins.shape[1] != 3 or not len(self.pins):
             raise InputError(
                 f"pins: given an array of shape {self.pins.shape}; allowed is (pins, 3), because a "
@@ -82,11 +89,11 @@ class ShaftThrow:
     @property
     def shapes(self) -> int:
         """Number of shapes of the inside, m."""
-        return len(self.stiffness) - 12
+        return len(self.stiffness) - 12 - 2 * self.bending
 
     @property
     def turn(self) -> FloatArray:
-        """Matrix (12 + m, 12 + m) from motions in the throw frame to those in the shaft frame."""
+        """Matrix (12 + 2 b + m, ...) from motions in the throw frame to those in the shaft frame."""
         turn = np.eye(len(self.stiffness))
         turn[:12, :12] = np.kron(np.eye(4), rotation(math.radians(self.crank_angle_deg)))
         return turn
@@ -105,11 +112,11 @@ def rotation(angle: float) -> FloatArray:
     return np.array([[cosine, -sine, 0.0], [sine, cosine, 0.0], [0.0, 0.0, 1.0]])
 
 
-def _check_symmetric(name: str, matrix: FloatArray, size: int) -> None:
-    if matrix.ndim != 2 or matrix.shape != (size, size) or size < 12:
+def _check_symmetric(name: str, matrix: FloatArray, size: int, least: int) -> None:
+    if matrix.ndim != 2 or matrix.shape != (size, size) or size < least:
         raise InputError(
-            f"{name}: given an array of shape {matrix.shape}; allowed are square ones of 12 rows or more, "
-            "stiffness and mass alike, because two end sections have 12 motions."
+            f"{name}: given an array of shape {matrix.shape}; allowed are square ones of {least} rows or "
+            f"more, stiffness and mass alike, because two end sections have {least} motions."
         )
     if np.max(np.abs(matrix - matrix.T)) > SYMMETRIC * np.max(np.abs(matrix)):
         raise InputError(

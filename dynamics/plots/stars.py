@@ -71,9 +71,10 @@ def draw_star(
     )
     color = KIND_COLORS[star.kind]
     for tips in _by_direction(star):
-        place = complex(star.vectors[tips[0]]) / longest
-        _arrow(axes, center, place, color, 1.6)
-        away = place / abs(place) if abs(place) > 0.0 else 1.0 + 0.0j
+        ends = star.vectors[tips] / longest
+        for length in np.unique(np.round(np.abs(ends), 9)).tolist():
+            _arrow(axes, center, length * _unit(complex(ends[0])), color, 1.6)
+        away = _unit(complex(ends[0]))
         label = ", ".join(str(tip + 1) for tip in tips)
         at = LABEL_START * away
         side = "left" if away.imag > SIDEWAYS else "right" if away.imag < -SIDEWAYS else "center"
@@ -103,9 +104,14 @@ def finish_stars(axes: Axes, rows: int = 1, columns: int = 1) -> None:
 
 
 def _by_direction(star: Vectors) -> list[list[int]]:
-    """Return the cylinders, from 0, in groups of one direction."""
-    units = np.exp(1j * np.radians(star.directions_deg))
+    """Return the cylinders, from 0, in groups of one direction as drawn: negative lengths turn round."""
+    turned = np.where(star.weights < 0.0, -1.0, 1.0)
+    units = turned * np.exp(1j * np.radians(star.directions_deg))
     return grouped(range(units.size), lambda group, tip: abs(units[group[0]] - units[tip]) < 1e-6)
+
+
+def _unit(vector: complex) -> complex:
+    return vector / abs(vector) if abs(vector) > 0.0 else 1.0 + 0.0j
 
 
 def _arrow(

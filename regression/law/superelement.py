@@ -26,7 +26,8 @@ from geometry.throw import CrankThrow
 from regression.law.throw_law import POISSON_RATIO, LawAnswers
 
 if TYPE_CHECKING:
-    from fem.supports import Reactions, Support
+    from fem.supports import Support
+    from regression.models.reaction_lookup import ReactionLookup
 
 Array = NDArray[np.float64]
 UX, UY, UZ, RX, RY, RZ = range(6)
@@ -51,7 +52,7 @@ def law_reactions(
     support: "Support" = "pinned",
     *,
     poisson_ratio: float = POISSON_RATIO,
-) -> "Reactions":
+) -> "ReactionLookup":
     """Reactions of the supports on a throw by the law, axial motion blocked.
 
     Parameters
@@ -67,8 +68,9 @@ def law_reactions(
 
     Returns
     -------
-    Reactions
-        ``.left`` and ``.right``, each with ``.force`` [N] and ``.moment`` [N m] of shape (3,).
+    ReactionLookup
+        ``.left`` and ``.right``, each with ``.force`` [N] and ``.moment`` [N m] of shape (3,), and how far
+        each may be off.
 
     Raises
     ------
@@ -76,9 +78,8 @@ def law_reactions(
         As `axial_law`; if the webs are unequal, the support is none of these, or the force is not three
         finite numbers of which the last is 0.
     """
-    from fem.loads import RADIAL
-    from fem.superelement import Superelement
-    from fem.supports import reactions
+    from fem.end_reactions import Reactions
+    from regression.models.reaction_lookup import ReactionLookup, both_ends
 
     force = finite_array("pin_force", pin_force)
     if force.shape != (3,) or force[2] != 0.0:
@@ -92,10 +93,39 @@ def law_reactions(
             "it knows what the two webs have in common."
         )
     answers = LawAnswers.of_throw(throw, 1.0, poisson_ratio)
-    numbers = dict(zip(NUMBERS, answers.values(NUMBERS)[0][:, 0].tolist(), strict=True))
+    numbers, widths = (one.ravel() for one in answers.values(NUMBERS))
+    middle, band = _loads(throw, numbers, force, support), np.zeros(12)
+    for place, width in enumerate(widths):
+        ends = (
+            _loads(throw, np.where(np.arange(len(numbers)) == place, end, numbers), force, support)
+            for end in (numbers[place] * (1.0 - width), numbers[place] * (1.0 + width))
+        )
+        band += np.maximum(*(np.abs(end - middle) for end in ends))
+    told = (
+        support
+        if isinstance(support, str)
+        else (f"between neighbors at {support.left_deg:g} and {support.right_deg:g} deg")
+    )
+    return ReactionLookup(
+        *both_ends(middle),
+        band=Reactions(*both_ends(band)),
+        support=told,
+        inside=np.array(True),
+        remarks=(),
+    )
+
+
+def _loads(throw: CrankThrow, numbers: Array, force: Array, support: "Support") -> Array:
+    """Reactions (12,) on both ends by the numbers of a throw [N, N m]."""
+    from fem.loads import RADIAL
+    from fem.superelement import Superelement
+    from fem.supports import reactions
+
     diameter = throw.main_journal_diameter
     stiffness, pin_loads = superelement(
-        numbers, throw.crank_radius / diameter, throw.length / diameter
+        dict(zip(NUMBERS, numbers.tolist(), strict=True)),
+        throw.crank_radius / diameter,
+        throw.length / diameter,
     )
     # Lengths in D: forces stay, moments are F D.
     loads = np.zeros((1, 12, 6))
@@ -105,9 +135,8 @@ def law_reactions(
         support,
         loads[0, :, :3] @ force,
     )
-    for end in (found.left, found.right):
-        end.moment[:] *= diameter
-    return found
+    ends = [(end.force, end.moment * diameter) for end in (found.left, found.right)]
+    return np.concatenate([part for end in ends for part in end])
 
 
 def superelement(

@@ -31,6 +31,9 @@ from regression.response_kinds import ANGLE_LAWS
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
+    from fem.supports import Support
+    from regression.models.reaction_lookup import ReactionLookup
+
 Value = float | NDArray[np.float64]
 
 
@@ -185,6 +188,42 @@ class ComplianceModel(ModelValues):
         if strict and answer.outside:
             raise InputError(answer.outside[0].error_sentence)
         return answer
+
+    def reactions(
+        self,
+        pin_force: ArrayLike,
+        support: "Support" = "pinned",
+        *,
+        strict: bool = False,
+        **dimensions: ArrayLike | str,
+    ) -> "ReactionLookup":
+        """Reactions of the supports on the throw under a force on its pin, axial motion blocked.
+
+        Parameters
+        ----------
+        pin_force : (3,) or (..., 3) array_like
+            Across the shaft, in the throw frame [N]; the radial force Z is ``(0, -Z, 0)``. Rows are
+            broadcast with the dimensions.
+        support : "pinned", "guided" or Neighbors
+            The left end takes the torque. `Neighbors` with equal angles, for throws alike from both ends.
+        strict, **dimensions
+            As in `axial_compliance`.
+
+        Returns
+        -------
+        ReactionLookup
+            ``.left`` and ``.right``, each with ``.force`` [N] and ``.moment`` [N m], in equilibrium
+            with the force; nothing is warned about.
+
+        Raises
+        ------
+        InputError
+            As in `axial_compliance`; if the model lacks an equation that reactions need, as those of
+            older releases do, the force has a part along the shaft, or the angles differ.
+        """
+        from regression.models.reaction_lookup import look_reactions_up
+
+        return look_reactions_up(self, self.lookups, pin_force, support, strict, dimensions)
 
     def dimensions_of(self, throw: CrankThrow) -> dict[str, Any]:
         """What to ask the model for a throw: its dimensions and labels by name.

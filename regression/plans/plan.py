@@ -27,7 +27,7 @@ from regression.plans.variants import Variant, Variants
 from regression.records import HELD_OUT, RUN, content_key
 
 # Raise when a change of the model changes results: stored results of older versions are not used.
-MODEL_VERSION = 5
+MODEL_VERSION = 6
 
 
 @dataclass(frozen=True)

@@ -35,7 +35,7 @@ def load(tmp_path):
 
 
 def test_shipped_chains_tell_their_frequencies_and_sources():
-    assert shipped_names("chain") == ("geared-example", "mwm-six")
+    assert shipped_names("chain") == ("5rt-flex50d-plant", "geared-example", "mwm-six")
     for name in shipped_names("chain"):
         found = load_chain(name)
         head = found.path.read_text(encoding="utf-8").split("[chain]")[0]

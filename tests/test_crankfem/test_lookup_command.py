@@ -21,6 +21,7 @@ from crankfem.files.engine.engine_file import load_engine
 from crankfem.files.engine.throw_file import load_throw
 from crankfem.files.reading.data_files import input_path
 from dynamics.chains.engine_chains import axial_chain
+from regression.end_reactions import GUIDED_MOMENTS
 from regression.fits.fits import fit_form
 from regression.models import optimum_search
 from regression.models.compliance_model import ComplianceModel
@@ -281,6 +282,77 @@ def test_a_response_that_cannot_be_told_is_left_out(run, path):
     assert "refused" in json.loads(run("lookup", path, *pairs, "--json"))["mass"]
     with pytest.raises(InputError, match="pin_diameter: given 360 mm"):
         run("lookup", path, *pairs, "--strict")
+
+
+REACTIONS = {
+    "axial_reaction": (0.46, -0.1, "P/Z", ""),
+    "axial_reaction_guided": (0.2, 0.1, "P/Z", ""),
+}
+GUIDED = {name: (0.13, 0.1, name, "") for name in GUIDED_MOMENTS}
+
+
+@pytest.fixture
+def reaction_path(tmp_path, monkeypatch):
+    """A model that knows reactions of pinned and guided ends, but none of neighbors."""
+    for name, size in (REACTIONS | GUIDED).items():
+        monkeypatch.setitem(SIZES, name, size)
+    made_model().save(tmp_path / "reactions.json")
+    return tmp_path / "reactions.json"
+
+
+def test_reactions_to_a_pin_force(run, reaction_path):
+    out = run("lookup", reaction_path, *PAIRS, "--gamma", "120 deg", "--pin-force", "0, -100 kN, 0")
+    model = ComplianceModel.load(reaction_path)
+    wanted = model.reactions((0.0, -1e5, 0.0), web_width=0.3, web_thickness=0.068)
+    push, band = (one.left.force[2] for one in (wanted, wanted.band))
+    assert f"Axial reaction pinned: within {1e-3 * band:.3g} kN of {1e-3 * push:.4g} kN" in out
+    assert "Reactions to a radial force of 100 kN on the pin, length kept" in out
+    assert "Axial reaction guided: within" in out
+    assert (
+        "Reactions neighbors 120 deg: left out; support: given between neighbors at 120 deg" in out
+    )
+    # What reactions are made of is told by themselves, and in JSON.
+    assert "end moment" not in out.split("Reactions")[0]
+    found = json.loads(run("lookup", reaction_path, *PAIRS, "--pin-force", "100 kN", "--json"))
+    assert found["reactions"]["pin_force"] == [0.0, -1e5, 0.0]
+    pinned = found["reactions"]["supports"]["pinned"]
+    assert pinned["reactions"]["left"]["force"] == wanted.left.force.tolist()
+    assert pinned["band"]["right"]["force"] == wanted.band.right.force.tolist()
+    assert (found["units"]["force"], found["units"]["moment"]) == ("N", "N m")
+    assert GUIDED_MOMENTS[0] in found
+
+
+def test_reactions_outside_the_range(run, reaction_path):
+    outside = ("web_width=345mm", "web_thickness=68mm", "--pin-force", "40, -100, 0 kN")
+    out = run("lookup", reaction_path, *outside)
+    assert "Axial reaction guided: OUTSIDE the range, where no band holds" in out
+    found = json.loads(run("lookup", reaction_path, *outside, "--json"))
+    assert found["reactions"]["supports"]["guided"]["band"]["left"]["force"] == [None] * 3
+    with pytest.raises(
+        InputError, match="web_width: given 345 mm; allowed is the range of the fit"
+    ):
+        run("lookup", reaction_path, *outside, "--strict")
+
+
+@pytest.mark.parametrize(
+    ("force", "match"),
+    [
+        ("0, -100 kN, 5 kN", "pin_force: given 5000 N along the shaft"),
+        ("100", "--pin-force: given '100', a bare number"),
+        ("1, 2 kN", "--pin-force: given '1, 2 kN'; allowed is one radial force"),
+        ("1e40 kN", "--pin-force: given '1e40 kN'; allowed is one radial"),
+    ],
+)
+def test_pin_forces_that_are_refused(run, reaction_path, force, match):
+    with pytest.raises(InputError, match=match):
+        run("lookup", reaction_path, *PAIRS, "--pin-force", force)
+
+
+def test_a_model_without_reactions_says_so(run, path):
+    with pytest.raises(
+        InputError, match="support: given pinned, but the model has no axial_reaction"
+    ):
+        run("lookup", path, *PAIRS, "--pin-force", "100 kN")
 
 
 # ----------------------------------------------------------------------------------------- optimum

@@ -124,7 +124,11 @@ SIZES = {
     "influence_coefficient_pinned": (0.6e-9, -1.0), "influence_coefficient_guided": (0.1e-9, -0.5),
     "influence_coefficient_opposite": (0.6e-9, -1.0), "influence_coefficient_in_line": (0.1e-9, -0.5),
     "axial_reaction_pinned": (0.46, -0.1), "axial_reaction_guided": (0.38, -0.1),
-    "mass": (100.0, 0.8), "fillet_stress_factor": (4.0, -0.3),
+    **{f"radial_end_moment_{end}": (0.13, 0.1) for end in ("left_guided", "right_guided", "in_line")},
+    **{f"axial_end_moment_{end}": (0.24, -0.1) for end in ("left_guided", "right_guided", "in_line")},
+    **{f"tangential_end_moment_{end}": (0.14, 0.1) for end in ("opposed_guided", "in_line")},
+    **{f"tangential_end_moment_{end}": (0.13, 0.1) for end in ("alike_guided", "opposite")},
+    "cross_tilt_stiffness_ratio": (1.9, 0.1), "mass": (100.0, 0.8), "fillet_stress_factor": (4.0, -0.3),
 }
 for request in requests():
     throw, stresses = request["inputs"]["throw"], request["inputs"]["stresses"]

@@ -19,6 +19,7 @@ from fem.loads import RADIAL
 from fem.material import STEEL
 from fem.modes import ThrowModes
 from fem.plots.over_angle import ANGLES_DEG
+from fem.rule_mesh import ReadingQuality
 from fem.shaft import shaft_compliances
 from fem.supports import Neighbors
 from fem.symmetry import SymmetryClass, axial_class
@@ -66,8 +67,11 @@ def stresses(throw):
             principals=np.zeros(3),
             von_mises=3.0,
             von_mises_place=np.zeros(3),
+            shear=1.5,
+            shear_place=np.zeros(3),
             nominal=2.0,
             error_estimate=0.1,
+            quality=ReadingQuality(0.0, 0.01),
         )
         for column, load in enumerate(loads)
         for number, fillet in enumerate(fillets)

@@ -468,7 +468,7 @@ def test_rows_at_the_studys_own_designs_are_counted(store, tmp_path):
     [
         ("web_thickness [mm]", "70", "given 70 mm; allowed is 68 mm, as the study has it"),
         ("web_outline", "rectangle", "given rectangle; allowed is obround, as the study has it"),
-        ("model_version", "4", "given 4; allowed is 5, because results of different models must"),
+        ("model_version", "5", "given 5; allowed is 6, because results of different models must"),
     ],
 )
 def test_rows_that_do_not_belong_to_the_study_are_not_fitted(
@@ -559,7 +559,7 @@ def test_results_of_an_earlier_model_are_left_out(store, tmp_path, monkeypatch):
         run_plan(plan_of_levels(THROW, {"web_width": (0.260, 0.310)}, held_out=1), other)
     with pytest.raises(
         InputError,
-        match=r"in which 3 results are of another throw, .*model version \(3 of another version than 5, "
+        match=r"in which 3 results are of another throw, .*model version \(3 of another version than 6, "
         r"with which they must not be mixed\); allowed is",
     ):
         import_results(PLAN, store, other)

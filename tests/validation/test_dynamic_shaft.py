@@ -33,43 +33,22 @@ from dynamic_shaft import assemble_dynamic_shaft, natural_modes
 from fem.assembly import assemble_stiffness
 from fem.condensation import condense
 from fem.craig_bampton import dynamic_superelement
-from fem.loads import NodalLoads, unit_pin_loads
+from fem.loads import unit_pin_loads
 from fem.material import STEEL
 from fem.modes import free_modes
 from fem.superelement import RZ, UX, UY
-from fem.symmetry import mirror_images, symmetry_classes
-from geometry.gmsh_session import gmsh_session
-from geometry.mesh import ThrowMesh, mesh_throw, read_mesh
-from geometry.mesh_checks import SolidProperties
+from fem.symmetry import symmetry_classes
+from geometry.mesh import mesh_throw
 from geometry.throw import CrankThrow
+from straight_bars import DIAMETER, no_pin, shaft_quarter
 
-DIAMETER, LENGTH = 0.1, 1.0
+LENGTH = 1.0
 AREA = np.pi / 4.0 * DIAMETER**2
 SECOND_MOMENT = np.pi / 64.0 * DIAMETER**4
 E, G, NU, RHO = STEEL.youngs_modulus, STEEL.shear_modulus, STEEL.poisson_ratio, STEEL.density
 CRANKS = np.radians([0.0, 180.0, 180.0, 0.0])
 HIGHEST = 800.0
 ROOTS = (4.730041, 7.853205, 10.995608)
-
-
-def bar_quarter(length):
-    """The quarter x >= 0, z <= length / 2 of a round bar, meshed like a throw's."""
-    with gmsh_session("bar") as gmsh:
-        tag = gmsh.model.occ.addCylinder(0, 0, 0, 0, 0, length / 2.0, DIAMETER / 2.0, angle=np.pi)
-        gmsh.model.occ.rotate([(3, tag)], 0, 0, 0, 0, 0, 1, -np.pi / 2.0)
-        gmsh.model.occ.synchronize()
-        gmsh.option.setNumber("Mesh.MeshSizeMax", 0.2 * DIAMETER)
-        gmsh.model.mesh.generate(3)
-        gmsh.model.mesh.setOrder(2)
-        points, elements, _ = read_mesh(gmsh, {})
-    solid = SolidProperties(AREA * length / 4.0, np.zeros(3), np.zeros((3, 3)))
-    return ThrowMesh("quarter", length, (), points, elements, {}, 1.0, 0, solid)
-
-
-def no_pin(mesh):
-    """Return six load cases without a load."""
-    images = mirror_images(mesh)
-    return [NodalLoads(np.empty(0, dtype=int), images, np.zeros((len(images), 0, 3, 6)))]
 
 
 def condensed(mesh, pins):
@@ -79,14 +58,14 @@ def condensed(mesh, pins):
 
 @pytest.fixture(scope="module")
 def bar_modes():
-    return free_modes(bar_quarter(LENGTH), STEEL, highest_frequency=5300.0)
+    return free_modes(shaft_quarter(LENGTH), STEEL, highest_frequency=5300.0)
 
 
 @pytest.fixture(scope="module")
 def pieces():
     """Two halves of the bar in a row, as exact as asked for or by Guyan alone."""
-    mesh = bar_quarter(LENGTH / 2.0)
-    classes = condensed(mesh, no_pin(mesh))
+    mesh = shaft_quarter(LENGTH / 2.0)
+    classes = condensed(mesh, [no_pin(mesh)])
     return {
         highest: dynamic_superelement(mesh, STEEL, classes, highest) for highest in (0.0, 6500.0)
     }

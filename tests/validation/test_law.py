@@ -29,8 +29,7 @@ LAW = ("axial_pinned", "axial_guided", "tilt_ratio", "influence_pinned", "influe
 @pytest.fixture(scope="module")
 def throws():
     """Dimensions and answers of the throws of each test sample, arrays by their names."""
-    lines = gzip.open(TABLES / "law_throws.csv.gz", "rt", encoding="utf-8")
-    with lines:
+    with gzip.open(TABLES / "law_throws.csv.gz", "rt", encoding="utf-8") as lines:
         rows = list(csv.DictReader(line for line in lines if not line.startswith("#")))
     found = {}
     for sample in ("plain-test", "real-test"):

@@ -28,18 +28,13 @@ import pytest
 from comparing import close
 from fem.assembly import assemble_stiffness
 from fem.condensation import condense
-from fem.loads import NodalLoads
 from fem.material import STEEL
 from fem.superelement import combine_classes
-from fem.symmetry import mirror_images, symmetry_classes
-from geometry.gmsh_session import gmsh_session
-from geometry.mesh import ThrowMesh, read_mesh
-from geometry.mesh_checks import SolidProperties
+from fem.symmetry import symmetry_classes
 from geometry.shapes import element_volumes
-from geometry.solid import LEFT_END
+from straight_bars import DIAMETER, no_pin, shaft_quarter
 
 E, G, NU = STEEL.youngs_modulus, STEEL.shear_modulus, STEEL.poisson_ratio
-DIAMETER = 0.1
 BORES = (0.0, 0.05)
 TOLERANCE = 1e-3
 TOLERANCE_OF_DEFLECTIONS = 2e-3
@@ -73,39 +68,14 @@ class Section:
         return bending + length / (self.shear_coefficient * G * self.area)
 
 
-def shaft_quarter(length, bore):
-    """The quarter x >= 0, z <= length / 2 of a shaft, meshed like a throw's."""
-    with gmsh_session("shaft") as gmsh:
-        occ = gmsh.model.occ
-
-        def half_round(diameter):
-            tag = occ.addCylinder(0, 0, 0, 0, 0, length / 2.0, diameter / 2.0, angle=np.pi)
-            occ.rotate([(3, tag)], 0, 0, 0, 0, 0, 1, -np.pi / 2.0)
-            return [(3, tag)]
-
-        shaft = half_round(DIAMETER)
-        if bore:
-            occ.cut(shaft, half_round(bore))
-        occ.synchronize()
-        near = 1e-3 * DIAMETER
-        at_end = gmsh.model.getEntitiesInBoundingBox(-1, -1, -near, 1, 1, near, 2)
-        gmsh.option.setNumber("Mesh.MeshSizeMax", 0.2 * DIAMETER)
-        gmsh.model.mesh.generate(3)
-        gmsh.model.mesh.setOrder(2)
-        points, elements, surfaces = read_mesh(gmsh, {LEFT_END: [tag for _, tag in at_end]})
-    solid = SolidProperties(Section(bore).area * length / 4.0, np.zeros(3), np.zeros((3, 3)))
-    return ThrowMesh("quarter", length, ("pin",), points, elements, surfaces, 1.0, 0, solid)
-
-
 def flexibility(length, bore, end_sections):
     """Motions (6, 6) of the right end per unit force and moment there, the left end held."""
     mesh = shaft_quarter(length, bore)
     volume = element_volumes(mesh.points, mesh.elements).sum()
     assert volume == close(mesh.solid.volume, rel=1e-3)
     matrix = assemble_stiffness(mesh.points, mesh.elements, STEEL)
-    no_pin = NodalLoads(np.empty(0, dtype=int), mirror_images(mesh), np.zeros((4, 0, 3, 6)))
     parts = [
-        condense(mesh, matrix, [no_pin], part, end_sections=end_sections)
+        condense(mesh, matrix, [no_pin(mesh)], part, end_sections=end_sections)
         for part in symmetry_classes(mesh.part)
     ]
     return np.linalg.inv(combine_classes(parts).stiffness[6:, 6:])

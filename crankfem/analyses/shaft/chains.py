@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from crankbase.errors import InputError
+from crankfem.files.chain.shaft_lines import PLANT, plant_chain
 from crankfem.files.engine.engine_file import EngineFile
 from crankfem.files.engine.mechanism_file import layout_of
 from dynamics.chains.attachments import DrivenMachine
@@ -76,9 +77,16 @@ def engine_torsional_chain(
         Torsional compliance of each throw [rad/(N m)].
     inertias : (n,) array
         Of the throws with their shares of rods and pistons [kg m^2].
+
+    Returns
+    -------
+    EngineChain
+        Of a plant whose maker gives it, that chain, whatever the throws have.
     """
     free_end, driven, damping = engine_file.free_end, engine_file.driven, engine_file.damping
     on_each = np.bincount(engine_file.throws)
+    if PLANT in engine_file.shaft_lines:
+        return plant_chain(engine_file.shaft_lines[PLANT], on_each.tolist())
     absolute = (
         0.0 if damping is None or damping.cylinder_damping is None else damping.cylinder_damping
     )

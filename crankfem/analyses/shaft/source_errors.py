@@ -1,6 +1,6 @@
 """How far the compliances of each source may be off: factors between which the true ones lie.
 
-Finite elements may be off by their estimate, either way. A regression has the band of its model. A formula is
+Finite elements may be off by their estimate, either way. A regression and the law have bands. A formula is
 held against finite elements for the throws of all shipped engines (those of one pin where the engine's are
 so), each put at the cranks of the engine in question, and for the engine's own: with r the sum of the
 formula's compliances along the shaft beside that of finite elements, and f the estimated error of these,
@@ -15,15 +15,18 @@ from functools import cache
 
 import numpy as np
 
+from crankfem.analyses.shaft.law_source import law_values
 from crankfem.analyses.shaft.regression_source import REGRESSION, RESPONSES, throw_lookups
 from crankfem.analyses.shaft.sources import (
     FE,
     FE_PINNED,
+    GIVEN,
     axial_by_formulas,
     neighbor_angles,
     torsional_by_formulas,
 )
 from crankfem.analyses.shaft.throw_analyses import Analyses, analyses_by_name
+from crankfem.analyses.throw.law_record import LAW
 from crankfem.files.engine.engine_file import EngineFile
 from crankfem.files.engine.throw_file import load_throw
 from crankfem.files.reading.data_files import data_folder
@@ -35,6 +38,8 @@ from regression.models.angle import between_values
 from regression.models.compliance_model import ComplianceModel
 
 TABLE = "throw_compliances.csv"
+# Of stiffnesses that a maker gives without saying how sure they are; an assumption.
+MAKERS_ERROR = 0.05
 
 
 @dataclass(frozen=True)
@@ -90,6 +95,13 @@ def source_spread(
     """
     estimates = (own.error_estimate for own in analyses_by_name(engine_file, analysis).values())
     error = max(estimates)
+    if source == GIVEN:
+        return Spread(
+            "compliance",
+            1.0 - MAKERS_ERROR,
+            1.0 + MAKERS_ERROR,
+            name="error of the maker's stiffnesses, assumed",
+        )
     if source in (FE, FE_PINNED):
         of = " (that of the axial compliance)" if kind == "torsional" else ""
         return Spread(
@@ -103,6 +115,14 @@ def source_spread(
             min(own.lower / own.value for own in found if own.lower is not None),
             max(own.upper / own.value for own in found if own.upper is not None),
             name=f"error of the regression ({'; '.join(dict.fromkeys(own.band for own in found))})",
+        )
+    if source == LAW:
+        values = law_values(engine_file, RESPONSES[kind]).values()
+        return Spread(
+            "compliance",
+            min(own.lower / own.value for own in values),
+            max(own.upper / own.value for own in values),
+            name="error of the law, its band of 95 % of throws",
         )
     return _formula_spread(engine_file, kind, source, getattr(shaft, kind), error)
 

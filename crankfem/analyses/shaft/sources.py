@@ -1,6 +1,6 @@
 """Compliances of an engine's throws from every source: finite elements, regression, formulas."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Mapping, Sequence
 from functools import cache
 
 import numpy as np
@@ -8,8 +8,11 @@ from numpy.typing import NDArray
 
 from crankbase.errors import InputError
 from crankfem.analyses.shaft.bearings import bearing_stiffness
+from crankfem.analyses.shaft.law_source import LawValue, law_values
 from crankfem.analyses.shaft.regression_source import REGRESSION, throw_lookups
 from crankfem.analyses.shaft.throw_analyses import Analyses, crank_analyses
+from crankfem.analyses.throw.law_record import LAW
+from crankfem.files.chain.shaft_lines import PLANT, plant_chain
 from crankfem.files.engine.engine_file import EngineFile
 from fem.material import Material
 from fem.shaft import ShaftCompliances, shaft_compliances
@@ -19,8 +22,11 @@ from regression.formulas.axial_formulas import axial_formulas
 from regression.formulas.formula_value import FormulaValue
 from regression.formulas.torsional_formulas import torsional_formulas
 from regression.models.compliance_model import ComplianceModel
+from regression.models.lookup import Lookup
 
 FE, FE_PINNED = "fe", "fe pinned"
+# Of the torsional chain of a plant, as its maker gives it.
+GIVEN = "given"
 # The formulas know no free end: a throw tilts there as it does beside an opposite crank.
 NO_NEIGHBOR_DEG = 180.0
 
@@ -70,9 +76,23 @@ def torsional_sources(
     shaft: ShaftCompliances,
     model: ComplianceModel | None,
 ) -> Sources:
-    """Torsional compliance of each throw [rad/(N m)] by source."""
+    """Torsional compliance of each throw [rad/(N m)] by source; only the maker's where he gives the plant."""
+    if PLANT in engine_file.shaft_lines:
+        return {GIVEN: _given_by_plant(engine_file)}
     fitted = _fitted_sources(engine_file, analysis, model, "torsional_compliance", shaft.torsional)
     return fitted | torsional_by_formulas(engine_file.crank_throws, engine_file.material)
+
+
+def _given_by_plant(engine_file: EngineFile) -> tuple[NDArray[np.float64], str]:
+    """Half of what lies on either side of each crank, in a plant's chain."""
+    chain = engine_file.shaft_lines[PLANT]
+    nodes = plant_chain(chain, np.bincount(engine_file.throws).tolist()).throw_nodes
+    halves = 0.5 / chain.stiffness
+    # Before the first crank there may be nothing: it is taken to be as after it.
+    after = halves[list(nodes)]
+    before = np.concatenate((after[:1], after[:-1]))
+    remark = "the chain of the plant as its maker gives it (shaft_line.plant)"
+    return after + before, remark
 
 
 def _fitted_sources(
@@ -82,7 +102,7 @@ def _fitted_sources(
     quantity: str,
     in_shaft: NDArray[np.float64],
 ) -> Sources:
-    """Compliances by finite elements, and by the equation fitted to them."""
+    """Compliances by finite elements, and by the equations and the law fitted to them."""
     each = crank_analyses(engine_file, analysis)
     pinned = np.array([getattr(own, quantity)("pinned") for own in each])
     found: Sources = {
@@ -93,22 +113,29 @@ def _fitted_sources(
             "freely; bearings stiffen it",
         ),
     }
+    ratios = in_shaft / pinned
     if model is not None:
-        found[REGRESSION] = _from_regression(engine_file, model, quantity, in_shaft / pinned)
+        found[REGRESSION] = _looked_up(
+            "equation", ratios, engine_file, lambda: throw_lookups(engine_file, model, quantity)
+        )
+    found[LAW] = _looked_up("law", ratios, engine_file, lambda: law_values(engine_file, quantity))
     return found
 
 
-def _from_regression(
-    engine_file: EngineFile, model: ComplianceModel, quantity: str, ratios: NDArray[np.float64]
+def _looked_up(
+    name: str,
+    ratios: NDArray[np.float64],
+    engine_file: EngineFile,
+    look_up: Callable[[], Mapping[CrankThrow, Lookup | LawValue]],
 ) -> tuple[NDArray[np.float64], str]:
-    """Values of the equation for each throw in the shaft; no numbers where it says nothing of a throw."""
+    """Looked-up values of each throw in the shaft; no numbers where a throw has none."""
     try:
-        found = throw_lookups(engine_file, model, quantity)
+        found = look_up()
     except InputError as error:
         return np.full_like(ratios, np.nan), str(error)
     return (
         np.array([found[throw].value for throw in engine_file.crank_throws]) * ratios,
-        "the equation's pinned value, times each throw's ratio from the assembled superelements",
+        f"the {name}'s pinned value, times each throw's ratio from the assembled superelements",
     )
 
 

@@ -227,15 +227,17 @@ def whole_shaft(
         raise InputError(
             "superelement: given one for several throws; allowed is none, because each throw has its own."
         )
+    # Throws side by side share the ring that the mean motion of a section is taken over.
+    widest = max((one.sections for one in elements), key=lambda one: (one.radius, one.bore))
     throws = [
         throw
-        for own, element, angle in zip(
+        for own, element, angle_deg in zip(
             engine_file.crank_throws,
             elements,
-            np.radians(engine_file.throw_angles_deg),
+            engine_file.throw_angles_deg,
             strict=True,
         )
-        for throw in shaft_throws(element, own, crank_angles_deg=[math.degrees(angle)])
+        for throw in shaft_throws(element.shared_with(widest), own, crank_angles_deg=[angle_deg])
     ]
     highest = elements[0].highest_frequency
     around, remarks = shaft_surroundings(engine_file, analysis, bearings)
@@ -293,17 +295,21 @@ def shaft_throws(
         Angle of each throw's first pin about +z [deg].
     """
     pins = np.array([[*pin.axis, 0.5 * (pin.start + pin.end)] for pin in throw.parts.pins])
-    return [
-        ShaftThrow(
-            stiffness=superelement.stiffness,
-            mass=superelement.mass,
-            pin_loads=superelement.pin_loads,
-            pins=pins,
-            length=throw.length,
-            crank_angle_deg=float(angle),
+    throws = []
+    for angle_deg in map(float, crank_angles_deg):
+        own = superelement.bending_turned(angle_deg=angle_deg)
+        throws.append(
+            ShaftThrow(
+                stiffness=own.stiffness,
+                mass=own.mass,
+                pin_loads=own.pin_loads,
+                pins=pins,
+                length=throw.length,
+                crank_angle_deg=angle_deg,
+                bending=own.sections.bending,
+            )
         )
-        for angle in crank_angles_deg
-    ]
+    return throws
 
 
 def shaft_response(

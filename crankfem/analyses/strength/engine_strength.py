@@ -1,6 +1,6 @@
-"""Strength of an engine's crankshaft by the formulas of UR M53, throw by throw."""
+"""Strength of an engine's crankshaft by UR M53, throw by throw."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -9,40 +9,23 @@ from crankbase.errors import InputError
 from crankbase.library_types import DataFrame
 from crankbase.summaries import summarized
 from crankbase.tables.frames import table_of
-from crankbase.units.units import RPM
-from crankfem.analyses.strength.shaft_loads import (
-    HIGHEST_ORDER,
-    LargestLoad,
-    ShaftLoads,
-    shaft_loads,
-)
+from crankfem.analyses.strength.element_factors import element_factors, engine_stresses
+from crankfem.analyses.strength.place_judging import JudgedCase, judged_places
+from crankfem.analyses.strength.shaft_loads import LargestLoad, ShaftLoads, shaft_loads
+from crankfem.analyses.strength.strength_remarks import strength_remarks
 from crankfem.analyses.strength.supported_throws import supported_throws
 from crankfem.analyses.strength.throw_webs import ThrowWeb, shrink_fit, throw_webs
 from crankfem.analyses.vibration.run import EngineVibration
 from crankfem.files.engine.engine_file import EngineFile
 from crankfem.files.engine.mechanism_file import MechanismFile, mechanism_of
 from crankfem.files.sections.strength_section import StrengthSection
-from dynamics.assessment.limit_sentences import shown_range
-from dynamics.response.loads import section_modulus
-from dynamics.strength.concentration import (
-    COEFFICIENTS,
-    DOUBTFUL,
-    ConcentrationFactors,
-    coefficient_differences,
-)
+from dynamics.strength.concentration import ConcentrationFactors
 from dynamics.strength.crank_web import M53_SOURCE, PLACES
-from dynamics.strength.fatigue import (
-    MANUFACTURE,
-    REQUIRED,
-    PlaceStrength,
-    added_bending,
-    fatigue_strength,
-    fillet_equivalent,
-    hole_equivalent,
-)
+from dynamics.strength.element_factors import ElementFactors, unsafe_formulas
+from dynamics.strength.fatigue import REQUIRED, PlaceStrength
 from dynamics.strength.nominal import SupportedThrow, hole_stress, web_stresses
 from dynamics.strength.shrink_fit import ShrinkFit
-from dynamics.strength.surface_treatment import factors_below
+from fem.fillet_peaks import FilletStresses
 
 # Factors that agree to so many decimals are equal: the place nearest to the free end stands first.
 EQUAL = 9
@@ -60,7 +43,9 @@ class ThrowStrength:
     webs : tuple of ThrowWeb
         The left and the right one.
     factors : dict of str to ConcentrationFactors
-        Of each web by its name, as far as the rule has any.
+        Of each web by its name, as far as the rule's formulas have any.
+    elements : dict of str to ElementFactors
+        By finite elements, where stresses were calculated.
     places : tuple of PlaceStrength
         Pin fillet, journal fillet and oil hole as far as there are such and the rule has factors: each
         beside the web, and of a hardened one at the depth, with the least acceptability.
@@ -75,6 +60,7 @@ class ThrowStrength:
     number: int
     webs: tuple[ThrowWeb, ...]
     factors: dict[str, ConcentrationFactors]
+    elements: dict[str, ElementFactors]
     places: tuple[PlaceStrength, ...]
     torque: LargestLoad
     fit: ShrinkFit | None
@@ -84,7 +70,7 @@ class ThrowStrength:
 @summarized("sentence", "passed", "remarks")
 @dataclass(frozen=True, eq=False)
 class EngineStrength:
-    """Strength of an engine's crankshaft by the formulas of UR M53.
+    """Strength of an engine's crankshaft by UR M53.
 
     Attributes
     ----------
@@ -92,12 +78,15 @@ class EngineStrength:
         From the free end.
     remarks : tuple of str
         What was assumed, a sentence each.
+    by_elements : bool
+        Whether the factors of stress concentration are those of finite elements.
     source : str
         Of the formulas.
     """
 
     throws: tuple[ThrowStrength, ...]
     remarks: tuple[str, ...]
+    by_elements: bool = False
     source: str = M53_SOURCE
 
     @property
@@ -121,9 +110,10 @@ class EngineStrength:
         if not self.places:
             return f"Crankshaft strength by UR M53 is not judged: {unjudged[0]}"
         least, wrong = self.places[0], sum(not place.passed for place in self.places)
+        how = ", factors by finite elements" if self.by_elements else ""
         said = (
-            f"Crankshaft strength by UR M53: the least acceptability factor is {shown_factor(least)} at the "
-            f"{least.place} of throw {least.throw}, {REQUIRED:g} is required"
+            f"Crankshaft strength by UR M53{how}: the least acceptability factor is {shown_factor(least)} "
+            f"at the {least.place} of throw {least.throw}, {REQUIRED:g} is required"
         )
         said += f"; {wrong} of {len(self.places)} places fall short." if wrong else "."
         fits = [own for own in self.throws if own.fit is not None and not own.fit.passed]
@@ -149,17 +139,53 @@ class EngineStrength:
     @property
     def left_out(self) -> tuple[str, ...]:
         """What could not be judged and why, a sentence each, with the throws it is said of."""
-        said: dict[str, list[int]] = {}
+        return _of_throws((own.number, text) for own in self.throws for text in own.left_out)
+
+    @property
+    def unsafe(self) -> tuple[str, ...]:
+        """Where a formula gives a smaller factor than finite elements, a sentence each."""
+        said: list[tuple[int, str]] = []
         for own in self.throws:
-            for text in own.left_out:
-                said.setdefault(text, []).append(own.number)
-        return tuple(f"{_named(numbers)}{text}" for text, numbers in said.items())
+            webs: dict[str, list[str]] = {}
+            for name, elements in own.elements.items():
+                smaller = unsafe_formulas(own.factors.get(name), elements)
+                for symbol, (formula, other) in smaller.items():
+                    text = (
+                        f"{symbol} is {formula:.3f} by the formula and {other:.3f} by finite elements, "
+                        f"{_more(formula, other)} more (estimated error {100.0 * elements.error:.2g} %): the "
+                        "formula is on the unsafe side"
+                    )
+                    webs.setdefault(text, []).append(name)
+            said += [
+                (own.number, f", {'both webs' if len(names) > 1 else names[0]}: {text}")
+                for text, names in webs.items()
+            ]
+        return _of_throws(said)
+
+    @property
+    def warning(self) -> str:
+        """Which formulas give smaller factors than finite elements, with the largest difference; or ""."""
+        most: dict[str, tuple[float, float]] = {}
+        for own in self.throws:
+            for name, elements in own.elements.items():
+                for symbol, both in unsafe_formulas(own.factors.get(name), elements).items():
+                    most[symbol] = max(
+                        most.get(symbol, both), both, key=lambda two: two[1] / two[0]
+                    )
+        named = ", ".join(f"{symbol} (up to {_more(*both)})" for symbol, both in most.items())
+        return named and (
+            "By finite elements factors of stress concentration are larger than by the formulas of UR M53: "
+            f"{named}. There the formulas are on the unsafe side."
+        )
 
 
 def engine_strength(
-    vibration: EngineVibration, *, mechanism: MechanismFile | None = None
+    vibration: EngineVibration,
+    *,
+    mechanism: MechanismFile | None = None,
+    stresses: Mapping[str, FilletStresses] | None = None,
 ) -> EngineStrength:
-    """Judge the strength of an engine's crankshaft by the formulas of UR M53.
+    """Judge the strength of an engine's crankshaft by UR M53.
 
     Parameters
     ----------
@@ -168,6 +194,9 @@ def engine_strength(
         axial forces.
     mechanism : MechanismFile, optional
         Of the same engine, where it is there already.
+    stresses : mapping, optional
+        Of each distinct throw by its name: factors by finite elements are put beside those of the formulas.
+        They are calculated, as Appendix III asks, if ``strength.factors`` says that these count.
 
     Returns
     -------
@@ -177,6 +206,8 @@ def engine_strength(
     ------
     InputError
         If the engine has no section [strength].
+    MeshError, SolveError
+        If finite elements are asked for, and a throw cannot be meshed or solved.
 
     Notes
     -----
@@ -193,18 +224,40 @@ def engine_strength(
         )
     known = mechanism_of(file) if mechanism is None else mechanism
     loads = shaft_loads(vibration, known)
+    by_elements = section.factors == "finite elements"
+    if stresses is None:
+        stresses = engine_stresses(file) if by_elements else {}
     throws = []
     for place, supported in enumerate(supported_throws(file, mechanism=known)):
         throw = file.crank_throws[place]
         fit = shrink_fit(throw, section, loads.passed_on[place], file.material.youngs_modulus)
-        webs = throw_webs(throw, section)
-        throws.append(_throw(place + 1, file, section, webs, supported, loads, fit))
-    remarks = _remarks(vibration, section, loads, throws)
-    return EngineStrength(tuple(throws), tuple(remarks))
+        webs, own = throw_webs(throw, section), stresses.get(file.throw_names[place])
+        elements = {} if own is None else element_factors(own, webs)
+        throws.append(_throw(place + 1, file, section, webs, elements, supported, loads, fit))
+    remarks = strength_remarks(
+        vibration,
+        section,
+        loads,
+        [own.web for throw in throws for own in throw.webs],
+        [own.web for throw in throws for own in throw.factors.values()],
+        [own for throw in throws for own in throw.elements.values()],
+    )
+    return EngineStrength(tuple(throws), tuple(remarks), by_elements)
 
 
-def _named(throws: Sequence[int]) -> str:
-    return f"throw{'s' if len(throws) > 1 else ''} {', '.join(map(str, throws))}"
+def _of_throws(said: Iterable[tuple[int, str]]) -> tuple[str, ...]:
+    """Put the throws of which the same is said before it."""
+    found: dict[str, list[int]] = {}
+    for number, text in said:
+        found.setdefault(text, []).append(number)
+    return tuple(
+        f"throw{'s' if len(throws) > 1 else ''} {', '.join(map(str, throws))}{text}"
+        for text, throws in found.items()
+    )
+
+
+def _more(one: float, other: float) -> str:
+    return f"{100.0 * (other / one - 1.0):.2g} %"
 
 
 def _shrunk(own: ThrowWeb) -> str:
@@ -228,6 +281,7 @@ def _throw(
     file: EngineFile,
     section: StrengthSection,
     webs: tuple[ThrowWeb, ...],
+    elements: dict[str, ElementFactors],
     supported: SupportedThrow,
     loads: ShaftLoads,
     fit: ShrinkFit | None,
@@ -240,12 +294,18 @@ def _throw(
     found: dict[str, list[PlaceStrength]] = {place: [] for place in PLACES}
     known: dict[str, ConcentrationFactors] = {}
     for own in webs:
+        factors: ConcentrationFactors | ElementFactors | None = elements.get(own.name)
         try:
-            factors = ConcentrationFactors(own.web, section.coefficients)
+            known[own.name] = ConcentrationFactors(own.web, section.coefficients)
         except InputError as error:
-            left_out.append(f", {own.name}: {error}{_shrunk(own)}")
+            if section.factors == "formulas":
+                left_out.append(f", {own.name}: {error}{_shrunk(own)}")
+                continue
+        if section.factors == "formulas":
+            factors = known[own.name]
+        if factors is None:
+            left_out.append(f", {own.name}: no stresses by finite elements were calculated.")
             continue
-        known[own.name] = factors
         nominal = web_stresses(supported, own.web, own.middle, strokes=file.engine.strokes)
         acting = {"pin fillet": nominal}
         if not own.web.semi_built:
@@ -259,9 +319,9 @@ def _throw(
                 0.0,
             )
         for place, stresses in acting.items():
-            case = _Case(number, place, own, factors, *stresses, torque.value, axial)
+            case = JudgedCase(number, place, own, factors, *stresses, torque.value, axial)
             try:
-                found[place] += _judged(case, section)
+                found[place] += judged_places(case, section)
             except InputError as error:
                 left_out.append(f", {own.name}, {place}: {error}")
     least = [
@@ -269,131 +329,4 @@ def _throw(
         for each in found.values()
         if each
     ]
-    return ThrowStrength(number, webs, known, tuple(least), torque, fit, tuple(left_out))
-
-
-@dataclass(frozen=True)
-class _Case:
-    """A place beside a web, with what acts there: nominal stresses [Pa], torque [N m], axial force [N]."""
-
-    throw: int
-    place: str
-    own: ThrowWeb
-    factors: ConcentrationFactors
-    bending: float
-    shear: float
-    torque: float
-    axial: float | None
-
-
-def _judged(case: _Case, section: StrengthSection) -> Iterator[PlaceStrength]:
-    """Return the place at its surface, and of a hardened one at the transition below too."""
-    web, place = case.own.web, case.place
-    on_bending, on_shear, on_torsion = case.factors.at(place)
-    sizes = web.pin_diameter, web.pin_bore
-    if place == "journal fillet":
-        sizes = web.journal_diameter, web.journal_bore
-    torsion = case.torque / float(section_modulus("torsional", *sizes))
-    added = 0.0
-    if place != "oil hole":
-        of_axial = None
-        if case.axial is not None:
-            # The force bends the web most at the pin's axis.
-            moment = case.axial * web.crank_radius
-            of_axial = on_bending * moment / web.bending_modulus
-        added = added_bending(section.piston, of_axial)
-    factor = MANUFACTURE[section.manufacture][place == "oil hole"]
-    strength = fatigue_strength(section.tensile_strength, *web.place_radius(place), factor)
-    layers = [(0.0, on_bending, on_torsion, strength)]
-    hardened = section.hardening
-    if hardened is not None and place in hardened.places:
-        treatment = hardened.treatment()
-        depth = treatment.transition
-        layers = [
-            (0.0, on_bending, on_torsion, treatment.surface_strength),
-            (
-                depth,
-                *factors_below(case.factors, place, depth),
-                treatment.transition_strength(strength),
-            ),
-        ]
-    for depth, of_bending, of_torsion, bears in layers:
-        local = of_bending * case.bending + on_shear * case.shear
-        equivalent = (
-            hole_equivalent(local, of_torsion * torsion)
-            if place == "oil hole"
-            else fillet_equivalent(local, of_torsion * torsion, added)
-        )
-        yield PlaceStrength(
-            throw=case.throw,
-            place=place,
-            web="" if place == "oil hole" else case.own.name,
-            depth=depth,
-            nominal_bending=case.bending,
-            nominal_shear=case.shear,
-            nominal_torsion=torsion,
-            bending=local,
-            torsion=of_torsion * torsion,
-            added=added,
-            equivalent=equivalent,
-            strength=bears,
-        )
-
-
-def _remarks(
-    vibration: EngineVibration,
-    section: StrengthSection,
-    loads: ShaftLoads,
-    throws: Sequence[ThrowStrength],
-) -> Iterator[str]:
-    """Say what was assumed, a sentence each."""
-    file = vibration.engine_file
-    engine, asked = file.engine, HIGHEST_ORDER[file.engine.strokes]
-    yield (
-        f"bending is that of the rods' forces at rated speed, {RPM * engine.rated_speed:.4g} 1/min, each "
-        "throw supported by itself"
-    )
-    left_out = ", ".join(shown_range(*one) for one in loads.barred)
-    yield (
-        f"torsion is the largest from {shown_range(engine.lowest_speed, engine.highest_speed)}"
-        f"{f' without {left_out}, which the verdict bars' if left_out else ''}, orders up to "
-        f"{min(asked, file.vibration.highest_order):g} summed over the cycle, "
-        f"{'in normal firing and while cylinders misfire' if loads.misfiring else 'in normal firing'}"
-    )
-    if not loads.misfiring:
-        yield f"{vibration.misfiring_note or 'misfiring is not calculated'}; the rule asks for it"
-    if file.vibration.highest_order < asked:
-        yield (
-            f"the rule asks for orders up to {asked:g}: those above {file.vibration.highest_order:g} are not "
-            "calculated (vibration.highest_order)"
-        )
-    if section.axial_vibration == "calculated":
-        yield (
-            "the calculated axial force bends the web with the crank radius as lever, its largest; that "
-            "stands in place of the rule's 20 MPa"
-        )
-    if section.oil_hole_diameter is not None and section.oil_hole_angle is None:
-        yield "the oil hole's outlet is taken where the pin's bending stress is largest"
-    if any(throw.pin_bore_offset or throw.main_journal_bore_offset for throw in file.crank_throws):
-        yield "bores that lie aside of their journals' axes are taken as if they were in the middle"
-    if any(web.slopes for throw in file.crank_throws for web in throw.parts.webs):
-        yield "webs that get thinner to their ends are taken with their full thickness"
-    webs = [own.web for throw in throws for own in throw.webs]
-    if any(web.overlap < 0.0 for web in webs):
-        yield (
-            "pin and journal do not overlap: the web is taken at the middle of its thickness, where the rule "
-            "has a figure of its own that was not at hand"
-        )
-    changes = dict.fromkeys(
-        f"{name} {100.0 * one:+.2g} %"
-        for throw in throws
-        for own in throw.factors.values()
-        for name, one in coefficient_differences(own.web).items()
-    )
-    if changes:
-        (cubic, square), (other_cubic, other_square) = (DOUBTFUL[one] for one in COEFFICIENTS)
-        yield (
-            f"two coefficients are doubtful, the {section.coefficients} ones are used: {other_cubic:g} in "
-            f"place of the printed {cubic:g}, and {other_square:g} of {square:g}, change {', '.join(changes)}"
-        )
-    yield "the formulas are read from one text of the rule; no second text confirms their coefficients"
+    return ThrowStrength(number, webs, known, elements, tuple(least), torque, fit, tuple(left_out))

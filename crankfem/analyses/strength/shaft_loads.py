@@ -4,6 +4,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
 import numpy as np
+from numpy.typing import NDArray
 
 from crankbase.checks.arrays import FloatArray
 from crankbase.summaries import summarized
@@ -86,16 +87,11 @@ def shaft_loads(vibration: EngineVibration, mechanism: MechanismFile) -> ShaftLo
     Orders up to 15 (two-stroke) and 12 (four-stroke) are summed over the cycle. A throw has the larger
     torque of the shaft's elements on its two sides.
     """
-    file, forced = vibration.engine_file, vibration.forced_torsional
+    forced = vibration.forced_torsional
     assert forced is not None
-    assert vibration.assessment is not None  # of an engine with gas pressure
-    barred = tuple(vibration.assessment.verdict.ranges_to_bar)
+    kept, barred = judged_speeds(vibration)
     speeds = forced.response.speeds
-    kept = within(speeds, file.engine.lowest_speed, file.engine.highest_speed)
-    for low, high in barred:
-        kept &= (speeds <= low) | (speeds >= high)
-    chains = EngineChains.of(file, vibration.axial, vibration.torsional, vibration.shaft)
-    largest = dict(_cases(vibration, chains, mechanism, speeds[kept]))
+    largest = dict(_cases(vibration, mechanism, speeds[kept]))
     normal, axial = largest.pop(())
     mean = np.abs(forced.forces.mean_torque[kept])[:, np.newaxis]
     worst: list[LargestLoad] = []
@@ -116,20 +112,43 @@ def shaft_loads(vibration: EngineVibration, mechanism: MechanismFile) -> ShaftLo
     )
 
 
+def judged_speeds(
+    vibration: EngineVibration,
+) -> tuple[NDArray[np.bool_], tuple[tuple[float, float], ...]]:
+    """Return which speeds of the forced vibration are running ones that are not barred, and the ranges."""
+    file, forced = vibration.engine_file, vibration.forced_torsional
+    assert forced is not None
+    assert vibration.assessment is not None  # of an engine with gas pressure
+    barred = tuple(vibration.assessment.verdict.ranges_to_bar)
+    speeds = forced.response.speeds
+    kept = within(speeds, file.engine.lowest_speed, file.engine.highest_speed)
+    for low, high in barred:
+        kept &= (speeds <= low) | (speeds >= high)
+    return kept, barred
+
+
+def superposition(vibration: EngineVibration, mechanism: MechanismFile) -> Superposition:
+    """Return what adds up torques and axial forces of throws in normal firing and misfiring."""
+    file = vibration.engine_file
+    chains = EngineChains.of(file, vibration.axial, vibration.torsional, vibration.shaft)
+    firing = engine_harmonics(file, mechanism)
+    failing = firing
+    if vibration.misfiring is not None:
+        failing = failing_harmonics(file, mechanism, firing)
+    return Superposition(chains, firing, failing, _loads)
+
+
 def _cases(
-    vibration: EngineVibration, chains: EngineChains, mechanism: MechanismFile, speeds: FloatArray
+    vibration: EngineVibration, mechanism: MechanismFile, speeds: FloatArray
 ) -> Iterator[tuple[Cylinders, tuple[FloatArray, FloatArray]]]:
     """Return amplitudes of torque and axial force of each throw (S, n) in normal firing and each case."""
-    file = vibration.engine_file
-    firing = engine_harmonics(file, mechanism)
-    failing, cases = firing, list[Cylinders]()
-    if vibration.misfiring is not None:
-        failing, cases = failing_harmonics(file, mechanism, firing), [*misfiring_cases(file)]
-    for case, series in Superposition(chains, firing, failing, _loads).at(speeds, [(), *cases]):
+    file, added = vibration.engine_file, superposition(vibration, mechanism)
+    cases = () if vibration.misfiring is None else misfiring_cases(file)
+    for case, series in added.at(speeds, [(), *cases]):
         yield (
             case,
             (
-                _beside_throws(_amplitude(file, series["torsional"]), chains.cranks),
+                _beside_throws(_amplitude(file, series["torsional"]), added.chains.cranks),
                 _amplitude(file, series["axial"]),
             ),
         )

@@ -1,6 +1,6 @@
 """Strength of a crankshaft as plain numbers in SI units, and the tables made from them."""
 
-from dataclasses import asdict
+from dataclasses import asdict, fields
 
 from crankbase.errors import InputError
 from crankbase.tables.output_units import SI, OutputUnits
@@ -8,16 +8,20 @@ from crankbase.tables.table import Column, Table
 from crankbase.units.number_formats import UNBOUNDED
 from crankbase.units.units import RPM
 from crankfem.analyses.record import Record, attributes, plain
-from crankfem.analyses.strength.engine_strength import EngineStrength, ThrowStrength
+from crankfem.analyses.strength.engine_strength import EQUAL, EngineStrength, ThrowStrength
 from dynamics.strength.concentration import FACTORS, ConcentrationFactors
 from dynamics.strength.crank_web import RANGES
+from dynamics.strength.element_factors import SYMBOLS, ElementFactors
 from dynamics.strength.fatigue import REQUIRED
 
 
 def strength_record(found: EngineStrength) -> Record:
     """Return what is told of a crankshaft's strength; null where an equivalent stress is unbounded."""
     return {
-        **attributes(found, "sentence", "passed", "source", "left_out", "remarks"),
+        **attributes(
+            found, "sentence", "passed", "source", "left_out", "unsafe", "warning", "by_elements"
+        ),
+        "remarks": list(found.remarks),
         "required_factor": REQUIRED,
         "throws": [_throw(own) for own in found.throws],
     }
@@ -33,7 +37,10 @@ def _throw(own: ThrowStrength) -> Record:
         "places": [
             plain(asdict(one) | attributes(one, "acceptability", "passed")) for one in own.places
         ],
-        "webs": {name: _factors(factors) for name, factors in own.factors.items()},
+        "webs": {
+            name: _factors(own.factors.get(name), own.elements.get(name))
+            for name in dict.fromkeys([*own.factors, *own.elements])
+        },
         "shrink_fit": None
         if fit is None
         else asdict(fit)
@@ -42,14 +49,21 @@ def _throw(own: ThrowStrength) -> Record:
     }
 
 
-def _factors(factors: ConcentrationFactors) -> Record:
-    """Return ratios and factors of a web; None for factors that the rule has not."""
-    found: Record = {"ratios": {name: factors.web.ratio(name) for name in RANGES}, "factors": {}}
-    for name in FACTORS:
+def _factors(formulas: ConcentrationFactors | None, elements: ElementFactors | None) -> Record:
+    """Return ratios and factors of a web; None for factors that the rule, or the mesh, has not."""
+    known = formulas or elements
+    assert known is not None
+    found: Record = {name: known.web.ratio(name) for name in RANGES}
+    found = {"ratios": found, "factors": dict.fromkeys(FACTORS), "finite_elements": None}
+    for name in FACTORS if formulas else ():
         try:
-            found["factors"][name] = getattr(factors, name)
+            found["factors"][name] = getattr(formulas, name)
         except InputError:
             found["factors"][name] = None
+    if elements is not None:
+        found["finite_elements"] = {
+            one.name: getattr(elements, one.name) for one in fields(elements) if one.name != "web"
+        }
     return found
 
 
@@ -109,21 +123,32 @@ def torque_table(record: Record) -> Table:
 
 def factor_table(record: Record) -> Table:
     """Return the factors of stress concentration of each web, those of equal webs once."""
-    rows: dict[tuple[float | None, ...], list[str]] = {}
+    rows: dict[tuple[str, tuple[float | None, ...]], list[str]] = {}
     for throw in record["throws"]:
         for name, own in throw["webs"].items():
-            values = tuple(own["factors"][one] for one in FACTORS)
-            rows.setdefault(values, []).append(f"{throw['throw']} {name.removesuffix(' web')}")
+            for way, key in (("formulas", "factors"), ("finite elements", "finite_elements")):
+                if own.get(key) is not None:
+                    values = tuple(
+                        None if own[key][one] is None else round(own[key][one], EQUAL)
+                        for one in FACTORS
+                    )
+                    web = f"{throw['throw']} {name.removesuffix(' web')}"
+                    rows.setdefault((way, values), []).append(web)
+    ways = [way for way, _ in rows]
+    both = len(set(ways)) > 1
     return Table(
         "Factors of stress concentration",
         [
             Column("webs", words=True),
-            *(Column(_symbol(name), decimals=3) for name in FACTORS),
+            *([Column("by", words=True)] if both else []),
+            *(Column(symbol, decimals=3) for symbol in SYMBOLS.values()),
         ],
-        [["all" if len(rows) == 1 else ", ".join(webs), *values] for values, webs in rows.items()],
+        [
+            [
+                "all" if ways.count(way) == 1 else ", ".join(webs),
+                *([way] if both else []),
+                *values,
+            ]
+            for (way, values), webs in rows.items()
+        ],
     )
-
-
-def _symbol(name: str) -> str:
-    greek, kind = name.split("_")
-    return f"{greek}_{ {'bending': 'B', 'shear': 'Q', 'torsion': 'T'}[kind] }"

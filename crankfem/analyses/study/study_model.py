@@ -8,6 +8,7 @@ import numpy as np
 
 from crankfem.analyses.provenance import program_version
 from crankfem.analyses.study.response_fits import ResponseFits
+from fem.section_motions import SHARED
 from regression.fits.columns import constant_groups
 from regression.fits.fits import Fit
 from regression.models.compliance_model import ComplianceModel
@@ -70,6 +71,7 @@ def compliance_model(
             **{name: package_version(name) for name in ("gmsh", "scikit-fem")},
             "date": datetime.date.today().isoformat(),
             "design": plan.design.kind,
+            "end_sections": f"rigid; between neighbors polynomials of degree {SHARED}",
             "runs": int(np.sum(~table.held_out)),
             "held_out": int(np.sum(table.held_out)),
             "largest_fe_error_estimate": max(

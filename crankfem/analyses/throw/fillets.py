@@ -22,7 +22,7 @@ KINDS_SHOWN = ("radial", "torsion")
 
 
 def stresses_or_reason(
-    throw: CrankThrow, material: Material
+    throw: CrankThrow, material: Material, mesh: fillet_stress.FilletMesh = "adaptive"
 ) -> tuple[FilletStresses | None, str | None]:
     """Compute the stresses at a throw's fillets; a throw for which they cannot be had loses nothing else.
 
@@ -30,6 +30,8 @@ def stresses_or_reason(
     ----------
     throw : CrankThrow
     material : Material
+    mesh : {"adaptive", "m53"}
+        See `fem.fillet_stress.fillet_stresses`.
 
     Returns
     -------
@@ -38,7 +40,7 @@ def stresses_or_reason(
         Why there are none.
     """
     try:
-        return fillet_stress.fillet_stresses(throw, material, ACCURACY), None
+        return fillet_stress.fillet_stresses(throw, material, ACCURACY, mesh=mesh), None
     except (InputError, MeshError, SolveError) as error:
         return None, str(error)
 
@@ -62,6 +64,7 @@ def of_loads(stresses: FilletStresses, kept: Sequence[int]) -> FilletStresses:
     return replace(
         stresses,
         peaks=tuple(peak for peak in stresses.peaks if peak.load in loads),
+        hole_peaks=tuple(peak for peak in stresses.hole_peaks if peak.load in loads),
         loaded=replace(
             loaded,
             loads=loads,

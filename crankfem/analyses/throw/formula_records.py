@@ -3,6 +3,7 @@
 from collections.abc import Mapping, Sequence
 
 from crankfem.analyses.record import Record, attributes
+from crankfem.analyses.throw.law_record import LAW, law_record
 from fem.angle_law import is_symmetric
 from fem.material import Material
 from fem.supports import Neighbors
@@ -19,7 +20,7 @@ def formula_records(
     gamma_deg: float = 180.0,
     variant: str = "corrected",
     constants: Mapping[str, float] | None = None,
-) -> dict[str, list[Record]]:
+) -> Record:
     """Values of all published formulas for a throw.
 
     Parameters
@@ -32,8 +33,9 @@ def formula_records(
     Returns
     -------
     dict
-        "axial" [m/N] and "torsional" [rad/(N m)]: a record for each formula; "left_out": axial
-        formulas without a value in a printed reading, with the reason.
+        "axial" [m/N] and "torsional" [rad/(N m)]: a record for each formula; "law": `law_answers`
+        at that angle, None where it says nothing of the throw; "left_out": axial formulas without a value in
+        a printed reading, and the law without answers, with the reason.
 
     Raises
     ------
@@ -52,9 +54,13 @@ def formula_records(
         throw, youngs_modulus=material.youngs_modulus, poisson_ratio=material.poisson_ratio
     )
     faults = axial_formula_faults(throw, variant) if variant in ("printed", "corrected") else {}
+    law = law_record(throw, material, gamma_deg)
+    if law["answers"] is None:
+        faults |= {LAW: f"the law, {law['reason'].rstrip('.')}"}
     return {
         "axial": _records(axial),
         "torsional": _records(torsional),
+        "law": law["answers"],
         "left_out": [{"name": name, "reason": reason} for name, reason in faults.items()],
     }
 

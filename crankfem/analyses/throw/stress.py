@@ -3,6 +3,7 @@
 from crankbase.tables.output_units import SI, OutputUnit, OutputUnits
 from crankbase.tables.table import Column, Table
 from crankfem.analyses.record import Record, attributes
+from crankfem.analyses.throw.throw_record import given_dimensions
 from fem.fillet_peaks import FilletPeak, FilletStresses, OilHolePeak
 
 # Stresses are printed for loads of 1 kN and 1 kN m, or of so many of the user's own units.
@@ -13,7 +14,7 @@ def stress_record(stresses: FilletStresses) -> Record:
     """Plain content of the stresses at a throw's fillets and oil holes, in SI units."""
     mesh = stresses.loaded.mesh
     return {
-        "dimensions": stresses.throw.model_dump(mode="json"),
+        "dimensions": given_dimensions(stresses.throw),
         "material": stresses.loaded.material.model_dump(),
         "support": "pinned",
         "end_sections": stresses.loaded.end_sections,
@@ -41,6 +42,12 @@ def stress_record(stresses: FilletStresses) -> Record:
         ],
         **attributes(stresses, "sharp_corners", "error_estimate", "accuracy", "accuracy_met"),
         "elements_across_fillets": stresses.fineness,
+        "mesh": stresses.mesh,
+        "meshings": [
+            attributes(found, "fillet", "size", "size_share", "layers", "across_web", "met")
+            for found in stresses.meshings
+        ],
+        "rule_met": stresses.rule_met,
         "unknowns": mesh.unknowns,
         "solved_part": mesh.part,
         "mended_elements": mesh.mended_elements,
@@ -51,11 +58,15 @@ def stress_record(stresses: FilletStresses) -> Record:
 
 
 def _peak_record(peak: FilletPeak | OilHolePeak) -> Record:
-    return attributes(
-        peak,
-        *("principal", "principal_place", "principals", "von_mises", "von_mises_place"),
-        *("nominal", "factor", "von_mises_factor", "error_estimate"),
-    )
+    return {
+        **attributes(
+            peak,
+            *("principal", "principal_place", "principals", "von_mises", "von_mises_place"),
+            *("shear", "shear_place", "nominal", "factor", "von_mises_factor", "shear_factor"),
+            *("rule_factor", "error_estimate"),
+        ),
+        "quality": attributes(peak.quality, "normal_share", "spread", "met"),
+    }
 
 
 def stress_tables(record: Record, units: OutputUnits = SI) -> list[Table]:
@@ -66,6 +77,7 @@ def stress_tables(record: Record, units: OutputUnits = SI) -> list[Table]:
         fillets, holes = load["fillets"], load.get("oil_holes", [])
         shown = fillets[: len(fillets) // 2] if mirrored(record) else fillets
         stress = _stress_per_load(load["unit"], units)
+        by_rule = any(peak.get("rule_factor") is not None for peak in (*shown, *holes))
         tables.append(
             Table(
                 f"{load['load'].capitalize()}: largest stresses at fillets"
@@ -74,15 +86,17 @@ def stress_tables(record: Record, units: OutputUnits = SI) -> list[Table]:
                     Column("fillet or exit" if holes else "fillet", words=True),
                     *(
                         Column(name, stress, bare=True)
-                        for name in ("principal", "von Mises", "nominal")
+                        for name in ("principal", "Mises", "nominal")
                     ),
                     Column("factor", decimals=2),
+                    *([Column("M53", decimals=2)] if by_rule else []),
                     Column("principal at x y z", length),
                 ],
                 [
                     [
                         (peak.get("fillet") or peak["exit"]).replace("main journal", "journal"),
                         *(peak[name] for name in ("principal", "von_mises", "nominal", "factor")),
+                        *([peak.get("rule_factor")] if by_rule else []),
                         _place(peak["principal_place"], length),
                     ]
                     for peak in (*shown, *holes)

@@ -56,6 +56,7 @@ def throw_record(
                 "torsional_compliance": error.torsional,
                 "influence_coefficient": error.influence,
             },
+            "section_errors": _section_errors(analysis, support),
             "axial_force_per_radial": answer.influence / answer.axial,
             "axial_force": float(answer.stretches[0] @ acting) / answer.axial,
             "reactions": {
@@ -64,7 +65,7 @@ def throw_record(
             },
         }
     return {
-        "dimensions": _dimensions(analysis.throw),
+        "dimensions": given_dimensions(analysis.throw),
         "material": analysis.material.model_dump(),
         "supports": supports,
         "radial_force": -acting[1],
@@ -80,12 +81,25 @@ def throw_record(
         ),
         **attributes(analysis, "error_estimate", "accuracy", "accuracy_met", "solver", "seconds"),
         "corrected": analysis.corrected,
+        **attributes(analysis, "sections", "section_error"),
         "axial_correction": axial_correction(analysis.superelement, analysis.discrete.superelement),
         "unknowns": mesh.unknowns,
         "model": f"{mesh.part}, second-order tetrahedra, end sections {analysis.end_sections}",
         "remarks": [*analysis.throw.remarks, *([] if analysis.corrected else [NOT_CORRECTED])],
         "meshing_attempts": list(mesh.attempts),
         "mended_elements": mesh.mended_elements,
+    }
+
+
+def _section_errors(analysis: ThrowAnalysis, support: Support) -> Record | None:
+    """What rigid sections leave out of compliances; None where sections bend, or are known as rigid alone."""
+    if isinstance(support, Neighbors) or analysis.sections == "rigid":
+        return None
+    found = analysis.section_errors(support)
+    return {
+        "axial_compliance": found.axial,
+        "torsional_compliance": found.torsional,
+        "influence_coefficient": found.influence,
     }
 
 
@@ -123,7 +137,7 @@ def mode_records(modes: ThrowModes) -> list[Record]:
     ]
 
 
-def _dimensions(throw: Throw) -> Record:
+def given_dimensions(throw: Throw) -> Record:
     """What was given: fields in SI units, or the file of a CAD part with what was found in it."""
     if isinstance(throw, CrankThrow):
         return throw.model_dump(mode="json")

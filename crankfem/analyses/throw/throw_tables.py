@@ -38,6 +38,21 @@ def support_table(record: Record) -> Table:
     )
 
 
+def section_sentence(record: Record) -> str:
+    """Say what rigid sections leave out of the axial compliance of a `throw_record`; nothing if unknown."""
+    shares = [
+        f"{percent(own['section_errors']['axial_compliance'] / own['axial_compliance'])} % of e_n {name}"
+        for name, own in record["supports"].items()
+        if own.get("section_errors")
+    ]
+    if not shares:
+        return ""
+    return (
+        f"Beside equal throws, where end sections move as polynomials of degree {record['sections']}, the "
+        f"throw is softer: rigid end sections leave out {' and '.join(shares)}."
+    )
+
+
 def loaded_table(record: Record, units: OutputUnits = SI) -> Table:
     """Return the compliances of a throw with the axial force P of the force on its pin beside them."""
     table = support_table(record)

@@ -164,5 +164,6 @@ def _sections(engine_file: EngineFile, chain: EngineChain) -> dict[int, float]:
     for element in range(crank_element_count(chain)):
         ends = chain.chain.connections[element]
         own = [moduli[chain.throw_nodes.index(node)] for node in ends if node in chain.throw_nodes]
-        found[element] = min(own)
+        if own:  # of a plant, parts before the first crank have no section that is known
+            found[element] = min(own)
     return found

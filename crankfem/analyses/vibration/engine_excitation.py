@@ -47,7 +47,9 @@ SAME_SPEED = 1e-9
 Frequencies = Sequence[float] | NDArray[np.float64]
 
 
-def engine_harmonics(engine_file: EngineFile, mechanism: MechanismFile) -> CylinderHarmonics:
+def engine_harmonics(
+    engine_file: EngineFile, mechanism: MechanismFile, above_rated: float = ABOVE_RATED
+) -> CylinderHarmonics:
     """Harmonics of the pin forces of an engine's cylinders, up to the file's highest order.
 
     Parameters
@@ -56,13 +58,16 @@ def engine_harmonics(engine_file: EngineFile, mechanism: MechanismFile) -> Cylin
         Its load, or its pressure map, says what the pressure is at each speed; full load without either.
     mechanism : MechanismFile
         With gas pressure.
+    above_rated : float, optional
+        As of `calculated_range`.
 
     Raises
     ------
     InputError
         If a pressure cannot be read, or its samples do not resolve the highest order.
     """
-    pressure = pressure_over_speeds(engine_file, mechanism, calculated_range(engine_file))
+    speed_range = calculated_range(engine_file, above_rated)
+    pressure = pressure_over_speeds(engine_file, mechanism, speed_range)
     return cylinder_harmonics(
         mechanism.layout,
         engine_orders(engine_file.engine.strokes, engine_file.vibration.highest_order),
@@ -72,7 +77,10 @@ def engine_harmonics(engine_file: EngineFile, mechanism: MechanismFile) -> Cylin
 
 
 def failing_harmonics(
-    engine_file: EngineFile, mechanism: MechanismFile, firing: CylinderHarmonics
+    engine_file: EngineFile,
+    mechanism: MechanismFile,
+    firing: CylinderHarmonics,
+    above_rated: float = ABOVE_RATED,
 ) -> CylinderHarmonics:
     """Harmonics of the pin forces of cylinders in which nothing burns.
 
@@ -83,6 +91,8 @@ def failing_harmonics(
     mechanism : MechanismFile
     firing : CylinderHarmonics
         From `engine_harmonics`.
+    above_rated : float, optional
+        As of `calculated_range`.
 
     Raises
     ------
@@ -103,7 +113,7 @@ def failing_harmonics(
     motored = (
         motored_for_misfire(engine_file.gas, mechanism.layout, mechanism.pressure)
         if full_load_only(mechanism)
-        else pressure_maps(mechanism, calculated_range(engine_file), motored=True)
+        else pressure_maps(mechanism, calculated_range(engine_file, above_rated), motored=True)
     )
     return cylinder_harmonics(mechanism.layout, firing.orders, motored, throws=mechanism.throws)
 
@@ -113,6 +123,7 @@ def calculated_speeds(
     orders: NDArray[np.float64],
     chains: Sequence[DampedChain],
     further: Frequencies = (),
+    above_rated: float = ABOVE_RATED,
 ) -> NDArray[np.float64]:
     """Return speeds among which no resonance is missed, and where limits bend and judging ends.
 
@@ -123,6 +134,8 @@ def calculated_speeds(
     chains : sequence of DampedChain
     further : (m,) array, optional
         Natural frequencies of what else vibrates [Hz].
+    above_rated : float, optional
+        As of `calculated_range`.
 
     Returns
     -------
@@ -131,7 +144,7 @@ def calculated_speeds(
         the pressure map or the load's points if there are any [rad/s].
     """
     ratios = [np.maximum(own.system.damping_ratios(), 1e-4) for own in chains]
-    low, high = calculated_range(engine_file)
+    low, high = calculated_range(engine_file, above_rated)
     speeds = refined_speeds(
         np.concatenate([*(own.system.elastic_frequencies for own in chains), further]),
         np.concatenate([*ratios, np.full(len(further), 0.5 / DEFAULT_MAGNIFIER)]),
@@ -314,11 +327,20 @@ def compared_axial_forces(
     )
 
 
-def calculated_range(engine_file: EngineFile) -> tuple[float, float]:
-    """From half the lowest running speed to above the highest one, within the pressure map."""
+def calculated_range(
+    engine_file: EngineFile, above_rated: float = ABOVE_RATED
+) -> tuple[float, float]:
+    """From half the lowest running speed to above the highest one, within the pressure map.
+
+    Parameters
+    ----------
+    engine_file : EngineFile
+    above_rated : float, optional
+        The share of the rated speed that is reached at least where no map or points end before.
+    """
     engine = engine_file.engine
     low = BELOW * engine.lowest_speed
-    high = max(ABOVE_HIGHEST * engine.highest_speed, ABOVE_RATED * engine.rated_speed)
+    high = max(ABOVE_HIGHEST * engine.highest_speed, above_rated * engine.rated_speed)
     told = engine_file.gas_map or engine_file.load
     if told is not None and told.points:
         taken = [point.speed for point in told.points]

@@ -250,11 +250,12 @@ def check_limited_elements(limits: LimitsInput, elements: Sequence[str]) -> None
     ------
     InputError
     """
-    if limits.coupling_torque is not None and COUPLING not in elements:
-        raise InputError(
-            "limits.coupling_torque: given without the section [driven]; allowed are both, because the "
-            "coupling joins the driven machine."
-        )
+    for name in ("coupling_torque", "coupling_heat"):
+        if getattr(limits, name) is not None and COUPLING not in elements:
+            raise InputError(
+                f"limits.{name}: given without the section [driven]; allowed are both, because the "
+                "coupling joins the driven machine."
+            )
     for place, shaft in enumerate(limits.shafts):
         if shaft.element not in elements:
             raise InputError(

@@ -40,6 +40,8 @@ from dynamics.response.series import OrderSeries
 from dynamics.running_limits import within
 
 STRESS = "crankshaft_stress"
+# What adds up of the forces of cylinders.
+SUMMED = ("tangential", "radial", "mean_tangential", "mean_radial")
 # By the key of `compared_quantities`.
 Series = dict[str, OrderSeries]
 Found = dict[str, dict[Cylinders, Reached]]
@@ -186,18 +188,32 @@ class Superposition:
     ) -> Iterator[tuple[Cylinders, Series]]:
         """Return the series in each case; without a failing cylinder firing is normal."""
         file = self.chains.engine_file
-        share = 1.0 if file.misfire is None else file.misfire.missing_share
         forces = forces_over_speeds(file, self.firing, speeds)
-        # There is no load to ask for: where nothing burns a single diagram serves, or none.
-        cold = forces_at_speeds(self.failing, speeds)
         normal = self.series(file, *self.chains.answers(forces))
         for case in cases:
             if not case:
                 yield case, normal
                 continue
-            missing = _difference(forces, cold, case, share)
+            missing = self._missing(forces, case)
             change = self.series(file, *self.chains.answers(missing, propeller=False))
             yield case, {key: _sum(normal[key], own) for key, own in change.items()}
+
+    def forces(self, speeds: FloatArray, case: Cylinders) -> CylinderForces:
+        """Return the forces of all cylinders at speeds [rad/s] in a case."""
+        firing = forces_over_speeds(self.chains.engine_file, self.firing, speeds)
+        if not case:
+            return firing
+        missing = self._missing(firing, case)
+        return replace(
+            firing, **{name: getattr(firing, name) + getattr(missing, name) for name in SUMMED}
+        )
+
+    def _missing(self, forces: CylinderForces, case: Cylinders) -> CylinderForces:
+        """Return what the missing combustion of some cylinders changes of forces."""
+        given = self.chains.engine_file.misfire
+        # There is no load to ask for: where nothing burns a single diagram serves, or none.
+        cold = forces_at_speeds(self.failing, forces.speeds)
+        return _difference(forces, cold, case, 1.0 if given is None else given.missing_share)
 
 
 def misfiring_cases(engine_file: EngineFile) -> tuple[Cylinders, ...]:
@@ -252,7 +268,7 @@ def _over_speed(
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Return speeds, and the amplitude at a place in normal firing and in one case of misfiring."""
     normal, failing = (
-        _at_place(found[key], place).synthesis.amplitude[:, 0]
+        at_place(found[key], place).synthesis.amplitude[:, 0]
         for _, found in added.at(speeds, [(), case])
     )
     return speeds, normal, failing
@@ -286,7 +302,7 @@ def _refine(added: Superposition, speeds: FloatArray, each: Found) -> None:
         found = dict(added.at(some, cases))
         rows = []
         for key, case in pairs:
-            own = _at_place(found[case][key], best[key, case].place).synthesis.amplitude[:, 0]
+            own = at_place(found[case][key], best[key, case].place).synthesis.amplitude[:, 0]
             factors = weights(quantities[key].while_firing(case), some)
             rows.append(np.where(np.isfinite(own), own * factors, 0.0))
         return np.array(rows)
@@ -306,8 +322,7 @@ def _difference(
     """Return what a share of the combustion that is missing in some cylinders changes."""
     factors = np.zeros(len(firing.throws))
     factors[[number - 1 for number in case]] = share
-    names = ("tangential", "radial", "mean_tangential", "mean_radial")
-    changed = {name: factors * (getattr(cold, name) - getattr(firing, name)) for name in names}
+    changed = {name: factors * (getattr(cold, name) - getattr(firing, name)) for name in SUMMED}
     return replace(firing, **changed)
 
 
@@ -320,6 +335,7 @@ def _sum(one: OrderSeries, other: OrderSeries) -> OrderSeries:
     return replace(one, values=values, unbounded=unbounded)
 
 
-def _at_place(series: OrderSeries, name: str) -> OrderSeries:
+def at_place(series: OrderSeries, name: str) -> OrderSeries:
+    """Return a series of one of its places alone."""
     place = series.names.index(name)
     return replace(series, values=series.values[:, :, [place]], names=(name,))

@@ -20,7 +20,12 @@ from crankfem.analyses.shaft.chains import (
     engine_torsional_chain,
 )
 from crankfem.analyses.shaft.motion import MOTION
-from crankfem.analyses.shaft.sources import Sources, axial_sources, torsional_sources
+from crankfem.analyses.shaft.sources import (
+    GIVEN,
+    Sources,
+    axial_sources,
+    torsional_sources,
+)
 from crankfem.analyses.shaft.throw_analyses import Analyses, crank_analyses
 from crankfem.analyses.titles import short_name
 from crankfem.analyses.vibration.engine_limits import assessment_end_speeds
@@ -296,7 +301,7 @@ def torsional_vibration(
     def chain(compliances: NDArray[np.float64]) -> EngineChain:
         return engine_torsional_chain(engine_file, compliances, inertias)
 
-    wanted = engine_file.vibration.torsional_source
+    wanted = GIVEN if GIVEN in sources else engine_file.vibration.torsional_source
 
     def weights(named: EngineChain, shape: NDArray[np.float64]) -> NDArray[np.float64]:
         return shape[list(named.throw_nodes)][list(engine_file.throws)]

@@ -1,12 +1,18 @@
-"""Compliances from a model."""
+"""Compliances and reactions from a model, or from the law."""
 
+from functools import partial
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
 from crankbase.errors import InputError
 from crankfem.cli.commands import completion
-from crankfem.cli.commands.options import GammaOption, ModelArgument, Output, with_output
+from crankfem.cli.commands.options import (
+    GammaOption,
+    ModelArgument,
+    Output,
+    with_output,
+)
 from crankfem.cli.console import print_json, print_line
 
 if TYPE_CHECKING:
@@ -35,34 +41,66 @@ def lookup(
         ),
     ] = None,
     gamma: GammaOption = None,
+    pin_force: Annotated[
+        str | None,
+        typer.Option(
+            metavar='"0, -100 kN, 0"',
+            help="Tell reactions too, to a force on the pin: x, y, z in the throw's frame, or Z towards the "
+            'shaft ("100 kN").',
+        ),
+    ] = None,
     strict: Annotated[
         bool, typer.Option("--strict", help="Refuse what lies outside the range of the model.")
     ] = False,
     *,
     out: Output,
 ) -> None:
-    """Look compliances up in a model, with range check and error band."""
+    """Look compliances up in a model, or by the law (law in place of MODEL.json), with bands.
+
+    Also reactions to a force on the pin. Example: crankfem lookup law --throw 6chn25-34 --pin-force "100 kN"
+    """
+    from crankfem.analyses.throw.law_record import LAW, law_lookups
     from crankfem.cli.model_arguments import model_dimensions
-    from regression.models.compliance_model import ComplianceModel
+    from crankfem.cli.quantity_list import parse_pin_force
+    from crankfem.cli.tables.reaction_tables import print_reactions, reaction_record
 
-    loaded = ComplianceModel.load(model)
-    asked: dict[str, Any] = {}
-    if throw is not None:
-        from crankfem.cli.throw_choice import select_throw
-
-        asked |= loaded.dimensions_of(select_throw(throw, quiet=out.quiet)[0])
-    asked |= model_dimensions(loaded, dimensions or [])
     angle = None
     if gamma is not None:
         from crankfem.cli.angle_and_speed import parse_gamma
 
         angle = parse_gamma(gamma, out.quiet)
-    answers, refused = _lookups(loaded, asked, angle, strict)
+    force = None if pin_force is None else parse_pin_force(pin_force)
+    refused: dict[str, str] = {}
+    if str(model) == LAW:
+        from crankfem.cli.law_arguments import law_throw
+
+        law = law_lookups(*law_throw(dimensions or [], throw, out.quiet), angle)
+        answers, react = law.answers, law.reactions
+    else:
+        from regression.models.compliance_model import ComplianceModel
+
+        loaded = ComplianceModel.load(model)
+        asked: dict[str, Any] = {}
+        if throw is not None:
+            from crankfem.cli.throw_choice import select_throw
+
+            asked |= loaded.dimensions_of(select_throw(throw, quiet=out.quiet)[0])
+        asked |= model_dimensions(loaded, dimensions or [])
+        answers, refused = _lookups(loaded, asked, angle, strict)
+        react = partial(loaded.reactions, strict=strict, **asked)
+    reactions = None if force is None else reaction_record(react, force, angle)
     if out.json:
         records = {name: _record(answer) for name, answer in answers.items()}
-        print_json(records | {name: {"refused": reason} for name, reason in refused.items()})
+        records |= {name: {"refused": reason} for name, reason in refused.items()}
+        print_json(records if reactions is None else records | {"reactions": reactions})
         return
-    _print_lookups(loaded, answers, angle is not None, out.units)
+    banded = _print_lookups(answers, angle is not None, out.units)
+    if str(model) == LAW:
+        print_line("Bands hold 95 of 100 throws, of rigid end sections.")
+    elif banded:
+        _print_bands(loaded, banded)
+    if reactions is not None:
+        print_reactions(reactions, out.units)
     for name, reason in refused.items():
         print_line(out.units.text(f"{_title(name)}: left out; {reason}"))
 
@@ -114,14 +152,20 @@ def _record(answer: "Lookup") -> dict[str, Any]:
 
 
 def _print_lookups(
-    model: "ComplianceModel",
-    answers: dict[str, "Lookup"],
-    with_angle: bool,
-    units: "OutputUnits",
-) -> None:
-    """Print a line for each response, those that depend on the angle first, then what all share."""
+    answers: dict[str, "Lookup"], with_angle: bool, units: "OutputUnits"
+) -> list[str]:
+    """Print a line for each response, those that depend on the angle first, then what all share.
+
+    Returns
+    -------
+    list of str
+        Names of the equations whose bands were told.
+    """
+    from regression.end_reactions import END_MOMENTS
     from regression.response_kinds import ANGLE_LAWS
 
+    hidden = [name for name in answers if name in END_MOMENTS]
+    answers = {name: answer for name, answer in answers.items() if name not in hidden} or answers
     between = [name for name in answers if with_angle and name in ANGLE_LAWS]
     others = [name for name in answers if name not in between]
     shared = [
@@ -138,9 +182,7 @@ def _print_lookups(
     for remark in shared:
         print_line(units.text(remark))
     banded = [name for name, answer in answers.items() if answer.inside]
-    equations = [part for n in banded for part in (ANGLE_LAWS[n] if n in between else (n,))]
-    if equations:
-        _print_bands(model, equations)
+    return [part for n in banded for part in (ANGLE_LAWS[n] if n in between else (n,))]
 
 
 def _print_lookup(name: str, answer: "Lookup", shared: list[str], units: "OutputUnits") -> None:

@@ -7,6 +7,7 @@ from crankbase.tables.output_units import SI, OutputUnit, OutputUnits
 from crankbase.tables.table import Column, Table
 from crankbase.units.units import RPM
 from crankfem.analyses.record import Record
+from crankfem.analyses.throw.law_record import law_sentence
 from crankfem.cli.console import print_line, print_notes, print_table
 from crankfem.cli.tables.throw_tables import print_shape
 
@@ -32,9 +33,11 @@ def print_check(record: Record, units: OutputUnits = SI) -> None:
         _print_arrangement(record["engine"], record["arrangement"], units)
     for name, own in record.get("throws", {}).items():
         print_shape(own["shape"], units, f"Throw {name}")
+        print_line(law_sentence(own["law"], units))
         _print_dimensions(own["dimensions"], units, f"The throw {name} as understood")
     if record["shape"] is not None and "throws" not in record:
         print_shape(record["shape"], units)
+        print_line(law_sentence(record["law"], units))
         _print_dimensions(record["dimensions"], units)
     print_notes((f"{remark.rstrip('.')}." for remark in record["remarks"]), units)
     print_table(

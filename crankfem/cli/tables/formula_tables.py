@@ -27,6 +27,7 @@ from regression.formulas.published_table import (
 MARKS = ("*", "?")
 # The row of finite elements among those of formulas.
 _ELEMENTS: dict[str, Any] = {"name": "finite elements", "valid": None, "remarks": ()}
+_LAW = _ELEMENTS | {"name": "the law"}
 
 
 def _print_title(text: str) -> None:
@@ -55,6 +56,7 @@ def print_one_throw(
             records[kind],
             left_out,
             None if fe is None else fe[kind],
+            (records.get("law") or {}).get(f"{kind}_compliance"),
             units,
         )
     if fe is not None and fe["angle_law"] is not None:
@@ -71,6 +73,7 @@ def _print_kind(
     records: list[dict[str, Any]],
     left_out: list[dict[str, Any]],
     fe: float | None,
+    law: dict[str, Any] | None,
     units: OutputUnits,
 ) -> None:
     texts = [text for record in records for text in record["remarks"]]
@@ -82,13 +85,14 @@ def _print_kind(
 
     applies = {True: "yes", False: "no", None: ""}
     elements = [] if fe is None else [_ELEMENTS | {"value": fe}]
+    by_law = [] if law is None else [_LAW | {"value": law["value"]}]
     ratio = [(Column("beside FE"), lambda record: f"{record['value'] / fe:.2f}")] if fe else []
     # As a line of its own, because a table breaks its title at its own width.
     _print_title(title)
     print_table(
         Table.of_records(
             "",
-            [*elements, *records],
+            [*elements, *by_law, *records],
             (Column("formula", words=True), "name"),
             (Column(f"value [{unit.name}]"), lambda record: _four_digits(record["value"], unit)),
             *ratio,
@@ -100,6 +104,11 @@ def _print_kind(
         print_line(units.text(f"  {place}. {text}"))
     for record in left_out:
         print_line(units.text(f"  Left out: {record['reason']}."))
+    if law is not None:
+        low, high = (unit.with_name(law[end]) for end in ("lower", "upper"))
+        print_line(
+            f"  The law, fitted to finite elements of rigid end sections, has a band of {low} to {high}."
+        )
     inside = [record["value"] / fe for record in records if record["valid"]] if fe else []
     if len(inside) > 1:
         print_line(

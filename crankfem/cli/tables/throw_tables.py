@@ -7,8 +7,16 @@ from crankbase.tables.table import Column, Table
 from crankfem.analyses.record import Record
 from crankfem.analyses.throw.stress import mirrored, stress_tables
 from crankfem.analyses.throw.throw_record import NOT_CORRECTED
-from crankfem.analyses.throw.throw_tables import loaded_table, reaction_table
+from crankfem.analyses.throw.throw_tables import loaded_table, reaction_table, section_sentence
 from crankfem.cli.console import print_line, print_notes, print_table
+from fem.rule_mesh import (
+    ACROSS_WEB,
+    LARGEST_NORMAL,
+    LARGEST_SIZE,
+    LARGEST_SPREAD,
+    LAYERS,
+    RULE_LOADS,
+)
 
 
 def print_throw(record: Record, units: OutputUnits = SI) -> None:
@@ -29,6 +37,8 @@ def print_throw(record: Record, units: OutputUnits = SI) -> None:
     print_line(
         f"Model: {record['model']}, {record['unknowns']:,} unknowns, solver {record['solver']}{met}."
     )
+    if section_sentence(record):
+        print_line(section_sentence(record))
     if not record.get("corrected", True):
         print_notes([NOT_CORRECTED], units)
 
@@ -86,12 +96,43 @@ def print_stresses(record: Record, units: OutputUnits = SI) -> None:
         print_line(sentence)
 
 
+def _rule_sentences(record: Record) -> list[str]:
+    """What UR M53, Appendix III, asks of mesh and stresses, and what was reached."""
+    meshings = record["meshings"]
+    layers = [max(one["layers"][k] for one in meshings) for k in range(len(LAYERS))]
+    read = [
+        fillet["quality"]
+        for load in record["loads"]
+        if load["kind"] in RULE_LOADS
+        for fillet in load["fillets"]
+    ]
+
+    def told(found: list[Record]) -> str:
+        return "met" if all(one["met"] for one in found) else "not met"
+
+    return [
+        f"Mesh of UR M53, Appendix III, {told(meshings)}: largest element of the fillets "
+        f"{max(one['size_share'] for one in meshings):.2f} of the radius (allowed {LARGEST_SIZE:g}), layers "
+        f"below {', '.join(f'{layer:.1f}' for layer in layers)} quarters of it (1, 2, 3), "
+        f"{min(one['across_web'] for one in meshings):.1f} elements across the web "
+        f"({ACROSS_WEB:.0f} or more).",
+        "Its criteria where stresses are read under torque, bending in the crank plane and radial force, "
+        f"{told(read)}: smallest principal stress up to "
+        f"{100.0 * max(one['normal_share'] for one in read):.1f} % of the largest "
+        f"(below {100.0 * LARGEST_NORMAL:.0f} %), elements within "
+        f"{100.0 * max(one['spread'] for one in read):.1f} % of their mean "
+        f"({100.0 * LARGEST_SPREAD:.0f} %).",
+    ]
+
+
 def _sentences(record: Record) -> list[str]:
     """What the tables leave unsaid."""
     found = [
         f"Ends pinned, end sections {record['end_sections']}. Principal: that of the largest magnitude, "
-        "at the place given; factor: its size divided by the nominal stress, under a torque a shear "
-        "stress."
+        "at the place given; Mises: the largest equivalent stress by von Mises; factor: size of the "
+        "principal stress divided by the nominal one, which is a shear stress under a torque; M53: the "
+        "factor as UR M53 defines it, at fillets by the largest shear stress under a torque, by von Mises "
+        "in bending."
     ]
     if mirrored(record):
         found.append(
@@ -112,6 +153,8 @@ def _sentences(record: Record) -> list[str]:
             "The exit of an oil hole is its rim and the hole to a depth of one diameter; nominal: the stress "
             "of the pin or main journal without the hole, on its extreme fiber, wherever the hole points."
         )
+    if record.get("mesh") == "m53":
+        found += _rule_sentences(record)
     errors = [
         peak["error_estimate"]
         for load in record["loads"]

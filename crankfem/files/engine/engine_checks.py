@@ -1,14 +1,20 @@
 """What sections of an engine file say of each other: each is refused with one sentence."""
 
-from collections.abc import Sequence
+from collections import Counter
+from collections.abc import Mapping, Sequence
+from typing import Protocol
 
 from crankbase.errors import InputError
+from crankbase.model import InputModel
 from crankbase.units.quantity import format_quantity
+from crankfem.files.chain.shaft_lines import PLANT, plant_chain
 from crankfem.files.sections.engine_sections import Engine, ThrustBearing, VibrationSettings
 from crankfem.files.sections.excitation_sections import GasMap, Misfire
 from crankfem.files.sections.load_section import LoadSection
 from crankfem.files.sections.mechanism_sections import Gas
 from crankfem.files.sections.strength_section import StrengthSection
+from crankfem.files.sections.vibration_sections import Damping
+from dynamics.chains.chain import Chain
 from geometry.throw import CrankThrow
 from regression.formulas.catalogue import AXIAL_FORMULA_NAMES
 from regression.formulas.torsional_formulas import TORSIONAL_FORMULA_NAMES
@@ -107,7 +113,7 @@ def check_sources(vibration: VibrationSettings, study: StudyPlan | None) -> None
         ("torsional", vibration.torsional_source, TORSIONAL_FORMULA_NAMES),
     ):
         fitted = study is not None or vibration.model is not None
-        allowed = ["fe", "fe pinned", *(["regression"] if fitted else []), *formulas]
+        allowed = ["fe", "fe pinned", "law", *(["regression"] if fitted else []), *formulas]
         if given.casefold() not in [name.casefold() for name in allowed]:
             reason = (
                 ", because the file has neither a section [study] to fit nor a vibration.model"
@@ -117,6 +123,60 @@ def check_sources(vibration: VibrationSettings, study: StudyPlan | None) -> None
             raise InputError(
                 f"vibration.{kind}_source: given {given!r}; allowed are {', '.join(allowed)}{reason}."
             )
+
+
+class WithPlant(Protocol):
+    """What a plant's chain stands in place of; an engine file has it."""
+
+    @property
+    def shaft_lines(self) -> Mapping[str, Chain]:
+        """Chains by what they are of."""
+
+    @property
+    def throws(self) -> tuple[int, ...]:
+        """Throw that each cylinder works on, from 0."""
+
+    @property
+    def torsional_damper(self) -> InputModel | None:
+        """The section [torsional_damper]."""
+
+    @property
+    def driven(self) -> InputModel | None:
+        """The section [driven]."""
+
+    @property
+    def damping(self) -> Damping | None:
+        """The section [damping]."""
+
+    @property
+    def vibration(self) -> VibrationSettings:
+        """The section [vibration]."""
+
+
+def check_plant(engine: WithPlant) -> None:
+    """Refuse a plant's chain that lacks cranks, and what it would leave without effect.
+
+    Raises
+    ------
+    InputError
+    """
+    plant = engine.shaft_lines.get(PLANT)
+    if plant is None:
+        return
+    plant_chain(plant, [count for _, count in sorted(Counter(engine.throws).items())])
+    damping = engine.damping
+    twice = {
+        "torsional_damper": engine.torsional_damper is not None,
+        "driven": engine.driven is not None,
+        "damping.cylinder_damping": damping is not None and damping.cylinder_damping is not None,
+        "damping.loss_factor": damping is not None and damping.loss_factor is not None,
+        "vibration.torsional_source": engine.vibration.torsional_source != "fe",
+    }
+    for name in (name for name, there in twice.items() if there):
+        raise InputError(
+            f"{name}: given beside shaft_line.plant; allowed is one of the two, because the chain of the "
+            "plant says all of the torsional chain."
+        )
 
 
 def check_highest_order(vibration: VibrationSettings, engine: Engine) -> None:

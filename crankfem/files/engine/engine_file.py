@@ -15,6 +15,7 @@ from crankfem.files.engine.engine_checks import (
     check_highest_order,
     check_load,
     check_misfire,
+    check_plant,
     check_sources,
     check_strength,
     check_thrust_bearing,
@@ -204,6 +205,7 @@ load, gas_map, misfire, propeller_forces, limits, ranges, strength, torque_table
         check_gas_map(self.gas_map, self.engine)
         check_load(self.load, self.gas, self.gas_map, self.engine)
         check_sources(self.vibration, self.study)
+        check_plant(self)
         check_highest_order(self.vibration, self.engine)
         check_strength(self.strength, self.crank_throws, self.gas or self.gas_map)
 

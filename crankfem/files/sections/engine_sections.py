@@ -54,6 +54,9 @@ class Engine(InputModel):
         description=f"what the engine drives, {' or '.join(RULE_OF_DRIVEN)}: it decides which rule for the "
         "crankshaft is picked where [limits] gives none",
     )
+    generator_poles: int | None = quantity_field(
+        "poles of the generator, for its electrical angle", "", 2, 400, default=None
+    )
     crank_angles: tuple[float, ...] = quantity_field(
         "angle of each crank from the first, cylinder by cylinder, all in one sense of rotation",
         "rad",
@@ -88,6 +91,14 @@ class Engine(InputModel):
     def _fits_together(self) -> Self:
         if self.drives:
             check_choice("engine.drives", self.drives, RULE_OF_DRIVEN, "a rule goes by these")
+        if self.generator_poles is not None and (
+            self.generator_poles % 2 or self.drives != "generator"
+        ):
+            raise InputError(
+                f"engine.generator_poles: given {self.generator_poles}, of what drives "
+                f'"{self.drives}"; allowed are even numbers with drives = "generator", because poles are '
+                "those of a generator and come in pairs."
+            )
         if self.strokes not in (2, 4):
             raise InputError(f"engine.strokes: given {self.strokes}; allowed are 2 and 4.")
         if not self.lowest_speed < self.highest_speed:
@@ -347,10 +358,10 @@ class VibrationSettings(InputModel):
     )
 
     axial_source: str = Field(
-        "fe", description="source of axial compliances: fe, regression or a formula"
+        "fe", description="source of axial compliances: fe, law, regression or a formula"
     )
     torsional_source: str = Field(
-        "fe", description="source of torsional compliances: fe, regression or a formula"
+        "fe", description="source of torsional compliances: fe, law, regression or a formula"
     )
     model: str | None = Field(
         None,

@@ -110,6 +110,30 @@ class LimitsInput(InputModel):
     coupling_torque_passing: float | None = quantity_field(
         "the same while a barred speed range is passed", "N m", 1e-2, 1e9, default=None
     )
+    coupling_heat: float | None = quantity_field(
+        "permissible heat of that coupling, for the class document", "W", 1e-3, 1e9, default=None
+    )
+    damper_torque: float | None = quantity_field(
+        "permissible vibratory torque of the torsional damper, for the class document",
+        "N m",
+        minimum=1e-2,
+        maximum=1e9,
+        default=None,
+    )
+    damper_heat: float | None = quantity_field(
+        "permissible heat of the torsional damper, for the class document",
+        "W",
+        minimum=1e-3,
+        maximum=1e9,
+        default=None,
+    )
+    generator_angle: float | None = quantity_field(
+        "permissible amplitude of the generator's rotor, electrical angle, for the class document",
+        "rad",
+        minimum=math.radians(1e-3),
+        maximum=math.radians(90.0),
+        default=None,
+    )
     torsional_amplitude: float | None = quantity_field(
         "permissible torsional vibration amplitude of the free end",
         "rad",

@@ -91,7 +91,7 @@ class StrengthSection(InputModel):
     """Strength of the crankshaft by the unified requirement M53."""
 
     section: ClassVar[str] = "strength"
-    choices = frozenset({"axial_vibration", "coefficients"})
+    choices = frozenset({"axial_vibration", "coefficients", "factors"})
 
     tensile_strength: float = quantity_field(
         "specified minimum tensile strength of the crankshaft", "Pa", 3e8, 2e9, symbol="s_B"
@@ -103,6 +103,10 @@ class StrengthSection(InputModel):
     axial_vibration: Literal["rule", "calculated"] = Field(
         "rule",
         description="of crossheads: the rule's 20 MPa for axial vibration, or what was calculated instead",
+    )
+    factors: Literal["formulas", "finite elements"] = Field(
+        "formulas",
+        description="of stress concentration: by the rule's formulas, or by finite elements (Appendix III)",
     )
     oil_hole_diameter: float | None = length_field(
         "diameter of the radial oil hole in the pin", (5e-4, 0.3), symbol="D_O", default=None

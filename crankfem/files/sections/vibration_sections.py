@@ -96,7 +96,7 @@ class Bearings(InputModel):
 
 
 class ShaftLineFiles(InputModel):
-    """What follows the flywheel, each as a chain file whose first node is the flywheel's place."""
+    """What follows the flywheel, each as a chain file whose first node is its place; or the whole plant."""
 
     section: ClassVar[str] = "shaft_line"
 
@@ -106,12 +106,23 @@ class ShaftLineFiles(InputModel):
     axial: str | None = Field(
         None, description="chain file of kind axial, beside the engine file or shipped"
     )
+    plant: str | None = Field(
+        None,
+        description="chain file of the whole plant in torsion as its maker gives it, from the free end on, "
+        "in place of what is calculated from the throws; its nodes of the cranks are called as usual "
+        '("cylinder 1" or "throw 1" and so on)',
+    )
 
     @model_validator(mode="after")
     def _names_a_file(self) -> Self:
-        if not self.torsional and not self.axial:
+        if not self.torsional and not self.axial and not self.plant:
             raise InputError(
                 "shaft_line.torsional: given neither it nor axial; allowed is the name of a chain file in "
                 "one of them or both, because they describe what follows the flywheel."
+            )
+        if self.torsional and self.plant:
+            raise InputError(
+                "shaft_line.plant: given beside torsional; allowed is one of the two, because the chain of "
+                "the whole plant has what follows the flywheel."
             )
         return self

@@ -418,6 +418,8 @@ the screen; until then, on paper, and if anything fails, the picture is there. N
   }
 
   document.head.appendChild(element("style", {}, STYLE));
+  // For pages that get plots later.
+  window.drawInteractivePlot = attempt;
   if (!Plotly || !window.IntersectionObserver) {
     document.querySelectorAll(".interactive[data-plot]").forEach(giveUp);
     return;

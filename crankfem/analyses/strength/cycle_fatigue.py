@@ -1,0 +1,340 @@
+"""Fatigue of every throw over the working cycle, by finite elements and a multiaxial criterion.
+
+Stresses at fillets and oil holes are fields of a throw's finite elements times its loads over the cycle
+(`cycle_loads`). Findley's criterion is looked for at the places, speeds and cases of firing where a bound
+of it is largest.
+"""
+
+import math
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from crankbase.errors import InputError, MeshError
+from crankbase.library_types import DataFrame
+from crankbase.summaries import summarized
+from crankbase.tables.frames import Row, table_of
+from crankbase.units.units import RPM
+from crankfem.analyses.strength.cycle_loads import cycle_loads
+from crankfem.analyses.strength.engine_strength import EngineStrength, engine_strength
+from crankfem.analyses.strength.fatigue_search import Candidate, find_candidates, worst_point
+from crankfem.analyses.strength.shaft_loads import judged_speeds
+from crankfem.analyses.vibration.firing_check import Cylinders, named
+from crankfem.analyses.vibration.run import EngineVibration
+from crankfem.files.engine.mechanism_file import MechanismFile, mechanism_of
+from crankfem.files.sections.strength_section import StrengthSection
+from dynamics.strength.fatigue import MANUFACTURE, fatigue_strength
+from dynamics.strength.findley import (
+    FINDLEY_SOURCE,
+    findley_factor,
+    findley_limit,
+)
+from fem.fillet_peaks import FilletStresses
+from fem.fillet_stress import fillet_stresses
+from fem.solver import SolveError
+from fem.stress_fields import StressedSite, StressFields, stress_fields
+
+# Wished accuracy of the finite elements, where there are none yet.
+ACCURACY = 0.1
+
+
+@summarized(
+    *("throw", "place", "name", "safety", "speed [rad/s]", "shaft_angle_deg [deg]", "cylinders"),
+)
+@dataclass(frozen=True)
+class FatiguePlace:
+    """The worst point of a fillet or of an exit of an oil hole, at the speed and firing that decide.
+
+    Attributes
+    ----------
+    throw : int
+        From 1 at the free end.
+    place : {"pin fillet", "journal fillet", "oil hole"}
+    name : str
+        Such as "pin, left web".
+    point : tuple of three float
+        In the throw frame [m].
+    speed : float
+        [rad/s]
+    cylinders : tuple of int
+        That misfire; none in normal firing.
+    shaft_angle_deg : float
+        Where in the cycle the normal stress on the critical plane is largest [deg].
+    shear_amplitude, normal_stress : float
+        On the critical plane: amplitude of the shear stress, largest normal stress [Pa].
+    value, limit : float
+        Of the criterion [Pa].
+    strength : float
+        Fatigue strength of the place in bending, fully reversed [Pa].
+    rule_factor : float or None
+        Q of UR M53 of the same place of the throw; None where the rule has none.
+    """
+
+    throw: int
+    place: str
+    name: str
+    point: tuple[float, float, float]
+    speed: float
+    cylinders: Cylinders
+    shaft_angle_deg: float
+    shear_amplitude: float
+    normal_stress: float
+    value: float
+    limit: float
+    strength: float
+    rule_factor: float | None
+
+    @property
+    def safety(self) -> float:
+        """Limit over value of the criterion; inf where nothing acts."""
+        return self.limit / self.value if self.value > 0.0 else math.inf
+
+    def row(self) -> Row:
+        """Return its values by column, each with its unit, for tables."""
+        pascals = ("shear_amplitude", "normal_stress", "value", "limit", "strength")
+        return {
+            "throw": (self.throw, "1"),
+            "place": (self.place, ""),
+            "name": (self.name, ""),
+            "safety": (self.safety, "1"),
+            "speed": (self.speed, "rad/s"),
+            "shaft_angle_deg": (self.shaft_angle_deg, "deg"),
+            "misfiring": (", ".join(map(str, self.cylinders)), ""),
+            **{name: (getattr(self, name), "Pa") for name in pascals},
+            **{axis: (value, "m") for axis, value in zip("xyz", self.point, strict=True)},
+            "rule_factor": (math.nan if self.rule_factor is None else self.rule_factor, "1"),
+        }
+
+
+@summarized("sentence", "remarks")
+@dataclass(frozen=True, eq=False)
+class EngineFatigue:
+    """Fatigue of an engine's crankshaft over the working cycle.
+
+    Attributes
+    ----------
+    places : tuple of FatiguePlace
+        Each fillet and exit of every throw, the least safety first.
+    factor : float
+        k of the criterion.
+    remarks : tuple of str
+        What was assumed, a sentence each.
+    source : str
+        Of the criterion.
+    """
+
+    places: tuple[FatiguePlace, ...]
+    factor: float
+    remarks: tuple[str, ...]
+    source: str = FINDLEY_SOURCE
+
+    @property
+    def sentence(self) -> str:
+        """The least safety factor, where and when, beside the rule's factor."""
+        least = self.places[0]
+        firing = (
+            f"while {named(least.cylinders)} misfires" if least.cylinders else "firing normally"
+        )
+        said = (
+            "Fatigue over the cycle, by finite elements and Findley's criterion: the least safety factor is "
+            f"{least.safety:.2f} at the {least.name} of throw {least.throw}, at "
+            f"{RPM * least.speed:.4g} 1/min, shaft angle {least.shaft_angle_deg:.0f}°, {firing}"
+        )
+        broken = sum(one.safety < 1.0 for one in self.places)
+        if broken:
+            said += f"; {broken} of {len(self.places)} places are below 1"
+        if least.rule_factor is None:
+            return f"{said}; UR M53 does not judge that place."
+        return f"{said}; UR M53 has Q = {least.rule_factor:.2f} for that place."
+
+    def to_pandas(self) -> DataFrame:
+        """Return a row for each place, the least safety first.
+
+        Returns
+        -------
+        pandas.DataFrame
+            Units are in ``frame.attrs["units"]``.
+
+        Raises
+        ------
+        MissingLibraryError
+            If pandas is not installed.
+        """
+        return table_of(self.places)
+
+
+def engine_fatigue(
+    vibration: EngineVibration,
+    *,
+    stresses: Mapping[str, FilletStresses] | None = None,
+    strength: EngineStrength | None = None,
+    mechanism: MechanismFile | None = None,
+) -> EngineFatigue:
+    """Find the fatigue of an engine's crankshaft over the working cycle.
+
+    Parameters
+    ----------
+    vibration : EngineVibration
+        From `engine_vibration`, of an engine with the section [strength].
+    stresses : mapping, optional
+        Of each distinct throw by its name, where they are there already: their meshes are used.
+    strength : EngineStrength, optional
+        By the rule, where it is there already.
+    mechanism : MechanismFile, optional
+        Of the same engine, where it is there already.
+
+    Returns
+    -------
+    EngineFatigue
+
+    Raises
+    ------
+    InputError
+        If the engine has no section [strength], a throw neither fillets nor oil holes, or vibration is
+        unbounded.
+    MeshError, SolveError
+        If a throw cannot be meshed or solved.
+
+    Notes
+    -----
+    At each speed that `engine_strength` judges, in normal firing and in those cases of misfiring that twist
+    some throw most, the criterion tau_a + k sigma_max may reach f/2 (k + sqrt(1 + k^2)), f being the fatigue
+    strength that UR M53 has for the place.
+    """
+    file = vibration.engine_file
+    known = mechanism_of(file) if mechanism is None else mechanism
+    rule = strength or engine_strength(vibration, mechanism=known, stresses=stresses)
+    section = file.strength
+    assert section is not None  # or there were no rule
+    kept, _ = judged_speeds(vibration)
+    forced = vibration.forced_torsional
+    assert forced is not None
+    speeds = forced.response.speeds[kept]
+    fields = throw_fields(vibration, stresses)
+    cases = dict.fromkeys([(), *(own.torque.cylinders for own in rule.throws)])
+    factor = findley_factor()
+    candidates: dict[tuple[int, int], list[Candidate]] = {}
+    for loads in cycle_loads(vibration, known, speeds, cases):
+        for throw, name in enumerate(file.throw_names):
+            amplitudes = fields[name].amplitudes(loads.ends[throw], loads.pins[throw])
+            for number, site in enumerate(fields[name].sites):
+                if site.kind == "journal fillet" and section.shrink_fit is not None:
+                    continue
+                found = find_candidates(site, loads, throw, amplitudes, factor)
+                candidates.setdefault((throw, number), []).extend(found)
+    places = []
+    for (throw, number), each in candidates.items():
+        site = fields[file.throw_names[throw]].sites[number]
+        factors = [one.acceptability for one in rule.throws[throw].places if one.place == site.kind]
+        places.append(_place(throw + 1, site, each, factor, section, factors))
+    remarks = _remarks(vibration, section, fields, tuple(cases))
+    return EngineFatigue(tuple(sorted(places, key=lambda one: one.safety)), factor, tuple(remarks))
+
+
+def fatigue_or_reason(
+    vibration: EngineVibration,
+    strength: EngineStrength,
+    stresses: Mapping[str, FilletStresses],
+    mechanism: MechanismFile | None,
+) -> tuple[EngineFatigue | None, str | None]:
+    """Find the fatigue over the cycle; an engine of which it cannot be had loses nothing else.
+
+    Returns
+    -------
+    EngineFatigue or None
+    str or None
+        Why there is none.
+    """
+    try:
+        found = engine_fatigue(vibration, stresses=stresses, strength=strength, mechanism=mechanism)
+    except (InputError, MeshError, SolveError) as error:
+        return None, str(error)
+    return found, None
+
+
+def throw_fields(
+    vibration: EngineVibration, stresses: Mapping[str, FilletStresses] | None = None
+) -> dict[str, StressFields]:
+    """Return the fields of stress of each distinct throw by its name; equal throws share theirs."""
+    file = vibration.engine_file
+    found: dict[object, StressFields] = {}
+    for name in dict.fromkeys(file.throw_names):
+        throw = file.named_throws[name]
+        if throw not in found:
+            own = (stresses or {}).get(name) or fillet_stresses(throw, file.material, ACCURACY)
+            found[throw] = stress_fields(own.loaded.mesh, throw, file.material)
+    return {name: found[file.named_throws[name]] for name in file.throw_names}
+
+
+def _place(
+    throw: int,
+    site: StressedSite,
+    each: Sequence[Candidate],
+    factor: float,
+    section: StrengthSection,
+    rule_factors: Sequence[float],
+) -> FatiguePlace:
+    """Find the point, speed and case with the largest value of the criterion."""
+    best, node, one = worst_point(site, each, factor)
+    hard = section.hardening
+    if hard is not None and site.kind in hard.places:
+        strength = hard.treatment().surface_strength
+    else:
+        share = MANUFACTURE[section.manufacture][site.kind == "oil hole"]
+        strength = fatigue_strength(section.tensile_strength, site.diameter, site.radius, share)
+    x, y, z = site.points[node].tolist()
+    return FatiguePlace(
+        throw=throw,
+        place=site.kind,
+        name=site.name,
+        point=(x, y, z),
+        speed=one.speed,
+        cylinders=one.cylinders,
+        shaft_angle_deg=float(np.degrees(one.angles[best.moment])),
+        shear_amplitude=best.shear_amplitude,
+        normal_stress=best.normal_stress,
+        value=best.value,
+        limit=findley_limit(strength, factor),
+        strength=strength,
+        rule_factor=min(rule_factors, default=None),
+    )
+
+
+def _remarks(
+    vibration: EngineVibration,
+    section: StrengthSection,
+    fields: Mapping[str, StressFields],
+    cases: Sequence[Cylinders],
+) -> Iterator[str]:
+    """Say what was assumed, a sentence each."""
+    file = vibration.engine_file
+    failing = [case for case in cases if case]
+    yield (
+        "torque and axial force through the throws are those of the chains with their vibration, in phase "
+        "with the rods' forces, which bend the whole shaft in its elastic main bearings without inertia"
+    )
+    if failing:
+        yield (
+            f"besides normal firing, misfiring of {', '.join(named(case) for case in failing)} is followed: "
+            "those that twist some throw most"
+        )
+    yield (
+        "fatigue strength in bending is the rule's for the place; that in torsion is assumed as 1/√3 of it, "
+        f"whence k = {findley_factor():.4f}; the shear amplitude is the radius of the smallest circle round "
+        "its path"
+    )
+    yield (
+        "mean stresses count, of a throw's own mass as if it went round with the pin; the rule's additional "
+        "stress for misalignment is not added"
+    )
+    if section.hardening is not None:
+        yield "of hardened places the surface alone is judged, without residual stresses"
+    drilled = any(site.kind == "oil hole" for own in fields.values() for site in own.sites)
+    if section.oil_hole_diameter is not None and not drilled:
+        yield (
+            "the throw is meshed without the pin's oil hole, which is left out here: name it in the throw's "
+            "oil_holes"
+        )
+    if len(set(file.throws)) < len(file.throws):
+        yield "rods side by side load the pin at their own places, each spread over the whole pin"

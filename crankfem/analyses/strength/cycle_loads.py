@@ -1,0 +1,237 @@
+"""Loads on the ends and the pin of every throw over the working cycle, at any speed, whatever fires.
+
+Torque and axial force through the throws are those of the chains, with all vibration. The rods' forces bend
+the whole shaft in its elastic main bearings, without inertia. What a throw's own inertia takes of a
+torque acts at its pin, so that the torques beside the throw are the chain's.
+"""
+
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from crankbase.checks.arrays import FloatArray
+from crankbase.errors import InputError
+from crankbase.units.units import RPM
+from crankfem.analyses.shaft.bearings import bearing_stiffness
+from crankfem.analyses.shaft.throw_analyses import crank_analyses
+from crankfem.analyses.strength.shaft_loads import superposition
+from crankfem.analyses.vibration.firing_check import Cylinders
+from crankfem.analyses.vibration.misfiring import Series, Superposition
+from crankfem.analyses.vibration.run import EngineVibration
+from crankfem.files.engine.mechanism_file import MechanismFile
+from dynamics.response.order_excitation import at_angles
+from dynamics.response.series import OrderSeries
+from dynamics.response.synthesis import common_order
+from fem.shaft import solve_shaft
+from fem.superelement import RZ, UZ, Superelement
+
+# Samples over the cycle are so far apart or a little less [deg].
+STEP_DEG = 2.0
+# Loads on the pin, in the throw frame: Fx Fy Fz Mx My Mz.
+FX, FY, MX, MY, MZ = 0, 1, 3, 4, 5
+
+
+@dataclass(frozen=True, eq=False)
+class CycleLoads:
+    """Loads of all n throws at S speeds and m angles of the shaft, each in its throw frame.
+
+    Attributes
+    ----------
+    cylinders : tuple of int
+        That misfire; none in normal firing.
+    speeds : (S,) array
+        [rad/s]
+    angles : (m,) array
+        Of the shaft, over what the vibration repeats in [rad].
+    ends : (n, S, m, 12) array
+        Forces and moments on both end sections [N, N m].
+    pins : (n, S, m, 6) array
+        Forces and moments on the pin.
+    """
+
+    cylinders: Cylinders
+    speeds: FloatArray
+    angles: FloatArray
+    ends: FloatArray
+    pins: FloatArray
+
+
+@dataclass(frozen=True, eq=False)
+class ShaftUnderForces:
+    """What every throw of a shaft carries per unit of each load on the shaft.
+
+    Attributes
+    ----------
+    throws : tuple of n Superelement
+        In their own frames.
+    angles : (n,) array
+        Of the cranks about +z [rad].
+    bearings : float
+        Lateral stiffness of each [N/m].
+    """
+
+    throws: tuple[Superelement, ...]
+    angles: FloatArray
+    bearings: float
+
+    def end_loads(self, pins: FloatArray, torques: FloatArray, axial: FloatArray) -> FloatArray:
+        """Return the loads on the ends of every throw, in its own frame, (n, ..., 12).
+
+        Parameters
+        ----------
+        pins : (n, ..., 6) array
+            Loads on the pins, each in its throw frame.
+        torques : (2, ...) array
+            Through the shaft before the first throw and behind the last, about +z: positive where the
+            part behind turns forwards [N m].
+        axial : (n, ...) array
+            Tension through each throw [N].
+
+        Notes
+        -----
+        Pin and end loads have to be in equilibrium about and along the shaft as a whole; the bearings
+        take the rest.
+        """
+        count, shape = len(self.throws), pins.shape[1:-1]
+        turned = [
+            throw.turned(angle_deg=float(angle))
+            for throw, angle in zip(self.throws, np.degrees(self.angles), strict=True)
+        ]
+        # Columns: six loads of each pin, then torques at both ends, then tension of each throw.
+        loads = np.zeros((6 * (count + 1), 7 * count + 2))
+        for place, throw in enumerate(turned):
+            loads[6 * place : 6 * place + 12, 6 * place : 6 * place + 6] = throw.pin_loads[0]
+            loads[[6 * place + UZ, 6 * place + 6 + UZ], 6 * count + 2 + place] = -1.0, 1.0
+        loads[RZ, 6 * count], loads[6 * count + RZ, 6 * count + 1] = -1.0, 1.0
+        motions = solve_shaft(turned, loads, self.bearings)
+        acting = np.concatenate(
+            [
+                np.moveaxis(pins, -1, 1).reshape(6 * count, -1),
+                torques.reshape(2, -1),
+                axial.reshape(count, -1),
+            ]
+        )
+        found = np.empty((count, 12, acting.shape[1]))
+        for place, throw in enumerate(turned):
+            part = slice(6 * place, 6 * place + 12)
+            own = throw.stiffness @ motions[part]
+            own[:, 6 * place : 6 * place + 6] -= throw.pin_loads[0]
+            back = self._turn_back(place)
+            found[place] = back @ own @ acting
+        return np.moveaxis(found, 1, -1).reshape(count, *shape, 12)
+
+    def _turn_back(self, place: int) -> FloatArray:
+        """Return the matrix (12, 12) from loads in the shaft's frame to those in the throw's."""
+        cosine, sine = np.cos(self.angles[place]), np.sin(self.angles[place])
+        turn = np.array([[cosine, sine, 0.0], [-sine, cosine, 0.0], [0.0, 0.0, 1.0]])
+        return np.kron(np.eye(4), turn)
+
+
+def cycle_loads(
+    vibration: EngineVibration,
+    mechanism: MechanismFile,
+    speeds: FloatArray,
+    cases: Iterable[Cylinders],
+) -> Iterator[CycleLoads]:
+    """Return the loads of every throw over the cycle, for each case of firing.
+
+    Parameters
+    ----------
+    vibration : EngineVibration
+        Of an engine with one pin in each throw.
+    mechanism : MechanismFile
+        Of the same engine.
+    speeds : (S,) array
+        [rad/s]
+    cases : iterable of tuples of int
+        Cylinders that misfire; none in normal firing.
+
+    Raises
+    ------
+    InputError
+        If vibration is unbounded at one of them.
+    """
+    added, shaft = superposition(vibration, mechanism), shaft_under_forces(vibration)
+    for case, series in added.at(speeds, cases):
+        yield _case(vibration, mechanism, shaft, added, case, series)
+
+
+def shaft_under_forces(vibration: EngineVibration) -> ShaftUnderForces:
+    """Return the whole shaft in its main bearings."""
+    file = vibration.engine_file
+    each = crank_analyses(file, vibration.analyses)
+    return ShaftUnderForces(
+        tuple(own.superelement for own in each),
+        np.asarray(np.radians(file.throw_angles_deg)),
+        bearing_stiffness(file).nominal,
+    )
+
+
+def _case(
+    vibration: EngineVibration,
+    mechanism: MechanismFile,
+    shaft: ShaftUnderForces,
+    added: Superposition,
+    case: Cylinders,
+    series: Series,
+) -> CycleLoads:
+    file, sense = vibration.engine_file, vibration.engine_file.engine.turning_sense
+    torsional = series["torsional"]
+    speeds = torsional.speeds
+    for kind, vibrating in series.items():
+        endless = np.any(vibrating.unbounded, axis=0)
+        if np.any(endless):
+            raise InputError(
+                f"damping: given none for {kind} vibration that is unbounded at "
+                f"{RPM * speeds[np.argmax(endless)]:.4g} 1/min; allowed is some, because stresses over the "
+                "cycle need a steady vibration."
+            )
+    forces = added.forces(speeds, case)
+    _, common = common_order(torsional.orders)
+    period = max(2.0 * np.pi / common, np.pi * file.engine.strokes)
+    angles = np.arange(0.0, period - 1e-9, np.radians(STEP_DEG))
+    count = len(shaft.throws)
+
+    def over_cycle(values: OrderSeries | NDArray[np.complex128], orders: FloatArray) -> FloatArray:
+        own = values.values if isinstance(values, OrderSeries) else values
+        return np.asarray(np.moveaxis(at_angles(orders, own, angles), 0, 1))  # (S, m, p)
+
+    tangential = over_cycle(forces.tangential, forces.orders) + forces.mean_tangential[:, None]
+    radial = over_cycle(forces.radial, forces.orders) + forces.mean_radial[:, None]
+    pins = np.zeros((count, speeds.size, angles.size, 6))
+    layout, starts = mechanism.layout, mechanism.bearing_positions
+    for cylinder, throw in enumerate(file.throws):
+        (pin,) = file.crank_throws[throw].parts.pins
+        along = layout.cylinders[cylinder].position - starts[throw]
+        arm = along - 0.5 * (pin.start + pin.end)
+        across, inward = sense * tangential[..., cylinder], radial[..., cylinder]
+        pins[throw, ..., FX] -= across
+        pins[throw, ..., FY] -= inward
+        pins[throw, ..., MX] += arm * inward
+        pins[throw, ..., MY] -= arm * across
+    for throw, own in enumerate(crank_analyses(file, vibration.analyses)):
+        # The throw's own centrifugal force, as if its mass went round with the pin.
+        (pin,) = file.crank_throws[throw].parts.pins
+        thrown = own.masses.mass * np.outer(speeds**2, own.masses.center[:2])[:, None]
+        pins[throw, ..., [FX, FY]] += np.moveaxis(thrown, -1, 0)
+    # Torques beside each throw: what turns the part behind forwards counts positive.
+    elastic = sense * over_cycle(torsional, torsional.orders)
+    driving = np.zeros((speeds.size, count))
+    for cylinder, throw in enumerate(file.throws):
+        driving[:, throw] += forces.crank_radius * forces.mean_tangential[:, cylinder]
+    mean = -sense * np.cumsum(driving, axis=1)
+    before, behind = np.zeros((2, count, speeds.size, angles.size))
+    for throw, node in enumerate(added.chains.cranks.throw_nodes):
+        if node:
+            before[throw] = elastic[..., node - 1]
+        if throw:
+            before[throw] += mean[:, throw - 1, None]
+        behind[throw] = elastic[..., node] + mean[:, throw, None]
+        # The rest of the balance about the shaft is the throw's inertia.
+        radius = file.crank_throws[throw].crank_radius
+        pins[throw, ..., MZ] -= behind[throw] - before[throw] - radius * pins[throw, ..., FX]
+    tension = np.moveaxis(over_cycle(series["axial"], series["axial"].orders), -1, 0)
+    ends = shaft.end_loads(pins, np.stack([before[0], behind[-1]]), tension)
+    return CycleLoads(case, speeds, angles, ends, pins)

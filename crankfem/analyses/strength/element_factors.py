@@ -1,0 +1,129 @@
+"""Factors of stress concentration of an engine's webs, read from the stresses of its throws."""
+
+import math
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+
+from crankfem.analyses.strength.throw_webs import ThrowWeb
+from crankfem.files.engine.engine_file import EngineFile
+from dynamics.response.loads import section_modulus
+from dynamics.strength.element_factors import ElementFactors
+from fem.fillet_peaks import FilletPeak, FilletStresses
+from fem.fillet_stress import FilletMesh, fillet_stresses
+from fem.principal import largest_principal, principal_stresses
+
+# Wished accuracy of stresses that are calculated for factors.
+ACCURACY = 0.05
+
+
+def engine_stresses(engine: EngineFile, mesh: FilletMesh = "m53") -> dict[str, FilletStresses]:
+    """Return the stresses of each distinct throw of an engine by its name; equal throws share theirs.
+
+    Raises
+    ------
+    InputError
+        If a throw has no fillet, or too small ones.
+    MeshError, SolveError
+        If a throw cannot be meshed or solved.
+    """
+    throws = {name: engine.named_throws[name] for name in engine.throw_names}
+    found = {
+        throw: fillet_stresses(throw, engine.material, ACCURACY, mesh=mesh)
+        for throw in dict.fromkeys(throws.values())
+    }
+    return {name: found[throw] for name, throw in throws.items()}
+
+
+def element_factors(
+    stresses: FilletStresses, webs: Sequence[ThrowWeb]
+) -> dict[str, ElementFactors]:
+    """Return the factors of both webs of a throw with one pin, by the names of the webs.
+
+    Parameters
+    ----------
+    stresses : FilletStresses
+        On any mesh; that of Appendix III if they have to be as the rule asks.
+    webs : sequence of ThrowWeb
+        Left and right.
+
+    Notes
+    -----
+    Ends are rigid discs. The force of the three-point bending is spread evenly over the pin.
+    """
+    (pin,) = stresses.throw.parts.pins
+    length, force = stresses.throw.length, 0.5 * (pin.start + pin.end)
+    holes = _hole_factors(stresses, webs[0])
+    found = {}
+    for own in webs:
+        web = own.web
+        names = {
+            True: f"{pin.name}, {own.name}",
+            False: f"{own.name.removesuffix(' web')} main journal",
+        }
+
+        def under(kind: str, on_pin: bool, names: Mapping[bool, str] = names) -> FilletPeak | None:
+            """Return the largest stresses at a fillet of the web under a load."""
+            each = (one for one in stresses.peaks if one.name == names[on_pin])
+            return next((one for one in each if one.load.kind == kind), None)
+
+        moduli = {
+            True: float(section_modulus("torsional", web.pin_diameter, web.pin_bore)),
+            False: float(section_modulus("torsional", web.journal_diameter, web.journal_bore)),
+        }
+        factors: dict[str, float | None] = {}
+        for on_pin, greek in ((True, "alpha"), (False, "beta")):
+            bent, twisted = under("bending", on_pin), under("torsion", on_pin)
+            factors[f"{greek}_bending"] = (
+                None if bent is None else bent.von_mises * web.bending_modulus
+            )
+            factors[f"{greek}_torsion"] = (
+                None if twisted is None else twisted.shear * moduli[on_pin]
+            )
+        pressed, by_bending = under("radial", False), factors["beta_bending"]
+        by_shear = combined = None
+        if pressed is not None and by_bending is not None:
+            # Of a unit force: the support beside the web takes its share, with the web's middle as lever.
+            left = own.middle < force
+            reaction = (length - force) / length if left else force / length
+            lever = own.middle if left else length - own.middle
+            nominal = reaction * lever / web.bending_modulus
+            shear = reaction / (web.web_width * web.section_thickness)
+            by_shear = (pressed.von_mises - nominal * by_bending) / shear
+            combined = pressed.von_mises / nominal
+        found[own.name] = ElementFactors(
+            web=web,
+            beta_shear=by_shear,
+            beta_combined=combined,
+            error=stresses.error_estimate,
+            as_ruled=stresses.rule_met,
+            **factors,
+            **holes,
+        )
+    return found
+
+
+def _hole_factors(stresses: FilletStresses, own: ThrowWeb) -> dict[str, float | None]:
+    """Return the factors of the oil hole in the pin, the larger of its exits."""
+    loads = [load.kind for load in stresses.loaded.loads]
+    modulus = float(section_modulus("torsional", own.web.pin_diameter, own.web.pin_bore))
+    bending, torsion = [], []
+    for outlet in dict.fromkeys(peak.outlet for peak in stresses.hole_peaks):
+        if outlet.drilling.journal != stresses.throw.parts.pins[0].name:
+            continue
+        surface = stresses.surface
+        fields = surface.stress[outlet.holds(surface.points)]
+        angle = math.radians(outlet.angle_deg)
+        plane, across = (fields[:, loads.index(kind)] for kind in ("bending", "cross bending"))
+        # Of both moments along these axes one bends the pin most at the hole, the other not at all there.
+        for sine in (math.sin(angle), -math.sin(angle)):
+            bending.append(_largest(math.cos(angle) * plane + sine * across) * 0.5 * modulus)
+        torsion.append(_largest(fields[:, loads.index("torsion")]) * modulus)
+    return {
+        "gamma_bending": max(bending, default=None),
+        "gamma_torsion": max(torsion, default=None),
+    }
+
+
+def _largest(stress: np.ndarray) -> float:
+    return float(np.abs(largest_principal(principal_stresses(stress))).max())

@@ -1,0 +1,90 @@
+"""What was assumed where the strength of a crankshaft is judged by UR M53."""
+
+from collections.abc import Iterator, Sequence
+
+from crankbase.units.units import RPM
+from crankfem.analyses.strength.shaft_loads import HIGHEST_ORDER, ShaftLoads
+from crankfem.analyses.vibration.run import EngineVibration
+from crankfem.files.sections.strength_section import StrengthSection
+from dynamics.assessment.limit_sentences import shown_range
+from dynamics.strength.concentration import COEFFICIENTS, DOUBTFUL, coefficient_differences
+from dynamics.strength.crank_web import CrankWeb
+from dynamics.strength.element_factors import ElementFactors
+
+
+def strength_remarks(
+    vibration: EngineVibration,
+    section: StrengthSection,
+    loads: ShaftLoads,
+    webs: Sequence[CrankWeb],
+    judged: Sequence[CrankWeb],
+    elements: Sequence[ElementFactors],
+) -> Iterator[str]:
+    """Say what was assumed, a sentence each.
+
+    Parameters
+    ----------
+    vibration : EngineVibration
+    section : StrengthSection
+    loads : ShaftLoads
+    webs : sequence of CrankWeb
+        Of all throws.
+    judged : sequence of CrankWeb
+        Those that have factors by the formulas.
+    elements : sequence of ElementFactors
+        Of all webs that have factors by finite elements.
+    """
+    file = vibration.engine_file
+    engine, asked = file.engine, HIGHEST_ORDER[file.engine.strokes]
+    yield (
+        f"bending is that of the rods' forces at rated speed, {RPM * engine.rated_speed:.4g} 1/min, each "
+        "throw supported by itself"
+    )
+    left_out = ", ".join(shown_range(*one) for one in loads.barred)
+    yield (
+        f"torsion is the largest from {shown_range(engine.lowest_speed, engine.highest_speed)}"
+        f"{f' without {left_out}, which the verdict bars' if left_out else ''}, orders up to "
+        f"{min(asked, file.vibration.highest_order):g} summed over the cycle, "
+        f"{'in normal firing and while cylinders misfire' if loads.misfiring else 'in normal firing'}"
+    )
+    if not loads.misfiring:
+        yield f"{vibration.misfiring_note or 'misfiring is not calculated'}; the rule asks for it"
+    if file.vibration.highest_order < asked:
+        yield (
+            f"the rule asks for orders up to {asked:g}: those above {file.vibration.highest_order:g} are not "
+            "calculated (vibration.highest_order)"
+        )
+    if section.axial_vibration == "calculated":
+        yield (
+            "the calculated axial force bends the web with the crank radius as lever, its largest; that "
+            "stands in place of the rule's 20 MPa"
+        )
+    if section.oil_hole_diameter is not None and section.oil_hole_angle is None:
+        yield "the oil hole's outlet is taken where the pin's bending stress is largest"
+    if any(throw.pin_bore_offset or throw.main_journal_bore_offset for throw in file.crank_throws):
+        yield "bores that lie aside of their journals' axes are taken as if they were in the middle"
+    if any(web.slopes for throw in file.crank_throws for web in throw.parts.webs):
+        yield "webs that get thinner to their ends are taken with their full thickness"
+    if any(web.overlap < 0.0 for web in webs):
+        yield (
+            "pin and journal do not overlap: the web is taken at the middle of its thickness, where the rule "
+            "has a figure of its own that was not at hand"
+        )
+    if elements:
+        met = "meet" if all(own.as_ruled for own in elements) else "do not meet"
+        yield (
+            "finite elements: ends are rigid discs, the force in three-point bending is spread over the pin; "
+            f"mesh and stresses {met} the criteria of the rule's Appendix III at all fillets"
+        )
+    changes = dict.fromkeys(
+        f"{name} {100.0 * one:+.2g} %"
+        for web in judged
+        for name, one in coefficient_differences(web).items()
+    )
+    if changes:
+        (cubic, square), (other_cubic, other_square) = (DOUBTFUL[one] for one in COEFFICIENTS)
+        yield (
+            f"two coefficients are doubtful, the {section.coefficients} ones are used: {other_cubic:g} in "
+            f"place of the printed {cubic:g}, and {other_square:g} of {square:g}, change {', '.join(changes)}"
+        )
+    yield "the formulas are read from one text of the rule; no second text confirms their coefficients"

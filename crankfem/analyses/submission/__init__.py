@@ -1,0 +1,1 @@
+"""What a classification society asks of torsional vibration: its numbers, and its tables."""

@@ -1,0 +1,425 @@
+"""The torsional vibration document of an engine: its parts in order, with their tables and diagrams."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from functools import partial
+from pathlib import Path
+
+from crankbase.drawing.diagram_style import figure
+from crankbase.drawing.legends import write_title
+from crankbase.errors import InputError
+from crankbase.tables.table import Column, Table
+from crankbase.units.quantity import format_quantity
+from crankfem.analyses.assumptions import assumed_values
+from crankfem.analyses.submission import mode_tables, pictures, plant_tables, stress_tables
+from crankfem.analyses.submission.firing_cases import (
+    HIGHEST_SHARE,
+    MEANING,
+    STRESS,
+    FiringCases,
+    damper_places,
+    firing_cases,
+)
+from crankfem.analyses.vibration.run import EngineVibration
+from crankfem.files.engine.engine_file import EngineFile
+from crankfem.files.sections.limits_sections import LimitsInput
+from dynamics.assessment.verdict import Verdict
+
+GEAR_HAMMER = "Gear hammer"
+# Of tables by the name of their first column, the column of the share that is used.
+JUDGED = {"gear": 4, "firing": 5, "part": 7}
+
+
+@dataclass(frozen=True)
+class DocumentTable:
+    """A table, and what its file is called."""
+
+    name: str
+    table: Table
+
+
+@dataclass(frozen=True)
+class DocumentPicture:
+    """A diagram: what its file is called, what stands below it, what draws it, whether two fit in a row."""
+
+    name: str
+    caption: str
+    draw: Callable[[Path], None]
+    half: bool = False
+
+
+@dataclass(frozen=True)
+class DocumentPart:
+    """A part of the document: title, sentences, then tables and diagrams in their order.
+
+    The name stands in addresses.
+    """
+
+    name: str
+    title: str
+    sentences: tuple[str, ...]
+    items: tuple[DocumentTable | DocumentPicture, ...] = ()
+
+    @property
+    def tables(self) -> tuple[DocumentTable, ...]:
+        """Its tables."""
+        return tuple(one for one in self.items if isinstance(one, DocumentTable))
+
+    @property
+    def pictures(self) -> tuple[DocumentPicture, ...]:
+        """Its diagrams."""
+        return tuple(one for one in self.items if isinstance(one, DocumentPicture))
+
+
+def check_submission(engine: EngineFile) -> None:
+    """Refuse an engine that no document can be made of, and permitted values of what it lacks.
+
+    Raises
+    ------
+    InputError
+    """
+    if engine.gas is None and engine.gas_map is None:
+        raise InputError(
+            f"{engine.path.name}: has no gas pressure; allowed is a file with a section [gas] or [gas_map], "
+            "because the document tells stresses."
+        )
+    limits = engine.limits or LimitsInput()
+    if limits.generator_angle is not None and engine.engine.generator_poles is None:
+        raise InputError(
+            "limits.generator_angle: given without engine.generator_poles; allowed are both, because the "
+            "poles make electrical degrees of mechanical ones."
+        )
+
+
+def check_damper_limits(run: EngineVibration) -> None:
+    """Refuse permitted values of a torsional damper that the chain does not have.
+
+    Raises
+    ------
+    InputError
+    """
+    limits = run.engine_file.limits or LimitsInput()
+    for name in ("damper_torque", "damper_heat"):
+        if getattr(limits, name) is not None and not damper_places(run.torsional_chain):
+            raise InputError(
+                f"limits.{name}: given for an engine without a torsional damper; allowed is a chain with a "
+                'node "damper ring", because the value is that of the damper.'
+            )
+
+
+def class_document(run: EngineVibration) -> tuple[DocumentPart, ...]:
+    """Return the parts of the document.
+
+    Parameters
+    ----------
+    run : EngineVibration
+        With gas pressure.
+
+    Raises
+    ------
+    InputError
+        If a pressure cannot be reached, or a permitted value is that of a damper that is not there.
+    """
+    check_damper_limits(run)
+    cases = firing_cases(run)
+    assert run.assessment is not None
+    verdict = run.assessment.verdict
+    return (
+        _findings(run, cases, verdict),
+        _plant(run),
+        _modes(run),
+        _vectors(run),
+        _excitation(run),
+        _criticals(run),
+        _normal(run, cases),
+        _failing(run, cases),
+        _barred(run, verdict),
+        _dampers(run, cases),
+        _limits(cases),
+        _assumptions(run, cases),
+    )
+
+
+def _findings(run: EngineVibration, cases: FiringCases, verdict: Verdict) -> DocumentPart:
+    assert run.assessment is not None
+    decision = run.assessment.decision
+    open_ = (f"Undecided: {decision.sentence}.",) if decision.status == "undecided" else ()
+    sentences = [verdict.sentence, *open_]
+    sentences += [_failing_sentence(cases, way) for way in cases.failing]
+    sentences.append(mode_tables.major_sentences(run)[0])
+    for what, table in (
+        (GEAR_HAMMER, stress_tables.gear_table(run, cases)),
+        ("Permitted angle of the generator", stress_tables.generator_table(run, cases)),
+        ("Permitted values of dampers and couplings", stress_tables.damper_table(run, cases)),
+    ):
+        sentences += () if table is None else _kept_or_exceeded(what, table)
+    return DocumentPart("findings", "Findings", tuple(sentences))
+
+
+def _upper(text: str) -> str:
+    return f"{text[0].upper()}{text[1:]}"
+
+
+def _kept_or_exceeded(what: str, table: Table) -> tuple[str, ...]:
+    """Say whether the rows of a table keep what they may reach; nothing where that is not known."""
+    judged = [row for row in table.rows if row[JUDGED[table.columns[0].name]] is not None]
+    rows = [
+        ", ".join(str(cell) for cell in row[:2] if isinstance(cell, str))
+        for row, mark in zip(table.rows, table.marks, strict=True)
+        if mark == "over"
+    ]
+    kept, exceeded = (
+        ("none in normal firing", "teeth part") if what == GEAR_HAMMER else ("kept", "exceeded")
+    )
+    if rows:
+        return (f"{what}: {exceeded} ({'; '.join(rows)}).",)
+    return (f"{what}: {kept}.",) if judged else ()
+
+
+def _failing_sentence(cases: FiringCases, way: str) -> str:
+    """Name the place of which most of its limit is used with a cylinder failing."""
+    numbers = {name: cases.worst_cylinder(way, STRESS, name) for name in cases.normal[STRESS].names}
+    found = {
+        name: cases.failing[way][number].kept[STRESS, name] for name, number in numbers.items()
+    }
+    name = max(found, key=lambda one: found[one].severity)
+    own = found[name]
+    at = format_quantity(own.speed, "rad/s", 4)
+    within = "kept" if own.used <= 1.0 else "exceeded"
+    return (
+        f"With {way} limits are {within}: most is used in {name} with cylinder {numbers[name]} failing, "
+        f"{own.value / 1e6:.4g} MPa at {at}, {100.0 * own.used:.3g} % of what is permitted then."
+    )
+
+
+def _plant(run: EngineVibration) -> DocumentPart:
+    return DocumentPart(
+        "plant",
+        "System data and plant",
+        (f"Source of the torsional chain: {run.torsional.chosen.remark.rstrip('.')}.",),
+        (
+            DocumentTable("engine", plant_tables.engine_data_table(run)),
+            DocumentTable("masses", plant_tables.chain_mass_table(run.torsional_chain)),
+            DocumentTable("shafts", plant_tables.chain_shaft_table(run)),
+        ),
+    )
+
+
+def _modes(run: EngineVibration) -> DocumentPart:
+    result = run.torsional.chosen
+    shown = mode_tables.shown_modes(run)
+    items: list[DocumentTable | DocumentPicture] = [
+        DocumentTable("frequencies", mode_tables.mode_list_table(run))
+    ]
+    for first in range(0, len(shown), pictures.SHAPES):
+        numbers = [mode - result.modes.rigid + 1 for mode in shown[first : first + pictures.SHAPES]]
+        items.append(
+            DocumentPicture(
+                f"modes_{numbers[0]}",
+                f"Shapes of modes {', '.join(map(str, numbers))}; crosses mark the nodes.",
+                partial(pictures.draw_modes, run=run, first=first),
+            )
+        )
+    for mode in shown:
+        number = mode - result.modes.rigid + 1
+        own = mode_tables.holzer_table(result.chain.chain, result.modes, mode)
+        items += [
+            DocumentTable(
+                f"holzer_masses_{number}", mode_tables.mass_table(result.chain.chain, own, number)
+            ),
+            DocumentTable(
+                f"holzer_shafts_{number}", mode_tables.shaft_table(result.chain.chain, own, number)
+            ),
+        ]
+    return DocumentPart(
+        "holzer",
+        "Natural frequencies, Holzer tables and mode shapes",
+        (
+            f"Holzer tables follow for the modes that orders up to "
+            f"{run.engine_file.vibration.highest_order:g} reach below {100.0 * HIGHEST_SHARE:g} % of the "
+            f"rated speed, {mode_tables.LEAST_MODES} at least and {mode_tables.MOST_MODES} at most.",
+        ),
+        tuple(items),
+    )
+
+
+def _vectors(run: EngineVibration) -> DocumentPart:
+    rigid = run.torsional.chosen.modes.rigid
+    drawn = [
+        DocumentPicture(
+            f"vectors_{mode - rigid + 1}",
+            f"Mode {mode - rigid + 1}: cylinders by order.",
+            partial(pictures.draw_vectors, run=run, mode=mode),
+            half=pictures.star_rows(run, mode)[1] <= pictures.STARS_IN_HALF,
+        )
+        for mode in mode_tables.shown_modes(run)
+    ]
+    return DocumentPart(
+        "vectors",
+        "Phase vectors and vector sums",
+        (
+            "Diagrams: phase vectors of the cylinders, their lengths those of the mode shape; orders that "
+            "look alike stand together, the dark arrow is the sum of a minor order.",
+        ),
+        (DocumentTable("vector_sums", mode_tables.vector_table(run)), *drawn),
+    )
+
+
+def _excitation(run: EngineVibration) -> DocumentPart:
+    return DocumentPart(
+        "excitation",
+        "Harmonics of the tangential force",
+        () if run.load is None else (f"{_upper(run.load.sentence).rstrip('.')}.",),
+        (DocumentTable("tangential_harmonics", plant_tables.harmonics_table(run)),),
+    )
+
+
+def _criticals(run: EngineVibration) -> DocumentPart:
+    def campbell(path: Path) -> None:
+        with figure(path, height=3.8) as axes:
+            run.plot(axes)
+            write_title(axes, "")
+
+    return DocumentPart(
+        "criticals",
+        "Critical speeds",
+        mode_tables.major_sentences(run),
+        (
+            DocumentTable("critical_speeds", mode_tables.critical_table(run)),
+            DocumentPicture(
+                "campbell",
+                "Campbell diagram: running range shaded, frequencies with damping; dots mark resonances and "
+                "grow with their amplitude.",
+                campbell,
+            ),
+        ),
+    )
+
+
+def _normal(run: EngineVibration, cases: FiringCases) -> DocumentPart:
+    drawn = [
+        DocumentPicture(
+            f"stress_{number}",
+            f"No. {number}, {name}.",
+            partial(pictures.draw_stress, run=run, cases=cases, place=number - 1),
+        )
+        for name, number in stress_tables.place_numbers(cases).items()
+    ]
+    orders = stress_tables.order_tables(cases)
+    return DocumentPart(
+        "stresses",
+        "Torsional stresses in normal firing",
+        (
+            *(f"{_upper(note)}." for note in cases.notes),
+            "Diagrams: stress over the speed, ranges to be barred shaded red, speeds outside of the running "
+            "range gray; with a cylinder failing the worst of all cylinders.",
+        ),
+        (
+            DocumentTable("stress_normal", stress_tables.normal_table(cases)),
+            DocumentTable("stress_permitted", stress_tables.permitted_table(run, cases)),
+            *(
+                DocumentTable(f"stress_by_order{'' if len(orders) == 1 else f'_{place}'}", table)
+                for place, table in enumerate(orders, start=1)
+            ),
+            DocumentTable("torques", stress_tables.torque_table(cases)),
+            *drawn,
+        ),
+    )
+
+
+def _failing(run: EngineVibration, cases: FiringCases) -> DocumentPart:
+    items = []
+    for way in cases.failing:
+        name = way.split()[-1] if "cut" not in way else "cut_out"
+        items += [
+            DocumentTable(f"stress_{name}", stress_tables.failing_table(cases, way)),
+            DocumentTable(f"stress_{name}_each", stress_tables.each_table(cases, way)),
+        ]
+    assert run.misfiring is not None or run.misfiring_note
+    said = () if run.misfiring is None else (run.misfiring.sentence,)
+    meaning = tuple(f"{_upper(way)}: {MEANING[way]}." for way in cases.failing)
+    return DocumentPart(
+        "failing", "One cylinder misfiring, one cut out", (*meaning, *said), tuple(items)
+    )
+
+
+def _barred(run: EngineVibration, verdict: Verdict) -> DocumentPart:
+    rule = (run.engine_file.limits or LimitsInput()).barred_rule(run.engine_file.engine.rated_speed)
+    peaks = sorted({peak for one in verdict.barred for peak in one.peaks})
+    ends = Table(
+        "Ends by the rule about each peak in these ranges",
+        [
+            Column(name, "1/min", decimals=2)
+            for name in ("peak n", "16 n/(18 - r)", "(18 - r) n/16")
+        ],
+        [[peak, *rule.bounds(peak)] for peak in peaks],
+        note="r is n over the rated speed (IACS M68). A range ends where limits are kept, if that is wider.",
+    )
+    if not (verdict.barred or verdict.started_through):
+        return DocumentPart("barred", "Barred speed ranges", ("No speed range has to be barred.",))
+    tables = [DocumentTable("barred_ranges", stress_tables.barred_table(verdict))]
+    if peaks:
+        tables.append(DocumentTable("barred_by_rule", ends))
+    said = (
+        "Ranges that may be barred are to be passed quickly; stresses while passing stand in the table of "
+        "normal firing."
+    )
+    return DocumentPart("barred", "Barred speed ranges", (said,), tuple(tables))
+
+
+def _dampers(run: EngineVibration, cases: FiringCases) -> DocumentPart:
+    found = {
+        "dampers": stress_tables.damper_table(run, cases),
+        "gears": stress_tables.gear_table(run, cases),
+        "generator": stress_tables.generator_table(run, cases),
+    }
+    missing = {
+        "dampers": "Dampers and couplings: the torsional chain has none that turn vibration into heat.",
+        "gears": "Gear hammer: the torsional chain has no gears.",
+        "generator": "Generator: the engine drives none, so that there is no electrical angle."
+        if run.engine_file.engine.drives != "generator"
+        else "Generator: its poles are not given (engine.generator_poles), so that its electrical angle "
+        "is not known.",
+    }
+    return DocumentPart(
+        "dampers",
+        "Dampers, couplings, gears, generator",
+        tuple(words for name, words in missing.items() if found[name] is None),
+        tuple(DocumentTable(name, table) for name, table in found.items() if table is not None),
+    )
+
+
+def _limits(cases: FiringCases) -> DocumentPart:
+    return DocumentPart(
+        "limits",
+        "Limits",
+        (),
+        (DocumentTable("limits", stress_tables.limit_source_table(cases)),),
+    )
+
+
+def _assumptions(run: EngineVibration, cases: FiringCases) -> DocumentPart:
+    assert run.assessment is not None
+    remarks: Sequence[str] = (
+        *run.assessment.remarks,
+        *(() if run.forced_torsional is None else run.forced_torsional.remarks),
+        *(() if run.misfiring is None else run.misfiring.remarks[1:]),
+        *cases.notes,
+        "chains are linear; torques of cylinders act at their cranks, at constant speed",
+    )
+    values = assumed_values(run.engine_file)
+    return DocumentPart(
+        "assumptions",
+        "Assumptions",
+        tuple(dict.fromkeys(f"{_upper(one).rstrip('.')}." for one in remarks)),
+        (
+            DocumentTable(
+                "assumptions",
+                Table(
+                    "Values that nobody gave",
+                    [Column(name, words=True) for name in ("field", "value", "why")],
+                    [[one.field, one.given, one.source] for one in values],
+                ),
+            ),
+        ),
+    )

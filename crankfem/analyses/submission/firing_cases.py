@@ -1,0 +1,336 @@
+"""Torsional vibration up to 120 % of rated speed, firing normally and with each cylinder failing."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from crankbase.checks.arrays import FloatArray
+from crankbase.errors import InputError
+from crankbase.summaries import summarized
+from crankfem.analyses.vibration.chain_answers import ChainAnswer, EngineChains
+from crankfem.analyses.vibration.engine_excitation import (
+    calculated_speeds,
+    engine_harmonics,
+    failing_harmonics,
+    forces_over_speeds,
+)
+from crankfem.analyses.vibration.engine_limits import COUPLING, DAMPER, engine_limits
+from crankfem.analyses.vibration.firing_check import Cylinders, Reached, worst_of
+from crankfem.analyses.vibration.misfiring import Series, Superposition, at_place
+from crankfem.analyses.vibration.run import EngineVibration
+from crankfem.files.engine.engine_file import EngineFile
+from crankfem.files.engine.mechanism_file import MechanismFile, mechanism_of
+from crankfem.files.sections.excitation_sections import Misfire
+from crankfem.files.sections.limits_sections import LimitsInput
+from dynamics.assessment.limits import VibrationLimit
+from dynamics.chains.chain import Chain
+from dynamics.excitation.cylinder_harmonics import CylinderHarmonics
+from dynamics.response.forced import ForcedResponse
+from dynamics.response.loads import alternating_stress, section_modulus
+from dynamics.response.series import OrderSeries
+from dynamics.running_limits import at_most, within
+
+Flags = NDArray[np.bool_]
+# Speeds are calculated up to this share of the rated one, as class rules ask.
+HIGHEST_SHARE = 1.2
+STRESS, TORQUE, DASHPOTS, GEARS, GENERATOR = "stress", "torque", "dashpots", "gears", "generator"
+MISFIRING, CUT_OUT = "one cylinder misfiring", "one cylinder cut out"
+MEANING = {
+    MISFIRING: "nothing burns in the cylinder, which still compresses",
+    CUT_OUT: "no gas acts in the cylinder, whose running gear still moves",
+}
+# Of what drives a generator, from the most particular on.
+GENERATOR_NODES = ("driven machine", "generator", "flywheel")
+
+
+@dataclass(frozen=True, eq=False)
+class FiringCase:
+    """What one way of firing brings.
+
+    Attributes
+    ----------
+    kept : dict
+        Key of a series and place to the worst at running speeds outside of the ranges to be barred: the
+        largest use of its limit as it holds then, without a limit the largest amplitude.
+    passed : dict
+        The same in these ranges, held against the limit for passing; empty without such a range, and where
+        a cylinder fails.
+    largest : dict
+        The same to the largest amplitude at any speed calculated.
+    heat : dict
+        Place of a damper or coupling to the largest heat at these speeds [W] and its speed [rad/s].
+    """
+
+    kept: Mapping[tuple[str, str], Reached]
+    passed: Mapping[tuple[str, str], Reached]
+    largest: Mapping[tuple[str, str], Reached]
+    heat: Mapping[str, tuple[float, float]]
+
+
+@summarized("speeds [rad/s]", "limits", "notes")
+@dataclass(frozen=True, eq=False)
+class FiringCases:
+    """Torsional vibration of an engine up to 120 % of its rated speed in all ways of firing.
+
+    Attributes
+    ----------
+    speeds : (S,) array
+        [rad/s].
+    normal : dict
+        Of normal firing: key to its series by orders; stress [Pa], torque of elements and dashpots
+        [N m], torque of gears on their driven nodes [N m], amplitude of the generator [electrical rad].
+    firing : FiringCase
+    failing : dict
+        `MISFIRING` and `CUT_OUT` to the case of each cylinder, from 1; without what is not known.
+    envelopes : dict
+        The same to the largest stress at each speed and place with any cylinder failing [Pa].
+    mean_torque : (S,) array
+        Of the engine firing normally [N m].
+    limits : dict
+        Key of a series and place to its limit.
+    notes : tuple of str
+        What is not calculated, and why.
+    """
+
+    speeds: FloatArray
+    normal: Series
+    firing: FiringCase
+    failing: Mapping[str, Mapping[int, FiringCase]]
+    envelopes: Mapping[str, FloatArray]
+    mean_torque: FloatArray
+    limits: Mapping[tuple[str, str], VibrationLimit]
+    notes: tuple[str, ...]
+
+    def worst_cylinder(self, way: str, key: str, place: str) -> int:
+        """Return the number of the cylinder whose failing is worst for a place."""
+        cases = self.failing[way]
+        return max(cases, key=lambda number: cases[number].kept[key, place].severity)
+
+
+def firing_cases(run: EngineVibration) -> FiringCases:
+    """Calculate all ways of firing.
+
+    Parameters
+    ----------
+    run : EngineVibration
+        With gas pressure.
+
+    Raises
+    ------
+    InputError
+        If a pressure cannot be reached at these speeds.
+    """
+    file, mechanism = run.engine_file, mechanism_of(run.engine_file)
+    chains = EngineChains.of(file, run.axial, run.torsional, run.shaft)
+    share, notes = HIGHEST_SHARE, []
+    harmonics = engine_harmonics(file, mechanism, share)
+    speeds = calculated_speeds(file, harmonics.orders, chains.damped, above_rated=share)
+    if not at_most(share * file.engine.rated_speed, speeds[-1]):
+        notes.append(
+            f"speeds are calculated up to {speeds[-1] / file.engine.rated_speed:.3g} of the rated one, "
+            "where the load of the engine file ends"
+        )
+    limits = place_limits(file)
+    damping = heat_factors(run.torsional_chain)
+    barred = [] if run.assessment is None else run.assessment.verdict.ranges_to_bar
+    judge = _Judge(limits, damping, *_kept_and_passed(file, speeds, barred))
+    failing: dict[str, dict[int, FiringCase]] = {}
+    envelopes: dict[str, FloatArray] = {}
+    normal: Series = {}
+    firing = None
+    for way, compression in ((MISFIRING, True), (CUT_OUT, False)):
+        cold = _cold(file, mechanism, harmonics, compression, share)
+        if isinstance(cold, str):
+            notes.append(f"{way} is not calculated: {cold}")
+            continue
+        whole = file.changed(misfire=None)
+        own = EngineChains(whole, chains.pulled, chains.cranks, chains.damped, chains.shaft)
+        added = Superposition(own, harmonics, cold, torsional_series)
+        cases: list[Cylinders] = [(one,) for one in range(1, file.engine.cylinders + 1)]
+        for case, found in added.at(speeds, cases if firing else [(), *cases]):
+            if not case:
+                normal, firing = found, judge.case(found, case)
+                continue
+            failing.setdefault(way, {})[case[0]] = judge.case(found, case)
+            amplitude = found[STRESS].synthesis.amplitude
+            envelopes[way] = np.maximum(envelopes.get(way, amplitude), amplitude)
+    assert firing is not None  # a cylinder without gas can always be calculated
+    mean = forces_over_speeds(file, harmonics, speeds).mean_torque
+    return FiringCases(speeds, normal, firing, failing, envelopes, mean, limits, tuple(notes))
+
+
+def _cold(
+    file: EngineFile,
+    mechanism: MechanismFile,
+    firing: CylinderHarmonics,
+    compression: bool,
+    share: float,
+) -> CylinderHarmonics | str:
+    """Return the harmonics of cylinders in which nothing burns, or why they are not known."""
+    try:
+        failing = file.changed(misfire=Misfire(compression=compression))
+        return failing_harmonics(failing, mechanism, firing, share)
+    except InputError as error:
+        return str(error)
+
+
+def _kept_and_passed(
+    file: EngineFile, speeds: FloatArray, barred: Sequence[tuple[float, float]]
+) -> tuple[Flags, Flags]:
+    """Return which running speeds may be kept, and which are in ranges to be barred."""
+    running = within(speeds, file.engine.lowest_speed, file.engine.highest_speed)
+    # The ends of a range are its own; a limit is used up there.
+    passed = np.zeros(speeds.shape, dtype=bool)
+    for low, high in barred:
+        passed |= within(speeds, low, high)
+    return running & ~passed, running & passed
+
+
+def torsional_series(file: EngineFile, _: ChainAnswer, torsional: ChainAnswer) -> Series:
+    """Return what the document shows of one answer of the torsional chain; linear in the forces."""
+    loads, response = torsional.loads, torsional.response
+    found = {STRESS: _stresses(file, torsional), TORQUE: loads.elements, DASHPOTS: loads.dashpots}
+    if torsional.engine_chain.chain.gears:
+        found[GEARS] = _gear_torques(response, torsional.engine_chain.chain)
+    if file.engine.generator_poles is not None:
+        node = generator_node(torsional.engine_chain.chain)
+        place = torsional.engine_chain.nodes.index(node)
+        values = 0.5 * file.engine.generator_poles * response.motion[:, :, [place]]
+        found[GENERATOR] = replace(loads.elements, values=values, names=(node,))
+    return found
+
+
+def generator_node(chain: Chain) -> str:
+    """Return the node that turns with the generator's rotor."""
+    return next(name for name in GENERATOR_NODES if name in chain.names)
+
+
+def _stresses(file: EngineFile, torsional: ChainAnswer) -> OrderSeries:
+    """Nominal stress of all parts of the crankshaft, and of the shafts whose diameters [limits] gives."""
+    moduli = {torsional.loads.elements.names[place]: one for place, one in torsional.moduli.items()}
+    for shaft in (file.limits or LimitsInput()).shafts:
+        moduli[shaft.element] = float(section_modulus("torsional", shaft.diameter))
+    return alternating_stress(torsional.loads, moduli)
+
+
+def _gear_torques(response: ForcedResponse, chain: Chain) -> OrderSeries:
+    """Torque that each gear puts on its driven node: what holds that node in equilibrium.
+
+    Of a node the sum of inertia, springs, dampers and outside torques is zero but for its gears; one that
+    is in several gears has their sum.
+    """
+    w = response.angular_frequencies[:, :, np.newaxis]
+    stiffness = chain.stiffness_matrix() + 1j * chain.loss_matrix()
+    nodes = [gear.driven for gear in chain.gears]
+    x = response.motion
+    held = (
+        x @ stiffness[nodes].T
+        + 1j * w * (x @ chain.damping_matrix()[nodes].T)
+        - w**2 * (x @ chain.mass_matrix()[nodes].T)
+    )
+    names = tuple(f"{chain.names[one.driver]} / {chain.names[one.driven]}" for one in chain.gears)
+    values = held - response.excitation.forces[:, :, nodes]
+    return OrderSeries(response.orders, response.speeds, values, response.unbounded, names)
+
+
+def place_limits(file: EngineFile) -> dict[tuple[str, str], VibrationLimit]:
+    """Return the limits by what they hold for; "" stands for each place of the crankshaft."""
+    found, _ = engine_limits(file)
+    limits = {}
+    for name, limit in found.items():
+        if name == "crankshaft_stress":
+            limits[STRESS, ""] = limit
+        elif name == "coupling_torque":
+            limits[TORQUE, COUPLING] = limit
+        elif name.startswith("shaft: "):
+            limits[STRESS, name.removeprefix("shaft: ")] = limit
+    return limits
+
+
+def heat_factors(chain: Chain) -> dict[tuple[str, str], tuple[float, float, float]]:
+    """Return stiffness, loss factor and damping of what turns vibration into heat, by series and place.
+
+    Dashpots have no stiffness; parts of the crankshaft count too where they have damping of their own.
+    """
+    found = {}
+    for name, *values in zip(
+        chain.elements, chain.stiffness, chain.loss_factor, chain.damping, strict=True
+    ):
+        stiffness, loss, damping = map(float, values)
+        if loss or damping:
+            found[TORQUE, name] = (stiffness, loss, damping)
+    for one in chain.dashpots:
+        name = f"{chain.names[one.left]} - {chain.names[one.right]}"
+        found[DASHPOTS, name] = (0.0, 0.0, one.damping)
+    return found
+
+
+def heat_of(series: OrderSeries, place: str, values: tuple[float, float, float]) -> FloatArray:
+    """Return the heat of a damper at each speed, all orders together, from the torque in it (S,) [W].
+
+    Notes
+    -----
+    A twist of amplitude D at w takes w (k eta + w c) D^2 / 2, and the torque is |k (1 + i eta) + i w c| D.
+    """
+    stiffness, loss, damping = values
+    w = np.outer(series.orders, series.speeds)
+    torque = np.abs(series.values[:, :, series.names.index(place)])
+    resisting = stiffness * loss + w * damping
+    return np.asarray(
+        np.sum(0.5 * w * resisting * torque**2 / (stiffness**2 + resisting**2), axis=0)
+    )
+
+
+def damper_places(chain: Chain) -> tuple[tuple[str, str], ...]:
+    """Return what belongs to torsional dampers, by series and place."""
+    return tuple(key for key in heat_factors(chain) if key[1].endswith(DAMPER))
+
+
+@dataclass(frozen=True, eq=False)
+class _Judge:
+    """Finds the worst of each place in one way of firing."""
+
+    limits: Mapping[tuple[str, str], VibrationLimit]
+    damping: Mapping[tuple[str, str], tuple[float, float, float]]
+    kept: Flags
+    passed: Flags
+
+    def case(self, found: Series, failing: Cylinders) -> FiringCase:
+        kept, passed, largest = {}, {}, {}
+        for key, series in found.items():
+            inside = _at_speeds(series, self.kept)
+            between = _at_speeds(series, self.passed)
+            for place in series.names:
+                limit = limit_of(self.limits, key, place)
+                if limit is not None and failing:
+                    limit = replace(limit, continuous=limit.misfiring, passing=None)
+                kept[key, place] = worst_of(at_place(inside, place), limit)
+                largest[key, place] = worst_of(at_place(series, place), None)
+                if limit is not None and limit.passing is not None and np.any(self.passed):
+                    quick = replace(limit, continuous=limit.passing)
+                    passed[key, place] = worst_of(at_place(between, place), quick)
+        heat = {}
+        for (key, place), values in self.damping.items():
+            inside = _at_speeds(found[key], self.kept)
+            over_speed = heat_of(inside, place, values)
+            top = int(np.argmax(over_speed))
+            heat[place] = (float(over_speed[top]), float(inside.speeds[top]))
+        return FiringCase(kept, passed, largest, heat)
+
+
+def limit_of(
+    limits: Mapping[tuple[str, str], VibrationLimit], key: str, place: str
+) -> VibrationLimit | None:
+    """Return the limit of a place, which of a part of the crankshaft is that of all parts."""
+    return limits.get((key, place)) or limits.get((key, ""))
+
+
+def _at_speeds(series: OrderSeries, some: Flags) -> OrderSeries:
+    return replace(
+        series,
+        speeds=series.speeds[some],
+        values=series.values[:, some],
+        unbounded=series.unbounded[:, some],
+    )

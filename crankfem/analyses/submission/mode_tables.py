@@ -1,0 +1,330 @@
+"""Holzer tables, vector sums and critical speeds of a torsional chain, as tables."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from crankbase.checks.arrays import FloatArray
+from crankbase.summaries import summarized
+from crankbase.tables.output_units import OutputUnit
+from crankbase.tables.table import Column, Table
+from crankfem.analyses.submission.firing_cases import HIGHEST_SHARE
+from crankfem.analyses.vibration.run import EngineVibration
+from dynamics.assessment.major_criticals import (
+    MAJOR_READING,
+    MAJOR_SOURCE,
+    MajorCriticals,
+    major_criticals,
+)
+from dynamics.chains.chain import Chain
+from dynamics.chains.chain_modes import Modes
+from dynamics.critical import CriticalSpeed, critical_speeds, engine_orders, major_orders
+from dynamics.torque.star import Star, star_diagram
+
+MEGA_STIFFNESS = OutputUnit("MN m/rad", 1e6)
+# Modes that are shown at least, and at most.
+LEAST_MODES, MOST_MODES = 3, 6
+# The amplitude to which Holzer tables are scaled [rad].
+UNIT_AMPLITUDE = 1e-3
+# Sums of torques below this share of the largest one are zero.
+ROUND_OFF = 1e-9
+
+
+@summarized("frequency [Hz]", "modal_inertia [kg m^2]", "amplitude")
+@dataclass(frozen=True, eq=False)
+class HolzerTable:
+    """One mode scaled to an amplitude of 1 mrad at the first node: what moves, and what is twisted.
+
+    Attributes
+    ----------
+    frequency : float
+        [Hz].
+    amplitude : (n,) array
+        Of each node beside that of the first one.
+    inertia_torque : (n,) array
+        What the inertia of each node brings [N m].
+    torque : (e,) array
+        In each element, the second node less the first [N m].
+    ground : (n,) array
+        What each node leaves to springs to ground [N m].
+    modal_inertia : float
+        Referred to the first node [kg m^2].
+    kinetic_shares : (n,) array
+    strain_shares : (e,) array
+    """
+
+    frequency: float
+    amplitude: FloatArray
+    inertia_torque: FloatArray
+    torque: FloatArray
+    ground: FloatArray
+    modal_inertia: float
+    kinetic_shares: FloatArray
+    strain_shares: FloatArray
+
+
+def holzer_table(chain: Chain, modes: Modes, mode: int) -> HolzerTable:
+    """Return the Holzer table of a mode.
+
+    Parameters
+    ----------
+    chain : Chain
+    modes : Modes
+        Of this chain.
+    mode : int
+        Number among all modes, rigid ones counted, from 0.
+
+    Notes
+    -----
+    With the shape a, a_1 = 1 at the first node, node i brings the torque w^2 (M a)_i and element j carries
+    k_j times its twist. Together with what goes to ground and to gears they balance at each node. A mode that
+    leaves the first node at rest is scaled to its largest amplitude.
+    """
+    shape = modes.shapes[:, mode]
+    first = shape[0] if abs(shape[0]) > np.finfo(float).eps else 1.0
+    amplitude = shape / first
+    w = float(modes.angular_frequencies[mode])
+    elements = len(chain.connections)
+    return HolzerTable(
+        frequency=w / (2.0 * np.pi),
+        amplitude=amplitude,
+        inertia_torque=UNIT_AMPLITUDE * w**2 * (chain.mass_matrix() @ amplitude),
+        torque=UNIT_AMPLITUDE * chain.stiffness * (chain.elongations() @ amplitude),
+        ground=UNIT_AMPLITUDE * chain.ground * amplitude,
+        modal_inertia=float(modes.modal_inertia[mode]) / first**2,
+        kinetic_shares=modes.kinetic_shares[:, mode],
+        strain_shares=modes.strain_shares[:elements, mode],
+    )
+
+
+def shown_modes(run: EngineVibration) -> tuple[int, ...]:
+    """Return the elastic modes that the orders reach up to 120 % of rated speed, rigid ones counted."""
+    modes, engine = run.torsional.chosen.modes, run.engine_file.engine
+    turns = HIGHEST_SHARE * engine.rated_speed / (2.0 * np.pi)
+    highest = run.engine_file.vibration.highest_order * turns
+    reached = int(np.count_nonzero(modes.elastic_frequencies <= highest))
+    count = min(max(reached, LEAST_MODES), MOST_MODES, modes.elastic_frequencies.size)
+    return tuple(range(modes.rigid, modes.rigid + count))
+
+
+def mode_list_table(run: EngineVibration) -> Table:
+    """Return natural frequencies with modal inertias and the number of nodes."""
+    chain, modes = run.torsional_chain, run.torsional.chosen.modes
+    rows = []
+    for number in range(modes.rigid, len(modes.frequencies)):
+        own = holzer_table(chain, modes, number)
+        rows.append(
+            [
+                number - modes.rigid + 1,
+                own.frequency,
+                60.0 * own.frequency,
+                own.modal_inertia,
+                len(modes.node_positions[number]),
+            ]
+        )
+    return Table(
+        "Natural frequencies, without damping",
+        [
+            Column("mode"),
+            Column("frequency", "Hz", decimals=3),
+            Column("vibrations per minute", decimals=2),
+            Column("modal inertia, referred to the first mass", "kg m^2"),
+            Column("nodes"),
+        ],
+        rows,
+    )
+
+
+def mass_table(chain: Chain, own: HolzerTable, number: int) -> Table:
+    """Return the masses of a Holzer table."""
+    return Table(
+        f"Mode {number}, {60.0 * own.frequency:.2f} vibrations per minute ({own.frequency:.3f} Hz): masses",
+        [
+            Column("no."),
+            Column("mass", words=True),
+            Column("inertia", "kg m^2", digits=6),
+            Column("relative amplitude", decimals=5),
+            Column("inertia torque", "kN m"),
+            Column("their sum so far", "kN m"),
+            Column("kinetic energy", "%", decimals=2),
+        ],
+        [
+            [place, *row]
+            for place, row in enumerate(
+                zip(
+                    chain.names,
+                    chain.inertia.tolist(),
+                    own.amplitude.tolist(),
+                    own.inertia_torque.tolist(),
+                    _sums(own.inertia_torque),
+                    own.kinetic_shares.tolist(),
+                    strict=True,
+                ),
+                start=1,
+            )
+        ],
+        note=f"Torques at an amplitude of 1 mrad of {chain.names[0]}; modal inertia referred to it "
+        f"{own.modal_inertia:.5g} kg m^2.",
+    )
+
+
+def _sums(torques: FloatArray) -> list[float]:
+    """Return sums from the first on, with zero for what differs from it by round-off."""
+    sums = np.cumsum(torques)
+    return np.where(np.abs(sums) < ROUND_OFF * np.max(np.abs(torques)), 0.0, sums).tolist()  # type: ignore[no-any-return]
+
+
+def shaft_table(chain: Chain, own: HolzerTable, number: int) -> Table:
+    """Return the shafts of a Holzer table."""
+    return Table(
+        f"Mode {number}: shafts",
+        [
+            Column("shaft", words=True),
+            Column("stiffness", MEGA_STIFFNESS, digits=6),
+            Column("relative twist", decimals=5),
+            Column("torque", "kN m"),
+            Column("strain energy", "%", decimals=2),
+        ],
+        [
+            list(row)
+            for row in zip(
+                chain.elements,
+                chain.stiffness.tolist(),
+                (chain.elongations() @ own.amplitude).tolist(),
+                own.torque.tolist(),
+                own.strain_shares.tolist(),
+                strict=True,
+            )
+        ],
+        note=f"At an amplitude of 1 mrad of {chain.names[0]}.",
+    )
+
+
+def mode_stars(run: EngineVibration, mode: int) -> tuple[Star, ...]:
+    """Return the stars of all orders of a mode, cylinders weighted by its amplitudes, the first node's 1."""
+    file, named = run.engine_file, run.torsional.chosen.chain
+    own = holzer_table(named.chain, run.torsional.chosen.modes, mode)
+    return star_diagram(
+        firing_angles_deg=np.degrees(file.engine.firing_angles),
+        orders=orders_of(run),
+        strokes=file.engine.strokes,
+        mode_shape=own.amplitude[list(named.throw_nodes)][list(file.throws)],
+    )
+
+
+def orders_of(run: EngineVibration) -> FloatArray:
+    """Return the orders of the engine up to the highest of its file."""
+    file = run.engine_file
+    return engine_orders(file.engine.strokes, file.vibration.highest_order)
+
+
+def vector_table(run: EngineVibration) -> Table:
+    """Return the vector sums of all orders in the modes that are shown."""
+    rigid, shown = run.torsional.chosen.modes.rigid, shown_modes(run)
+    stars = [mode_stars(run, mode) for mode in shown]
+    majors = major_orders(orders_of(run), run.engine_file.engine.firing_angles)
+    columns = [Column("order", digits=None)]
+    for mode in shown:
+        name = f"mode {mode - rigid + 1}"
+        columns += [Column(name, decimals=4), Column("", "%", decimals=1)]
+    return Table(
+        "Vector sums by order and mode, and their share of the largest possible sum",
+        columns,
+        [
+            [
+                order,
+                *(cell for own in stars for cell in (own[place].resultant, own[place].share)),
+            ]
+            for place, order in enumerate(orders_of(run).tolist())
+        ],
+        note="Amplitudes of the cylinders relative to the first mass; highlighted orders are major: all "
+        "cylinders act together.",
+        marks=["chosen" if np.any(np.isclose(order, majors)) else "" for order in orders_of(run)],
+    )
+
+
+def criticals_to_highest(run: EngineVibration) -> tuple[CriticalSpeed, ...]:
+    """Return the critical speeds from half the lowest running speed to 120 % of the rated one."""
+    engine, modes = run.engine_file.engine, run.torsional.chosen.modes
+    ends = (0.5 * engine.lowest_speed, HIGHEST_SHARE * engine.rated_speed)
+    return critical_speeds(modes.elastic_frequencies, orders_of(run), ends)
+
+
+def critical_table(run: EngineVibration) -> Table:
+    """Return the critical speeds up to 120 % of rated speed."""
+    engine, rigid = run.engine_file.engine, run.torsional.chosen.modes.rigid
+    found = criticals_to_highest(run)
+    stars = {mode: mode_stars(run, rigid + mode) for mode in {one.mode for one in found}}
+    places = {order: place for place, order in enumerate(orders_of(run).tolist())}
+    majors = major_orders(orders_of(run), engine.firing_angles)
+    rows = [
+        [
+            one.speed,
+            one.speed / engine.rated_speed,
+            one.order,
+            one.mode + 1,
+            60.0 * one.frequency,
+            stars[one.mode][places[one.order]].resultant,
+        ]
+        for one in found
+    ]
+    return Table(
+        f"Critical speeds up to {100.0 * HIGHEST_SHARE:g} % of the rated speed, without damping",
+        [
+            Column("speed", "1/min", decimals=2),
+            Column("of rated speed", "%", decimals=1),
+            Column("order", digits=None),
+            Column("mode"),
+            Column("vibrations per minute", decimals=2),
+            Column("vector sum", decimals=4),
+        ],
+        rows,
+        note="Highlighted: major orders, at which all cylinders act together.",
+        marks=["chosen" if np.any(np.isclose(one.order, majors)) else "" for one in found],
+    )
+
+
+def major_judgment(run: EngineVibration) -> MajorCriticals:
+    """Judge the major critical speeds as one class does."""
+    engine = run.engine_file.engine
+    return major_criticals(
+        criticals_to_highest(run),
+        engine.rated_speed,
+        cylinders=engine.cylinders,
+        strokes=engine.strokes,
+        drives=engine.drives or "propeller",
+    )
+
+
+def major_sentences(run: EngineVibration) -> tuple[str, ...]:
+    """Say what the rule on major critical speeds finds."""
+    engine, own = run.engine_file.engine, major_judgment(run)
+    orders = " and ".join(f"{order:g}" for order in own.orders)
+    low, high = (f"{speed / engine.rated_speed:.2g}" for speed in own.clear)
+    sentences = [
+        f"No critical speed of a major order ({orders}) may lie between {low} and {high} of the rated speed: "
+        + (f"{_told(run, own.found)}." if own.found else "none does."),
+        f"Rule: {MAJOR_SOURCE}; {MAJOR_READING}.",
+    ]
+    if engine.bank_angles is not None:
+        sentences.append(
+            "The rule names these orders for engines in line; for this V engine they are taken from the "
+            "number of its cylinders all the same."
+        )
+    return tuple(sentences)
+
+
+def _told(run: EngineVibration, found: Sequence[CriticalSpeed]) -> str:
+    """Name critical speeds that lie there, with the damping of their modes where it is known."""
+    forced = run.forced_torsional
+    damped = {one.mode: one.damping_ratio for one in (() if forced is None else forced.resonances)}
+    return ", ".join(
+        f"order {one.order:g} in mode {one.mode + 1} does at {one.speed_rpm:.1f} 1/min"
+        + (
+            f" (a mode with {100.0 * damped[one.mode + 1]:.3g} % of critical damping)"
+            if one.mode + 1 in damped
+            else ""
+        )
+        for one in found
+    )

@@ -1,0 +1,143 @@
+"""What the law says of a throw, without finite elements: values with their bands, or why there are none."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import partial
+
+from crankbase.errors import InputError
+from crankbase.tables.output_units import SI, OutputUnits
+from crankbase.units.number_formats import percent
+from crankfem.analyses.record import Record
+from fem.material import Material
+from geometry.throw import CrankThrow
+from regression.law.superelement import law_reactions
+from regression.law.throw_law import axial_law, torsional_law
+from regression.models.angle import between_ends, fold_angle
+from regression.models.lookup import Lookup
+from regression.models.reaction_lookup import ReactionLookup
+
+LAW = "law"
+AXIAL, TORSIONAL = "axial_compliance", "torsional_compliance"
+# Responses, as models name them, to the law's attributes and units.
+_AXIAL = {
+    AXIAL: ("pinned", "m/N"),
+    f"{AXIAL}_guided": ("guided", "m/N"),
+    "influence_coefficient": ("influence_pinned", "m/N"),
+    "influence_coefficient_guided": ("influence_guided", "m/N"),
+    "tilt_stiffness_ratio": ("ratio", ""),
+}
+_TORSIONAL = {
+    TORSIONAL: ("pinned", "rad/(N m)"),
+    f"{TORSIONAL}_guided": ("guided", "rad/(N m)"),
+}
+
+
+def law_answers(
+    throw: CrankThrow, material: Material, gamma_deg: float | None = None
+) -> dict[str, Record]:
+    """Values of the law for a throw, with their bands.
+
+    Parameters
+    ----------
+    throw : CrankThrow
+    material : Material
+    gamma_deg : float, optional
+        Angle between neighboring cranks [deg], for the axial compliance and the influence coefficient in
+        place of pinned ends.
+
+    Returns
+    -------
+    dict
+        By the names of responses: "value", "lower", "upper", "unit" and "support".
+
+    Raises
+    ------
+    InputError
+        If the law does not hold for the throw or its material.
+    """
+    elastic = {"youngs_modulus": material.youngs_modulus, "poisson_ratio": material.poisson_ratio}
+    axial, torsional = axial_law(throw, **elastic), torsional_law(throw, **elastic)
+    found: dict[str, Record] = {}
+    for law, names in ((axial, _AXIAL), (torsional, _TORSIONAL)):
+        for response, (name, unit) in names.items():
+            value, error = getattr(law, name), law.errors[name]
+            support = "guided" if "guided" in name else "pinned" if unit else ""
+            found[response] = {
+                "value": value,
+                "lower": value - error * abs(value),
+                "upper": value + error * abs(value),
+                "unit": unit,
+                "support": support,
+            }
+    if gamma_deg is not None:
+        ratio = found["tilt_stiffness_ratio"]
+        for name, law_of in ((AXIAL, axial.axial), ("influence_coefficient", axial.influence)):
+            parts = (found[f"{name}_guided"], found[name], ratio)
+            ends = [(part["lower"], part["upper"]) for part in parts]
+            lower, upper = between_ends(fold_angle(gamma_deg), ends)
+            found[name] = {
+                "value": law_of(gamma_deg),
+                "lower": lower,
+                "upper": upper,
+                "unit": "m/N",
+                "support": f"between neighbors at {gamma_deg:g} deg",
+            }
+    return found
+
+
+def law_record(throw: CrankThrow, material: Material, gamma_deg: float | None = None) -> Record:
+    """Return `law_answers` under "answers", or None there and the "reason" why the law has none."""
+    try:
+        return {"answers": law_answers(throw, material, gamma_deg), "reason": None}
+    except InputError as error:
+        return {"answers": None, "reason": str(error)}
+
+
+def law_sentence(record: Record, units: OutputUnits = SI) -> str:
+    """Say what the law makes of a throw, from its `law_record`."""
+    answers = record["answers"]
+    if answers is None:
+        return units.text(f"The law says nothing of this throw: {record['reason']}")
+    own, twist = answers[AXIAL], answers[TORSIONAL]
+    axial, torsional = units.of("1e-9 m/N"), units.of("1e-9 rad/(N m)")
+    width = percent(own["upper"] / own["value"] - 1.0)
+    return (
+        f"By the law, without finite elements: e_n {axial.with_name(own['value'])} within {width} %, ends "
+        f"pinned ({axial.with_name(answers[f'{AXIAL}_guided']['value'])} guided), torsional compliance "
+        f"{torsional.with_name(twist['value'])} pinned."
+    )
+
+
+@dataclass(frozen=True)
+class LawLookups:
+    """The law's answers for one throw, as lookups in a model give theirs.
+
+    Attributes
+    ----------
+    answers : dict of str to Lookup
+        By the names of responses.
+    reactions : callable
+        Force on the pin and support to reactions.
+    """
+
+    answers: dict[str, Lookup]
+    reactions: Callable[..., ReactionLookup]
+
+
+def law_lookups(
+    throw: CrankThrow, material: Material, gamma_deg: float | None = None
+) -> LawLookups:
+    """Look a throw up by the law; arguments and errors as `law_answers`."""
+    answers = {
+        name: Lookup(
+            **own,
+            inside=True,
+            remarks=(),
+            error=None,
+            equation="networks of the law",
+            band="holds 95 of 100 throws, of rigid end sections",
+            symbol=name.replace("_", " "),
+        )
+        for name, own in law_answers(throw, material, gamma_deg).items()
+    }
+    return LawLookups(answers, partial(law_reactions, throw, poisson_ratio=material.poisson_ratio))

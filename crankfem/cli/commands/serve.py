@@ -1,0 +1,62 @@
+"""The service of an API and a page."""
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from crankbase.errors import InputError, MissingLibraryError
+from crankfem.cli.commands.options import WorkersOption
+
+
+def serve(
+    folder: Annotated[
+        Path, typer.Option(metavar="FOLDER", help="Where jobs and their files lie.")
+    ] = Path("crankfem-service"),
+    models: Annotated[
+        Path | None, typer.Option(metavar="FOLDER", help="Compliance models that can be looked up.")
+    ] = None,
+    port: Annotated[int, typer.Option(help="0 for any that is free.")] = 8765,
+    host: Annotated[
+        str, typer.Option(help="Where to listen; others than this machine's own need a key.")
+    ] = "127.0.0.1",
+    key_file: Annotated[
+        Path | None, typer.Option(metavar="FILE", help="Holds the key that requests must bring.")
+    ] = None,
+    jobs: Annotated[int, typer.Option(help="Jobs that run at a time.")] = 1,
+    workers: WorkersOption = 2,
+) -> None:
+    """Serve an API and a page on which a throw's dimensions are turned like knobs.
+
+    Only this machine is answered, unless --host and --key-file are given.
+    """
+    from crankbase.checks.scalars import is_whole_within
+    from crankfem.cli.interrupts import interrupts_raise
+    from crankfem.service.bounds import Bounds, Settings
+    from regression.runs.study import check_workers
+
+    check_workers(workers)
+    if not is_whole_within(jobs, 1, 64):
+        raise InputError(f"--jobs: given {jobs}; allowed is 1 to 64.")
+    settings = Settings(
+        folder, models, host, port, _read_key(key_file), Bounds(running=jobs, workers=workers)
+    )
+    try:
+        from crankfem.service.server import serve as serve_until_interrupted
+    except ModuleNotFoundError as error:
+        raise MissingLibraryError(
+            f"The service needs the package {error.name}; install it with: pip install 'crankfem[serve]'."
+        ) from None
+    with interrupts_raise():
+        serve_until_interrupted(settings)
+
+
+def _read_key(file: Path | None) -> str | None:
+    if file is None:
+        return None
+    try:
+        return file.read_text(encoding="ascii").strip()
+    except (OSError, UnicodeDecodeError) as error:
+        raise InputError(
+            f"--key-file: given {file}, which cannot be read as ASCII ({error})."
+        ) from None

@@ -1,0 +1,42 @@
+"""What stands on the command line for a throw that the law is asked about."""
+
+from collections.abc import Sequence
+from typing import Any
+
+from crankbase.checks.choices import did_you_mean
+from crankbase.errors import InputError
+from crankfem.cli import console
+from crankfem.cli.model_arguments import parse_value
+from crankfem.cli.throw_choice import select_throw
+from fem.material import STEEL, Material
+from geometry.throw import CrankThrow
+from regression.throw_values import field_unit
+
+
+def law_throw(
+    pairs: Sequence[str], engine: str | None = None, quiet: bool = False
+) -> tuple[CrankThrow, Material]:
+    """Make a throw of NAME=VALUE pairs, or of an engine's throw that they change.
+
+    Raises
+    ------
+    InputError
+        If a name is no dimension, a value none of it, or they make no throw.
+    """
+    given = console.parse_pairs(pairs, _convert)
+    if engine is None:
+        return CrankThrow(**given), STEEL
+    throw, material = select_throw(engine, quiet=quiet)
+    return throw.changed(**given), material
+
+
+def _convert(name: str, text: str) -> Any:
+    choices = [one for one in CrankThrow.model_fields if field_unit(one) is not None]
+    if name == "web_outline":
+        return text.strip()
+    if name not in choices:
+        raise InputError(
+            f"{name}: unknown dimension; {did_you_mean(name, choices)}allowed are web_outline, "
+            f"{', '.join(choices)}; parts of a throw come with --throw ENGINE.toml."
+        )
+    return parse_value(name, text, field_unit(name) or "")

@@ -1,0 +1,164 @@
+"""Write the class document of an engine into a folder: the page, its diagrams, its tables."""
+
+import csv
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from crankbase.errors import InputError
+from crankbase.outputs import (
+    atomic_file,
+    check_output,
+    files_listed,
+    protected,
+    recording_run_files,
+    write_text,
+)
+from crankbase.tables.table import Table
+from crankfem.analyses.engine_refusals import refuse_what_cannot_run
+from crankfem.analyses.provenance import provenance_record
+from crankfem.analyses.submission.document import (
+    DocumentPart,
+    check_submission,
+    class_document,
+)
+from crankfem.analyses.vibration.run import EngineVibration, engine_vibration
+from crankfem.files.engine.engine_file import EngineFile, load_engine
+from crankfem.files.engine.input_files import engine_tables
+from crankfem.files.engine.mechanism_file import mechanism_of
+from crankfem.jobs.run_progress import Progress, SilentProgress
+from crankfem.report.class_document import render_class_document
+from crankfem.report.text_filters import moment
+
+PAGE, TABLES, DIAGRAMS = "class.html", "class-tables", "class-diagrams"
+
+
+@dataclass(frozen=True, eq=False)
+class WrittenDocument:
+    """What was written, and what it was made from.
+
+    Attributes
+    ----------
+    page : Path
+    tables : tuple of Path
+    run : EngineVibration
+    parts : tuple of DocumentPart
+    """
+
+    page: Path
+    tables: tuple[Path, ...]
+    run: EngineVibration
+    parts: tuple[DocumentPart, ...]
+
+
+def write_class_document(
+    engine: str | Path | EngineFile, output: str | Path, progress: Progress | None = None
+) -> WrittenDocument:
+    """Calculate an engine's torsional vibration and write the class document.
+
+    Everything is calculated and drawn before the last document in the folder gives way.
+
+    Parameters
+    ----------
+    engine : path or EngineFile
+        Engine file, or the name of a shipped engine.
+    output : path
+        Folder, which is made if it is not there: the page, its tables as CSV, and its diagrams.
+    progress : Progress, optional
+
+    Raises
+    ------
+    InputError
+        If the engine file or the folder cannot be used, or a file of somebody else's stands there.
+    MeshError, SolveError
+        If the throw cannot be meshed or solved.
+    OSError
+        If a file cannot be written.
+    """
+    told = progress or SilentProgress()
+    told.step("Reading the engine file")
+    read = engine if isinstance(engine, EngineFile) else load_engine(engine)
+    refuse_what_cannot_run(read)
+    check_submission(read)
+    inputs = (read.path, *engine_tables(read, mechanism_of(read)))
+    folder = Path(output)
+    with protected(*inputs):
+        _check_folder(folder)
+        run = engine_vibration(read, step=told.step)
+        told.step("Calculating all cylinders failing")
+        parts = class_document(run)
+        told.step("Drawing diagrams")
+        _take_last_away(folder)
+        drawn = {}
+        with recording_run_files():
+            for picture in (one for part in parts for one in part.pictures):
+                drawn[picture.name] = folder / DIAGRAMS / f"{picture.name}.svg"
+                picture.draw(drawn[picture.name])
+        told.step("Writing the document")
+        created = moment(provenance_record()["created"])
+        page = write_text(
+            folder / PAGE, render_class_document(run, parts, drawn, created), "report"
+        )
+        with recording_run_files():
+            tables = tuple(
+                _write_table(folder / TABLES / f"{one.name}.csv", one.table)
+                for part in parts
+                for one in part.tables
+            )
+    return WrittenDocument(page, tables, run, parts)
+
+
+def _check_folder(folder: Path) -> None:
+    """Make the folders, and refuse files of somebody else's that stand in the way.
+
+    Raises
+    ------
+    InputError
+    """
+    if not str(folder).strip() or folder.is_file():
+        raise InputError(
+            f"output: given {str(folder)!r}; allowed is a folder one may write to, because the document, its "
+            "tables and diagrams are files in it."
+        )
+    try:
+        for place in (folder / TABLES, folder / DIAGRAMS):
+            place.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise InputError(
+            f"output: given {str(folder)!r}, which cannot be made or written to ({error.strerror}); "
+            "allowed is a folder one may write to."
+        ) from None
+    check_output(folder / PAGE, "report")
+    with recording_run_files():
+        for path in sorted((folder / TABLES).glob("*.csv")):
+            check_output(path, "table")
+        for path in sorted((folder / DIAGRAMS).glob("*.svg")):
+            check_output(path, "picture")
+
+
+def _take_last_away(folder: Path) -> None:
+    """Take the tables and diagrams of the last document away: another engine has others."""
+    for place in (folder / TABLES, folder / DIAGRAMS):
+        for path in files_listed(place):
+            path.unlink(missing_ok=True)
+
+
+def _write_table(path: Path, table: Table) -> Path:
+    """Write a table as CSV, in the units of its heads and with six digits."""
+    with atomic_file(path, "table") as part, part.open("w", encoding="utf-8", newline="") as file:
+        writer = csv.writer(file, lineterminator="\n")
+        writer.writerow([column.head() for column in table.columns])
+        writer.writerows(_rows(table))
+    return path
+
+
+def _rows(table: Table) -> Sequence[Sequence[str]]:
+    return [
+        [
+            f"{cell / column.display_unit().size:.6g}"
+            if isinstance(cell, float)
+            else column.text(cell)
+            for column, cell in zip(table.columns, row, strict=True)
+        ]
+        for row in table.rows
+    ]

@@ -1,0 +1,59 @@
+"""The class document as one page of HTML that prints to A4."""
+
+import base64
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+
+from markupsafe import Markup
+
+from crankfem.analyses.provenance import program_version
+from crankfem.analyses.submission.document import DocumentPart
+from crankfem.analyses.vibration.run import EngineVibration
+from crankfem.report.engine_schematic import engine_schematic
+from crankfem.report.writing import page_environment, template_text
+
+TEMPLATE, STYLES = "class.html.j2", ("report/style.css", "class.css")
+
+
+def render_class_document(
+    run: EngineVibration,
+    parts: Sequence[DocumentPart],
+    pictures: Mapping[str, Path],
+    created: str,
+) -> str:
+    """Return the text of the document.
+
+    Parameters
+    ----------
+    run : EngineVibration
+    parts : sequence of DocumentPart
+    pictures : mapping
+        Name of each diagram that was drawn to its file, an SVG.
+    created : str
+        When, in words.
+    """
+    file, chain = run.engine_file, run.torsional_chain
+    engine = file.engine
+    described = {
+        "engine": {"crank_angles": engine.crank_angles, "firing_order": engine.firing_order},
+        "vibration": {"torsional": {"nodes": list(chain.names), "inertia": chain.inertia.tolist()}},
+    }
+    return (
+        page_environment()
+        .get_template(TEMPLATE)
+        .render(
+            engine=engine,
+            file=file.path.name,
+            parts=parts,
+            pictures={name: _embedded(path) for name, path in pictures.items()},
+            schematic=engine_schematic(described),
+            sources=file.sources,
+            created=created,
+            version=program_version(),
+            style=Markup("\n".join(template_text(name) for name in STYLES)),
+        )
+    )
+
+
+def _embedded(path: Path) -> str:
+    return f"data:image/svg+xml;base64,{base64.b64encode(path.read_bytes()).decode()}"

@@ -1,0 +1,199 @@
+"""What is asked of the service: bodies of requests, read by the models of the files.
+
+Quantities are numbers in SI units or texts with units, as ``0.17`` or ``"170 mm"``.
+"""
+
+from collections.abc import Mapping
+from typing import Any, Literal, TypeVar
+
+from pydantic import Field
+from pydantic_core import from_json
+from starlette.requests import Request
+
+from crankbase.checks.scalars import is_number
+from crankbase.errors import InputError
+from crankbase.model import InputModel, field_extra, part_kind, quantity_field
+from crankfem.service.problems import ProblemError
+from fem.material import STEEL, Material
+from fem.supports import Neighbors, Support
+from geometry.throw import CrankThrow
+
+Asked = TypeVar("Asked", bound=InputModel)
+Pin = tuple[float, float, float]
+LONGEST_NAME = 80
+UNIT_FORCE = 1e5  # towards the shaft [N]
+
+
+class ThrowQuestion(InputModel):
+    """A throw and its material."""
+
+    throw: dict[str, Any] = Field(description="dimensions of the throw")
+    material: dict[str, Any] | None = Field(None, description="of the throw; steel by default")
+
+    def read_throw(self) -> CrankThrow:
+        """Return the throw.
+
+        Raises
+        ------
+        InputError
+        """
+        return read_record(CrankThrow, self.throw, "throw")
+
+    def read_material(self) -> Material:
+        """Return the material.
+
+        Raises
+        ------
+        InputError
+        """
+        given = self.material
+        return STEEL if given is None else read_record(Material, given, "material")
+
+
+class OutlineQuestion(ThrowQuestion):
+    """A throw and from where to look at it."""
+
+    view: Literal["side", "front"] = Field("side", description="from where to look")
+
+
+def _angle(default: float | None) -> Any:
+    return quantity_field(
+        "angle between neighboring cranks [deg]", "", minimum=-360.0, maximum=360.0, default=default
+    )
+
+
+class FormulasQuestion(ThrowQuestion):
+    """A throw between equal neighbors."""
+
+    gamma_deg: float = _angle(180.0)
+
+
+class ReactionsQuestion(InputModel):
+    """A force on the pin and how the ends are supported, where reactions are wanted."""
+
+    pin_force: Pin | None = Field(
+        None, description="force on the pin across the shaft, in the throw frame, x y z [N]"
+    )
+    support: Literal["pinned", "guided", "neighbors"] = Field(
+        "pinned", description="of the ends; neighbors are equal throws at gamma_deg"
+    )
+    gamma_deg: float | None = _angle(None)
+
+    def read_support(self) -> Support:
+        """Return the support.
+
+        Raises
+        ------
+        InputError
+        """
+        if self.support != "neighbors":
+            return self.support
+        if self.gamma_deg is None:
+            raise InputError(
+                "gamma_deg: missing; the angle between neighboring cranks [deg] must be given with the "
+                "support neighbors."
+            )
+        return Neighbors(self.gamma_deg, self.gamma_deg)
+
+
+class LawQuestion(ThrowQuestion, ReactionsQuestion):
+    """A throw; with a force on its pin, the reactions are told too."""
+
+
+class AnalysisQuestion(ThrowQuestion):
+    """A throw for finite elements."""
+
+    gamma_deg: float | None = _angle(None)
+    pin_force: Pin | None = Field(
+        None,
+        description="force on the first pin in the throw frame, x y z [N]; 100 kN towards the shaft if none",
+    )
+    accuracy: float = quantity_field(
+        "wished relative accuracy of e_n", "", minimum=0.002, maximum=0.1, default=0.01
+    )
+    stress: bool = Field(False, description="whether stresses at the fillets are wanted")
+
+
+class StressQuestion(ThrowQuestion):
+    """A throw for the stresses at its fillets."""
+
+    accuracy: float = quantity_field(
+        "wished relative accuracy of the stresses", "", minimum=0.02, maximum=0.2, default=0.05
+    )
+
+
+class LookupQuestion(ReactionsQuestion):
+    """Dimensions to look up in a model: numbers, texts, or lists of them for many throws."""
+
+    throw: dict[str, Any] | None = Field(None, description="whose dimensions are taken")
+    dimensions: dict[str, Any] = Field(
+        {}, description="value or list of values by name; these change the throw's"
+    )
+    responses: list[str] | None = Field(None, description="which; all of the model by default")
+    strict: bool = Field(False, description="refuse what lies outside the range of the model")
+
+
+class FileQuestion(InputModel):
+    """A file as text, and the tables that it names."""
+
+    text: str = Field(description="content of the TOML file")
+    name: str = Field("engine.toml", description="name of the file", max_length=LONGEST_NAME)
+    tables: dict[str, str] = Field({}, description="content of each table by the name of its file")
+
+
+class KeyQuestion(InputModel):
+    """The key of the service."""
+
+    key: str = Field(description="key of the service")
+
+
+async def read_question(request: Request, kind: type[Asked]) -> Asked:
+    """Read the body of a request.
+
+    Raises
+    ------
+    ProblemError
+        If it is no JSON object.
+    InputError
+        If the object is none of its kind.
+    """
+    media = request.headers.get("content-type", "").partition(";")[0].strip().lower()
+    if media != "application/json":
+        raise ProblemError(415, "The body of the request must be application/json.")
+    try:
+        content = from_json(await request.body(), allow_inf_nan=False)
+    except ValueError as error:
+        raise ProblemError(400, f"The body of the request is no JSON: {error}.") from None
+    if not isinstance(content, dict):
+        raise ProblemError(400, "The body of the request is no JSON object.")
+    return kind(**content)
+
+
+def read_record(kind: type[Asked], values: Mapping[str, Any], section: str) -> Asked:
+    """Read a record of quantities, each a number in SI units or a text with its unit; null is not given.
+
+    Raises
+    ------
+    InputError
+        With a sentence for each wrong field.
+    """
+    values = {name: value for name, value in values.items() if value is not None}
+    if section == kind.section and all(type(value) in (float, int) for value in values.values()):
+        return kind(**values)
+    return kind.from_text(_texts(kind, values), section)
+
+
+def _texts(kind: type[InputModel], values: Mapping[str, Any]) -> dict[str, object]:
+    """Give numbers their SI units, as a file must have them."""
+    found: dict[str, object] = {}
+    for name, value in values.items():
+        info = kind.model_fields.get(name)
+        unit, part = (None, None) if info is None else (field_extra(info, "unit"), part_kind(info))
+        if unit and is_number(value):
+            value = f"{value!r} {unit}"
+        elif part is not None and isinstance(value, Mapping):
+            value = _texts(part, {n: v for n, v in value.items() if v is not None})
+        elif part is not None and isinstance(value, list):
+            value = [_texts(part, one) if isinstance(one, Mapping) else one for one in value]
+        found[name] = value
+    return found

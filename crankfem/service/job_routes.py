@@ -1,0 +1,224 @@
+"""Jobs: submitted, followed, canceled, their results and files; and files checked before."""
+
+import asyncio
+import json
+import re
+from collections.abc import AsyncIterator, Mapping
+from pathlib import Path
+from typing import Any
+
+import anyio.to_thread
+from fastapi import APIRouter
+from pydantic_core import to_json
+from starlette.requests import Request
+from starlette.responses import FileResponse, Response, StreamingResponse
+
+from crankbase.calls import ProcessLostError
+from crankbase.errors import InputError
+from crankbase.processes import scratch_folder
+from crankfem.service.answers import ENDED, CheckedText, Job, Jobs
+from crankfem.service.asking import AnalysisQuestion, FileQuestion, StressQuestion, read_question
+from crankfem.service.bounds import Bounds
+from crankfem.service.job_runner import JobRunner
+from crankfem.service.job_store import JobStore
+from crankfem.service.problems import ProblemError
+from crankfem.service.responses import JSON, answer, described
+from crankfem.service.tasks import REPORT, RESULT
+from geometry.isolated import IsolatedProcess
+
+MOST_LISTED = 100
+RETRY_SECONDS = "5"
+EVENTS = "text/event-stream"
+LOOK, PING = 0.05, 15.0  # seconds between two looks at a job, between two signs of life
+# Pages that jobs have made run apart from the service's: their scripts reach nothing of it.
+SANDBOX = (
+    "sandbox allow-scripts allow-popups; default-src 'none'; script-src 'unsafe-inline' 'unsafe-eval'; "
+    "style-src 'unsafe-inline'; img-src data: blob:; font-src data:"
+)
+BOXED = {"Content-Security-Policy": SANDBOX}
+MEDIA = {
+    ".json": JSON,
+    ".html": "text/html; charset=utf-8",
+    ".svg": "image/svg+xml",
+    ".png": "image/png",
+    ".toml": "text/plain; charset=utf-8",
+    ".csv": "text/csv; charset=utf-8",
+    ".step": "model/step",
+}
+OTHER = "application/octet-stream"
+CHECKED = re.compile(r"[0-9a-f]{16}")
+
+
+def throw_report(folder: Path) -> str:
+    """Make the report of a throw from what its job has left."""
+    from crankfem.report.throw_report import render_throw_report
+
+    return render_throw_report(json.loads((folder / RESULT).read_text(encoding="utf-8")), folder)
+
+
+def job_routes(store: JobStore, runner: JobRunner, bounds: Bounds) -> APIRouter:
+    """Make the routes of jobs."""
+    routes = APIRouter(prefix="/api")
+    checker = IsolatedProcess()
+
+    def job_named(name: str) -> Job:
+        job = store.job(name) if CHECKED.fullmatch(name) else None
+        if job is None:
+            raise ProblemError(404, "There is no job of that name.")
+        return job
+
+    def submit(kind: str, title: str, question: Mapping[str, Any]) -> Response:
+        name = runner.submit(kind, title, question)
+        if name is None:
+            raise ProblemError(
+                429,
+                f"{bounds.waiting} jobs wait already; ask again later.",
+                {"Retry-After": RETRY_SECONDS},
+            )
+        return answer(job_named(name), 202, {"Location": f"/api/jobs/{name}"})
+
+    async def submit_file(request: Request, kind: str, section: str) -> Response:
+        asked = await read_question(request, FileQuestion)
+        checked = await anyio.to_thread.run_sync(check, asked)
+        if section not in checked["commands"]:
+            raise InputError(
+                f"text: given a {checked['kind']} file that serves {', '.join(checked['commands'])}; allowed "
+                f"is one that serves {section}."
+            )
+        return submit(kind, asked.name.removesuffix(".toml"), asked.model_dump())
+
+    def check(asked: FileQuestion) -> dict[str, Any]:
+        """Check a file in a process of its own, which may take so long and no longer."""
+        with scratch_folder() as folder:
+            try:
+                found: dict[str, Any] = checker.call(
+                    "crankfem.service.tasks:check_upload",
+                    asked.model_dump(),
+                    str(folder),
+                    time_limit=bounds.check_seconds,
+                )
+            except ProcessLostError as lost:
+                raise InputError(f"text: given a file that cannot be checked: {lost}.") from None
+            except InputError as error:
+                raise InputError(str(error).replace(f"{folder}/", "")) from None
+        return found
+
+    @routes.post(
+        "/throws/analysis",
+        tags=["throws"],
+        **described(Job, AnalysisQuestion, 429, status=202, says="queued"),
+    )
+    async def analyze_throw(request: Request) -> Response:
+        """Analyze a throw by finite elements: compliances, 12 x 12 stiffness, reactions, error bars."""
+        asked = await read_question(request, AnalysisQuestion)
+        asked.read_throw(), asked.read_material()
+        return submit("analysis", "throw", asked.model_dump())
+
+    @routes.post(
+        "/throws/stress",
+        tags=["throws"],
+        **described(Job, StressQuestion, 429, status=202, says="queued"),
+    )
+    async def analyze_stress(request: Request) -> Response:
+        """Find the stresses at a throw's fillets."""
+        asked = await read_question(request, StressQuestion)
+        asked.read_throw(), asked.read_material()
+        return submit("stress", "stress", asked.model_dump())
+
+    @routes.post("/files/check", tags=["files"], **described(CheckedText, FileQuestion))
+    async def check_uploaded(request: Request) -> Response:
+        """Check a file: what it was understood as, or what is wrong at which field."""
+        asked = await read_question(request, FileQuestion)
+        return answer(await anyio.to_thread.run_sync(check, asked))
+
+    @routes.post(
+        "/studies", tags=["files"], **described(Job, FileQuestion, 429, status=202, says="queued")
+    )
+    async def run_study(request: Request) -> Response:
+        """Run the study of a file with the sections [throw] and [study], and fit its equations."""
+        return await submit_file(request, "study", "doe")
+
+    @routes.post(
+        "/engines", tags=["files"], **described(Job, FileQuestion, 429, status=202, says="queued")
+    )
+    async def run_engine(request: Request) -> Response:
+        """Run a whole engine file: everything, and a report."""
+        return await submit_file(request, "engine", "run")
+
+    @routes.get("/jobs", tags=["jobs"], **described(Jobs))
+    async def list_jobs() -> Response:
+        """List the newest jobs."""
+        return answer({"jobs": store.jobs(MOST_LISTED)})
+
+    @routes.get("/jobs/{name}", tags=["jobs"], **described(Job, None, 404))
+    async def read_job(name: str) -> Response:
+        """Tell how far a job is."""
+        return answer(job_named(name))
+
+    @routes.delete("/jobs/{name}", tags=["jobs"], **described(Job, None, 404, 409))
+    async def remove_job(name: str) -> Response:
+        """Forget a job that has ended, with its files."""
+        job = job_named(name)
+        if job.state not in ENDED:
+            raise ProblemError(409, "The job has not ended; cancel it first.")
+        await anyio.to_thread.run_sync(runner.remove, name)
+        return answer(job)
+
+    @routes.post("/jobs/{name}/cancel", tags=["jobs"], **described(Job, None, 404, 409))
+    async def cancel_job(name: str) -> Response:
+        """Cancel a job that waits or runs."""
+        if job_named(name).state in ENDED:
+            raise ProblemError(409, "The job has ended already.")
+        await anyio.to_thread.run_sync(runner.cancel, name)
+        return answer(job_named(name))
+
+    @routes.get("/jobs/{name}/events", tags=["jobs"], **described(EVENTS, None, 404))
+    async def follow_job(name: str) -> Response:
+        """Follow a job: an event with the whole job at each change, until it has ended."""
+        job_named(name)
+
+        async def events() -> AsyncIterator[bytes]:
+            told, waited = b"", 0.0
+            while not runner.stopping:
+                job = store.job(name)
+                if job is None:
+                    return
+                text = to_json(job)
+                if text != told or waited > PING:
+                    yield b"event: job\ndata: " + text + b"\n\n"
+                    told, waited = text, 0.0
+                if job.state in ENDED:
+                    return
+                await asyncio.sleep(LOOK)
+                waited += LOOK
+
+        return StreamingResponse(events(), media_type=EVENTS)
+
+    def file_named(name: str, path: str) -> Response:
+        job_named(name)
+        found = store.file(name, path)
+        if found is None:
+            raise ProblemError(404, "The job has no such file, or not yet.")
+        media = MEDIA.get(found.suffix, OTHER)
+        return FileResponse(found, media_type=media, headers=BOXED)
+
+    @routes.get("/jobs/{name}/result", tags=["jobs"], **described(JSON, None, 404))
+    async def read_result(name: str) -> Response:
+        """Return the numbers of a job, as soon as they are there, in SI units."""
+        return file_named(name, RESULT)
+
+    @routes.get("/jobs/{name}/report", tags=["jobs"], **described("text/html", None, 404))
+    async def read_report(name: str) -> Response:
+        """Return the report of an engine or of a throw."""
+        job = job_named(name)
+        if job.kind != "analysis" or job.state != "done":
+            return file_named(name, REPORT)
+        text = await anyio.to_thread.run_sync(throw_report, store.place(name))
+        return Response(text, headers=BOXED, media_type=MEDIA[".html"])
+
+    @routes.get("/jobs/{name}/files/{path:path}", tags=["jobs"], **described("*/*", None, 404))
+    async def read_file(name: str, path: str) -> Response:
+        """Return a file of a job, by the name that the job lists."""
+        return file_named(name, path)
+
+    return routes

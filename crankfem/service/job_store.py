@@ -1,0 +1,200 @@
+"""Jobs in an SQLite file: found again after a restart, however the service ended."""
+
+import json
+import secrets
+import sqlite3
+import threading
+import time
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+from crankbase.errors import InputError
+from crankfem.service.answers import Job, State
+
+_COLUMNS = {
+    "id": "TEXT PRIMARY KEY",
+    "kind": "TEXT NOT NULL",
+    "title": "TEXT NOT NULL",
+    "question": "TEXT NOT NULL",
+    "state": "TEXT NOT NULL",
+    "step": "TEXT NOT NULL DEFAULT ''",
+    "finished": "INTEGER NOT NULL DEFAULT 0",
+    "total": "INTEGER NOT NULL DEFAULT 0",
+    "notes": "TEXT NOT NULL DEFAULT '[]'",
+    "problem": "TEXT",
+    "created": "REAL NOT NULL",
+    "started": "REAL",
+    "ended": "REAL",
+    "attempts": "INTEGER NOT NULL DEFAULT 0",
+}
+VERSION = 1
+FILE, FOLDERS = "jobs.sqlite", "jobs"
+# What a job keeps for itself: its store and the lists of its files.
+OWN_ENDINGS = (".sqlite", ".sqlite-wal", ".sqlite-shm")
+
+
+class JobStore:
+    """Jobs and their folders.
+
+    Parameters
+    ----------
+    folder : Path
+        Made if it is not there.
+
+    Raises
+    ------
+    InputError
+        If the folder cannot be used, or is of a newer release.
+    """
+
+    def __init__(self, folder: Path) -> None:
+        self.folder = folder
+        self._lock = threading.RLock()
+        try:
+            (folder / FOLDERS).mkdir(parents=True, exist_ok=True)
+            self._base = sqlite3.connect(
+                folder / FILE, check_same_thread=False, isolation_level=None
+            )
+            self._base.row_factory = sqlite3.Row
+            self._base.execute("PRAGMA journal_mode = WAL")
+            self._take_for_itself()
+            (version,) = self._base.execute("PRAGMA user_version").fetchone()
+            if version > VERSION:
+                raise InputError(
+                    f"{folder / FILE}: was written by a newer release; allowed is version {VERSION}."
+                )
+            spelled = ", ".join(f"{name} {kind}" for name, kind in _COLUMNS.items())
+            self._base.execute(f"CREATE TABLE IF NOT EXISTS jobs ({spelled})")
+            self._base.execute(f"PRAGMA user_version = {VERSION}")
+        except (OSError, sqlite3.Error) as error:
+            raise InputError(
+                f"--folder: given {folder}, which cannot be used ({error}); allowed is a folder to write to, "
+                "which no other service uses."
+            ) from None
+
+    def _take_for_itself(self) -> None:
+        """Keep other services out, as long as this one lives."""
+        lock = sqlite3.connect(self.folder / "service.sqlite", timeout=0.5, check_same_thread=False)
+        lock.execute("PRAGMA locking_mode = EXCLUSIVE")
+        lock.execute("BEGIN EXCLUSIVE")
+        self._held = lock
+
+    def close(self) -> None:
+        """Let the files go."""
+        self._base.close()
+        self._held.close()
+
+    def add(self, kind: str, title: str, question: Mapping[str, Any], waiting: int) -> str | None:
+        """Add a job and return its name; None if so many wait already."""
+        name = secrets.token_hex(8)
+        with self._lock:
+            if self.count("queued") >= waiting:
+                return None
+            self.place(name).mkdir()
+            self._base.execute(
+                "INSERT INTO jobs (id, kind, title, question, state, created) "
+                "VALUES (?, ?, ?, ?, 'queued', ?)",
+                (name, kind, title, json.dumps(question), time.time()),
+            )
+        return name
+
+    def count(self, state: State) -> int:
+        """Count the jobs in a state."""
+        return int(self._rows("SELECT COUNT(*) FROM jobs WHERE state = ?", state)[0][0])
+
+    def start_next(self) -> tuple[str, str, dict[str, Any]] | None:
+        """Take the job that waits longest: return its name, its kind and what was asked; None without one."""
+        with self._lock:
+            rows = self._rows("SELECT * FROM jobs WHERE state = 'queued' ORDER BY created LIMIT 1")
+            if not rows:
+                return None
+            job = rows[0]
+            self.change(
+                job["id"],
+                state="running",
+                started=time.time(),
+                attempts=job["attempts"] + 1,
+                step="",
+            )
+            return job["id"], job["kind"], json.loads(job["question"])
+
+    def change(self, name: str, **values: Any) -> None:
+        """Change what is known of a job."""
+        spelled = ", ".join(f"{column} = ?" for column in values)
+        with self._lock:
+            self._base.execute(f"UPDATE jobs SET {spelled} WHERE id = ?", (*values.values(), name))
+
+    def end(self, name: str, state: State, problem: Mapping[str, Any] | None = None) -> None:
+        """End a job."""
+        told = None if problem is None else json.dumps(problem)
+        self.change(name, state=state, problem=told, ended=time.time(), step="")
+
+    def note(self, name: str, text: str) -> None:
+        """Add a note to a job."""
+        with self._lock:
+            (row,) = self._rows("SELECT notes FROM jobs WHERE id = ?", name)
+            self.change(name, notes=json.dumps([*json.loads(row["notes"]), text]))
+
+    def queue_again(self, most: int, problem: Mapping[str, Any]) -> None:
+        """Let jobs wait again that ran when the service ended; those that were tried so often have failed."""
+        for row in self._rows("SELECT id, attempts FROM jobs WHERE state = 'running'"):
+            if row["attempts"] < most:
+                self.change(row["id"], state="queued")
+            else:
+                self.end(row["id"], "failed", problem)
+
+    def remove(self, name: str) -> None:
+        """Forget a job."""
+        with self._lock:
+            self._base.execute("DELETE FROM jobs WHERE id = ?", (name,))
+
+    def job(self, name: str) -> Job | None:
+        """Return a job, None if there is none of that name."""
+        rows = self._rows("SELECT * FROM jobs WHERE id = ?", name)
+        return self._job(rows[0]) if rows else None
+
+    def jobs(self, most: int) -> list[Job]:
+        """Return the newest jobs."""
+        rows = self._rows("SELECT * FROM jobs ORDER BY created DESC LIMIT ?", most)
+        return [self._job(row) for row in rows]
+
+    def question(self, name: str) -> dict[str, Any]:
+        """Return what was asked in a job."""
+        (row,) = self._rows("SELECT question FROM jobs WHERE id = ?", name)
+        found: dict[str, Any] = json.loads(row["question"])
+        return found
+
+    def place(self, name: str) -> Path:
+        """Return the folder of a job's files."""
+        return self.folder / FOLDERS / name
+
+    def file(self, name: str, path: str) -> Path | None:
+        """Return a file of a job by the name that the job lists; None if there is none."""
+        return self.place(name) / path if path in self.files(name) else None
+
+    def files(self, name: str) -> list[str]:
+        """Return the names of a job's files."""
+        place = self.place(name)
+        return sorted(
+            path.relative_to(place).as_posix()
+            for path in place.rglob("*")
+            if path.is_file()
+            and not path.is_symlink()
+            and not any(part.startswith(".") for part in path.relative_to(place).parts)
+            and path.suffix not in OWN_ENDINGS
+        )
+
+    def _job(self, row: sqlite3.Row) -> Job:
+        values = dict(row)
+        problem = values.pop("problem")
+        return Job(
+            **{name: value for name, value in values.items() if name not in ("question", "notes")},
+            notes=json.loads(values["notes"]),
+            problem=None if problem is None else json.loads(problem),
+            files=self.files(values["id"]),
+        )
+
+    def _rows(self, text: str, *values: object) -> list[sqlite3.Row]:
+        with self._lock:
+            return self._base.execute(text, values).fetchall()

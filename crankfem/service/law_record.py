@@ -1,0 +1,96 @@
+"""What the law says of a throw as plain JSON content: values and reactions, all with bands."""
+
+from collections.abc import Sequence
+
+from crankfem.analyses.record import Record, attributes
+from fem.material import Material
+from fem.supports import Support
+from geometry.throw import CrankThrow
+from regression.law.throw_law import throw_laws
+from regression.models.reaction_lookup import ReactionLookup
+
+
+def law_record(
+    throw: CrankThrow,
+    material: Material,
+    gamma_deg: float | None = None,
+    pin_force: Sequence[float] | None = None,
+    support: Support = "pinned",
+) -> Record:
+    """Return compliances, influence coefficients and reactions of a throw by the law.
+
+    Parameters
+    ----------
+    throw : CrankThrow
+    material : Material
+    gamma_deg : float, optional
+        Angle to equal neighbors, one more support [deg].
+    pin_force : (3,) sequence of float, optional
+        Across the shaft, in the throw frame [N]; without it no reactions are told.
+    support : "pinned", "guided" or Neighbors
+        For the reactions.
+
+    Raises
+    ------
+    InputError
+        If the throw or the material is outside the law's range.
+    """
+    axial, torsional = throw_laws(
+        throw, youngs_modulus=material.youngs_modulus, poisson_ratio=material.poisson_ratio
+    )
+    values = {
+        "axial_compliance_pinned": _banded(axial.pinned, axial.errors["pinned"], "m/N"),
+        "axial_compliance_guided": _banded(axial.guided, axial.errors["guided"], "m/N"),
+        "influence_coefficient_pinned": _banded(
+            axial.influence_pinned, axial.errors["influence_pinned"], "m/N"
+        ),
+        "influence_coefficient_guided": _banded(
+            axial.influence_guided, axial.errors["influence_guided"], "m/N"
+        ),
+        "torsional_compliance_pinned": _banded(
+            torsional.pinned, torsional.errors["pinned"], "rad/(N m)"
+        ),
+        "torsional_compliance_guided": _banded(
+            torsional.guided, torsional.errors["guided"], "rad/(N m)"
+        ),
+    }
+    if gamma_deg is not None:
+        for name, value in (
+            ("axial_compliance", axial.axial(gamma_deg)),
+            ("influence_coefficient", axial.influence(gamma_deg)),
+        ):
+            values[f"{name}_neighbors"] = {
+                "value": float(value), "lower": None, "upper": None, "unit": "m/N"
+            }  # fmt: skip
+    return {
+        "values": values,
+        "ratio": axial.ratio,
+        "reactions": None
+        if pin_force is None
+        else reactions_record(axial.reactions(pin_force, support)),
+        "tier": axial.tier,
+        "nearest_limit": axial.nearest_limit,
+        "remarks": [
+            f"Bands hold the true value in 95 of 100 throws. The law's nearest limit: {axial.nearest_limit}."
+        ],
+    }
+
+
+def _banded(value: float, error: float, unit: str) -> Record:
+    low, high = sorted((value * (1.0 - error), value * (1.0 + error)))
+    return {"value": value, "lower": low, "upper": high, "unit": unit}
+
+
+def reactions_record(found: ReactionLookup) -> Record:
+    """Return reactions by a law or a model: of each end force and moment, and how far they may be off."""
+    return {
+        "support": found.support,
+        **{
+            side: {
+                **attributes(getattr(found, side), "force", "moment"),
+                "force_band": attributes(getattr(found.band, side), "force")["force"],
+                "moment_band": attributes(getattr(found.band, side), "moment")["moment"],
+            }
+            for side in ("left", "right")
+        },
+    }

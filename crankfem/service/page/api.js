@@ -1,0 +1,80 @@
+/* What the page asks of the service. Problems come as errors with what is wrong by field. */
+
+export class ProblemError extends Error {
+  constructor(problem) {
+    super(problem.detail);
+    this.status = problem.status;
+    this.errors = problem.errors || [];
+  }
+}
+
+async function refused(response) {
+  let problem = { status: response.status, detail: `The service answered ${response.status}.` };
+  try {
+    problem = await response.json();
+  } catch {
+    /* It is told by its status. */
+  }
+  if (response.status === 401) {
+    document.dispatchEvent(new Event("key-needed"));
+  }
+  return new ProblemError(problem);
+}
+
+export async function ask(path, question, options = {}) {
+  const given = question === undefined ? {} : {
+    method: "POST",
+    headers: { "Content-Type": "application/json" },
+    body: JSON.stringify(question),
+  };
+  let response;
+  try {
+    response = await fetch(path, { ...given, ...options });
+  } catch (error) {
+    if (error.name === "AbortError") {
+      throw error;
+    }
+    throw new ProblemError({ status: 0, detail: "The service cannot be reached." });
+  }
+  if (!response.ok) {
+    throw await refused(response);
+  }
+  return response;
+}
+
+export async function askJson(path, question, options) {
+  return (await ask(path, question, options)).json();
+}
+
+export async function askText(path, question, options) {
+  return (await ask(path, question, options)).text();
+}
+
+/* Follow a job until it has ended; `tell` gets it at each change. */
+export function follow(id, tell) {
+  return new Promise((resolve) => {
+    const events = new EventSource(`/api/jobs/${id}/events`);
+    const ended = ["done", "failed", "canceled"];
+    events.addEventListener("job", (event) => {
+      const job = JSON.parse(event.data);
+      tell(job);
+      if (ended.includes(job.state)) {
+        events.close();
+        resolve(job);
+      }
+    });
+    // The browser asks again by itself, also after the service was started anew.
+    events.addEventListener("error", () => {
+      if (events.readyState === EventSource.CLOSED) {
+        setTimeout(() => follow(id, tell).then(resolve), 2000);
+      }
+    });
+  });
+}
+
+export function save(name, content, type) {
+  const place = URL.createObjectURL(new Blob([content], { type }));
+  const link = Object.assign(document.createElement("a"), { href: place, download: name });
+  link.click();
+  setTimeout(() => URL.revokeObjectURL(place), 1000);
+}

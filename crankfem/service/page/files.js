@@ -1,0 +1,165 @@
+/* Engine files: dropped, checked field by field, run; and the jobs of this service, found again. */
+
+import { ask, askJson, follow, ProblemError } from "./api.js";
+
+const byId = (id) => document.getElementById(id);
+const following = new Set();
+
+function made(name, properties = {}, ...children) {
+  const element = Object.assign(document.createElement(name), properties);
+  element.append(...children);
+  return element;
+}
+
+function button(text, act) {
+  const element = made("button", { type: "button", textContent: text });
+  element.addEventListener("click", act);
+  return element;
+}
+
+export function startFiles() {
+  const drop = byId("drop");
+  drop.addEventListener("dragover", (event) => {
+    event.preventDefault();
+    drop.classList.add("over");
+  });
+  drop.addEventListener("dragleave", () => drop.classList.remove("over"));
+  drop.addEventListener("drop", (event) => {
+    event.preventDefault();
+    drop.classList.remove("over");
+    check([...event.dataTransfer.files]);
+  });
+  byId("file").addEventListener("change", () => {
+    const files = [...byId("file").files];
+    byId("file").value = ""; // the same file, changed, can be chosen again
+    check(files);
+  });
+  document.addEventListener("jobs-changed", listJobs);
+}
+
+async function check(files) {
+  const place = byId("checked");
+  const engines = files.filter((file) => file.name.endsWith(".toml"));
+  if (engines.length !== 1) {
+    place.textContent = `${engines.length} TOML files; choose one, with the tables that it names.`;
+    return;
+  }
+  const [engine] = engines;
+  place.textContent = `Checking ${engine.name} …`;
+  const tables = {};
+  for (const file of files.filter((one) => one !== engine)) {
+    tables[file.name] = await file.text();
+  }
+  const question = { name: engine.name, text: await engine.text(), tables };
+  try {
+    const found = await askJson("/api/files/check", question);
+    const kinds = [["run", "/api/engines", "Run"], ["doe", "/api/studies", "Run the study alone"]];
+    place.replaceChildren(
+      made("p", { textContent: `${engine.name} is a valid ${found.kind} file.` }),
+      ...found.remarks.map((remark) => made("p", { className: "remarks", textContent: remark })),
+      made(
+        "div",
+        { className: "bar" },
+        ...kinds
+          .filter(([command]) => found.commands.includes(command))
+          .map(([, path, text]) => button(text, () => run(path, question)))
+      )
+    );
+  } catch (error) {
+    refuse(place, engine.name, error);
+  }
+}
+
+/* What is wrong, each at its field. */
+function refuse(place, name, error) {
+  const errors = error instanceof ProblemError ? error.errors : [];
+  const rows = errors.map(({ field, message }) =>
+    made("tr", {}, made("th", { scope: "row", textContent: field || name }), made("td", { textContent: message.replace(`${field}: `, "") }))
+  );
+  const head = made("tr", {}, made("th", { scope: "col", textContent: "Field" }), made("th", { scope: "col", textContent: "What is wrong" }));
+  place.replaceChildren(
+    made("p", { textContent: rows.length ? `${name} cannot be used yet.` : error.message }),
+    ...(rows.length ? [made("table", {}, made("thead", {}, head), made("tbody", {}, ...rows))] : [])
+  );
+}
+
+async function run(path, question) {
+  try {
+    await ask(path, question);
+    byId("checked").textContent = `${question.name} waits or runs: see the jobs below.`;
+    await listJobs();
+  } catch (error) {
+    refuse(byId("checked"), question.name, error);
+  }
+}
+
+let listing = null;
+export function listJobs() {
+  listing ??= askJson("/api/jobs")
+    .then(({ jobs }) => {
+      byId("no-jobs").hidden = jobs.length > 0;
+      jobs.slice(0, 20).reverse().forEach(show);
+    })
+    .catch(() => null)
+    .finally(() => {
+      listing = null;
+    });
+  return listing;
+}
+
+function show(job) {
+  let row = byId(`job-${job.id}`);
+  if (!row) {
+    row = made("li", { id: `job-${job.id}` });
+    byId("job-list").prepend(row);
+  }
+  const told = `${job.state} ${job.step} ${job.finished} ${job.files.length} ${job.notes.length}`;
+  if (row.dataset.told !== told) {
+    row.dataset.told = told;
+    row.replaceChildren(...parts(job, row));
+  }
+  if (["queued", "running"].includes(job.state) && !following.has(job.id)) {
+    following.add(job.id);
+    follow(job.id, show).then(() => document.dispatchEvent(new Event("models-changed")));
+  }
+}
+
+function parts(job, row) {
+  const when = new Date(1000 * job.created).toLocaleTimeString();
+  const found = [made("span", { className: "what", textContent: `${job.title} (${job.kind}, ${when}): ${words(job)}` })];
+  const change = (method, path) => async () => {
+    await ask(path, undefined, { method }).then((response) => response.json()).then(show, () => null);
+    listJobs();
+  };
+  if (["queued", "running"].includes(job.state)) {
+    if (job.total) {
+      found.push(made("progress", { max: job.total, value: job.finished, ariaLabel: `designs of ${job.title}` }));
+    }
+    found.push(button("Cancel", change("POST", `/api/jobs/${job.id}/cancel`)));
+    return found;
+  }
+  const files = { "results/report.html": "Report", "throw_drawing.svg": "Report", "result.json": "JSON", "model.json": "Model", "throw.step": "STEP" };
+  for (const [file, name] of Object.entries(files)) {
+    if (job.files.includes(file)) {
+      found.push(made("a", { href: `/api/jobs/${job.id}/${name === "Report" ? "report" : `files/${file}`}`, target: "_blank", rel: "noopener", textContent: name, ariaLabel: `${name} of ${job.title}, ${when}` }));
+    }
+  }
+  found.push(
+    button("Remove", async () => {
+      await ask(`/api/jobs/${job.id}`, undefined, { method: "DELETE" }).catch(() => null);
+      row.remove();
+      listJobs();
+    })
+  );
+  return found;
+}
+
+function words(job) {
+  if (job.state === "failed") {
+    return `failed. ${job.problem?.detail ?? ""}`;
+  }
+  if (job.state !== "running") {
+    return { queued: "waits", done: "done", canceled: "canceled" }[job.state];
+  }
+  return job.total ? `${job.step} (${job.finished} of ${job.total} designs)` : job.step || "starts";
+}

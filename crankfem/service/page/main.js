@@ -1,0 +1,184 @@
+/* The page: one throw or two, settings, a link that brings all of it back. */
+
+import { ask, askJson, ProblemError } from "./api.js";
+import { startFiles, listJobs } from "./files.js";
+import { METERS } from "./knobs.js";
+import { Panel } from "./panel.js";
+
+const byId = (id) => document.getElementById(id);
+const FIRST = {
+  crank_radius: 0.17, main_journal_diameter: 0.22, pin_diameter: 0.18, main_journal_length: 0.12,
+  pin_length: 0.139, web_width: 0.285, web_thickness: 0.068, fillet_radius: 0.012,
+};
+const FORCE = [0, -1e5, 0]; // on the pin, towards the shaft [N]
+const panels = [];
+let fields = [];
+
+const settings = {
+  unit: "mm",
+  source: "law",
+  sourceName: () => (settings.source === "law" ? "Law" : settings.source),
+  /* Values with their bands by the law, or by a model. */
+  async estimate(question) {
+    if (settings.source === "law") {
+      return askJson("/api/throws/law", { ...question, pin_force: FORCE });
+    }
+    const path = `/api/models/${settings.source}/lookup`;
+    // A model may know compliances without reactions.
+    const found = await askJson(path, { ...question, pin_force: FORCE }).catch(() => askJson(path, question));
+    const values = {};
+    const remarks = new Set();
+    for (const [name, one] of Object.entries(found.responses)) {
+      values[one.support === "pinned" && !name.endsWith("_pinned") ? `${name}_pinned` : name] = one;
+      one.remarks.forEach((remark) => remarks.add(remark));
+    }
+    return { values, remarks: [...remarks], reactions: found.reactions };
+  },
+};
+
+/* The fields of a throw as the API describes them; parts of it are for files. */
+async function readFields() {
+  const api = await askJson("/api/openapi.json");
+  const record = api.components.schemas.CrankThrow;
+  const found = [];
+  for (const [name, field] of Object.entries(record.properties)) {
+    const kinds = field.anyOf.flatMap((kind) => kind.anyOf || [kind]);
+    const number = kinds.find((kind) => kind.type === "number");
+    const choices = kinds.find((kind) => kind.enum)?.enum;
+    if (!number && !choices) {
+      continue;
+    }
+    found.push({
+      name,
+      symbol: number ? field.title : "",
+      meaning: field.description.replace(/ \[m\]$/, ""),
+      required: record.required.includes(name),
+      minimum: number?.minimum,
+      maximum: number?.maximum,
+      usual: FIRST[name] ?? FIRST.crank_radius / 2,
+      choices,
+    });
+  }
+  return found;
+}
+
+function readLink() {
+  const given = new URLSearchParams(location.hash.slice(1));
+  const throws = { a: {}, b: null };
+  for (const [key, text] of given) {
+    const [name, field] = key.split(".");
+    if (field && (name === "a" || name === "b")) {
+      const number = Number(text);
+      throws[name] ??= {};
+      throws[name][field] = text.trim() && Number.isFinite(number) ? number : text;
+    }
+  }
+  if (METERS[given.get("unit")]) {
+    settings.unit = given.get("unit");
+  }
+  settings.source = given.get("from") || "law";
+  return throws;
+}
+
+let writing = null;
+function writeLink() {
+  clearTimeout(writing);
+  writing = setTimeout(() => history.replaceState(null, "", linkOf()), 150);
+}
+
+function linkOf() {
+  const given = new URLSearchParams();
+  for (const panel of panels) {
+    for (const [field, value] of Object.entries(panel.knobs.throw())) {
+      given.set(`${panel.name}.${field}`, value);
+    }
+  }
+  given.set("unit", settings.unit);
+  given.set("from", settings.source);
+  return `#${given}`;
+}
+
+function add(name, values) {
+  const title = name === "a" ? "Throw" : "Second throw";
+  const panel = new Panel(name, title, fields, values, settings, writeLink);
+  panels.push(panel);
+  byId("throws").append(panel.root);
+  byId("throws").classList.toggle("two", panels.length > 1);
+  byId("compare").setAttribute("aria-pressed", String(panels.length > 1));
+  return panel.update();
+}
+
+function startSettings() {
+  byId("unit").value = settings.unit;
+  byId("unit").addEventListener("change", () => {
+    settings.unit = byId("unit").value;
+    panels.forEach((panel) => panel.knobs.setUnit(settings.unit));
+    writeLink();
+  });
+  byId("source").addEventListener("change", () => {
+    settings.source = byId("source").value;
+    panels.forEach((panel) => panel.update());
+    writeLink();
+  });
+  byId("compare").addEventListener("click", () => {
+    if (panels.length === 1) {
+      add("b", panels[0].knobs.values);
+    } else {
+      panels.pop().root.remove();
+      byId("throws").classList.remove("two");
+      byId("compare").setAttribute("aria-pressed", "false");
+    }
+    writeLink();
+  });
+  byId("link").addEventListener("click", async () => {
+    history.replaceState(null, "", linkOf());
+    try {
+      await navigator.clipboard.writeText(location.href);
+      byId("told").textContent = "Copied.";
+    } catch {
+      byId("told").textContent = "The link stands in the address line.";
+    }
+  });
+}
+
+async function listSources() {
+  const { models } = await askJson("/api/models");
+  const known = new Set(["law", ...models]);
+  if (!known.has(settings.source)) {
+    settings.source = "law";
+  }
+  byId("source").replaceChildren(...[...known].map((name) => new Option(name === "law" ? "the law" : name, name)));
+  byId("source").value = settings.source;
+}
+
+async function start() {
+  const given = readLink();
+  fields = await readFields();
+  await listSources();
+  startSettings();
+  startFiles();
+  listJobs();
+  await add("a", Object.keys(given.a).length ? given.a : FIRST);
+  if (given.b) {
+    await add("b", given.b);
+  }
+  document.body.dataset.ready = "yes";
+}
+
+document.addEventListener("key-needed", () => {
+  byId("session").hidden = false;
+});
+document.addEventListener("models-changed", () => listSources().catch(() => null));
+byId("session").addEventListener("submit", async (event) => {
+  event.preventDefault();
+  try {
+    await ask("/api/session", { key: byId("key").value });
+    location.reload();
+  } catch (error) {
+    byId("session-told").textContent = error.message;
+  }
+});
+
+start().catch((error) => {
+  byId("told").textContent = error instanceof ProblemError ? error.message : `The page cannot start: ${error}`;
+});

@@ -1,0 +1,104 @@
+/* The numbers of a throw: by the law or a model with their bands, and by finite elements with error bars. */
+
+const TINY = { "m/N": [1e9, "nm/N"], "rad/(N m)": [1e9, "nrad/(N m)"] };
+
+export function quantity(value, unit, digits = 4) {
+  if (value === null || value === undefined || !Number.isFinite(value)) {
+    return "–";
+  }
+  const [factor, name] = TINY[unit] || [1, unit];
+  return `${Number((value * factor).toPrecision(digits))} ${name}`.trim().replace(/^-/, "\u2212");
+}
+
+/* Rows: name, unit, value and band by the law or model, value and error by finite elements. */
+export function rowsOf(estimate, elements) {
+  const rows = [];
+  const wanted = [
+    ["axial_compliance", "pinned", "Axial compliance eₙ, ends pinned", "m/N"],
+    ["axial_compliance", "guided", "Axial compliance eₙ, ends guided", "m/N"],
+    ["torsional_compliance", "pinned", "Torsional compliance, ends pinned", "rad/(N m)"],
+    ["influence_coefficient", "pinned", "Lengthening by radial force c, ends pinned", "m/N"],
+  ];
+  for (const [name, support, title, unit] of wanted) {
+    const found = elements?.supports?.[support];
+    rows.push({
+      title,
+      unit,
+      estimate: estimate?.values?.[`${name}_${support}`] || null,
+      value: found?.[name],
+      error: found?.errors?.[name],
+    });
+  }
+  const load = 1e5;
+  for (const side of ["left", "right"]) {
+    const scale = (made) => made && { force: made.force[2] / 1000, moment: made.moment[0] / 1000 };
+    const guess = scale(estimate?.reactions?.[side]);
+    const known = scale(elements?.supports?.pinned?.reactions?.[side]);
+    rows.push({
+      title: `Axial reaction of the ${side} end to ${load / 1000} kN towards the shaft`,
+      unit: "kN",
+      estimate: guess ? { value: guess.force } : null,
+      value: known?.force,
+    });
+  }
+  return rows;
+}
+
+/* Cells that tell by themselves what they are, where the head of the table has no room. */
+function cell(text, label) {
+  const made = Object.assign(document.createElement("td"), { textContent: text });
+  made.dataset.label = label;
+  return made;
+}
+
+export function fill(body, rows, by) {
+  body.replaceChildren(
+    ...rows.map((row) => {
+      const made = document.createElement("tr");
+      const head = Object.assign(document.createElement("th"), { scope: "row", textContent: row.title });
+      made.append(
+        head,
+        cell(quantity(row.estimate?.value, row.unit), by),
+        cell(band(row.estimate, row.unit), "Band"),
+        cell(withError(row), "Finite elements")
+      );
+      return made;
+    })
+  );
+}
+
+function band(estimate, unit) {
+  if (!estimate || !Number.isFinite(estimate.lower) || !Number.isFinite(estimate.upper)) {
+    return "–";
+  }
+  const low = quantity(estimate.lower, unit).split(" ")[0];
+  return `${low} to ${quantity(estimate.upper, unit)}`;
+}
+
+/* Errors are told by their first two digits, of no more than the value is shown with. */
+function withError(row) {
+  const value = quantity(row.value, row.unit);
+  return Number.isFinite(row.error) ? `${value} ± ${quantity(row.error, row.unit, 2).split(" ")[0]}` : value;
+}
+
+/* Published formulas beside what the law, or finite elements, say. */
+export function fillFormulas(body, formulas, beside) {
+  const rows = [
+    ...formulas.axial.map((one) => [one, beside.axial]),
+    ...formulas.torsional.map((one) => [one, beside.torsional]),
+  ];
+  body.replaceChildren(
+    ...rows.map(([one, known]) => {
+      const made = document.createElement("tr");
+      const texts = [
+        one.name,
+        quantity(one.value, one.unit),
+        known ? `${(one.value / known).toFixed(2)} times` : "–",
+        one.valid ? "yes" : "no",
+      ];
+      made.append(...texts.map((text) => cell(text, "")));
+      made.title = [...one.remarks, one.source].join(" ");
+      return made;
+    })
+  );
+}

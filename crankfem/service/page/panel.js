@@ -1,0 +1,216 @@
+/* One throw: its knobs, its views, its numbers, and finite elements when they are asked for. */
+
+import { ask, askJson, askText, follow, ProblemError, save } from "./api.js";
+import { Knobs } from "./knobs.js";
+import { fill, fillFormulas, rowsOf } from "./numbers.js";
+
+let drawing = null;
+
+/* The scripts that draw the throw to turn are loaded when they are needed, plotly before what uses it. */
+function loadDrawing() {
+  drawing ??= ["plotly.js", "interactive.js"].reduce(
+    (before, name) =>
+      before.then(
+        () =>
+          new Promise((resolve, reject) => {
+            const script = document.createElement("script");
+            script.src = `/page/${name}`;
+            script.onload = resolve;
+            script.onerror = reject;
+            document.head.append(script);
+          })
+      ),
+    Promise.resolve()
+  );
+  return drawing;
+}
+
+export class Panel {
+  constructor(name, title, fields, values, settings, told) {
+    const made = document.getElementById("panel").content.cloneNode(true);
+    this.name = name;
+    this.settings = settings;
+    this.told = told;
+    this.root = made.querySelector("section");
+    this.root.dataset.updated = "0";
+    this.find = (selector) => this.root.querySelector(selector);
+    this.find("h2").textContent = title;
+    this.find("h2").id = `title-${name}`;
+    this.root.setAttribute("aria-labelledby", `title-${name}`);
+    this.knobs = new Knobs(
+      name, fields, this.find("fieldset.main"), this.find("fieldset.more"), values, settings.unit,
+      () => this.change()
+    );
+    this.estimate = null;
+    this.elements = null;
+    this.job = null;
+    this.find(".calculate").addEventListener("click", () => this.calculate());
+    this.find(".cancel").addEventListener("click", () => this.cancel());
+    this.find(".toml").addEventListener("click", () => this.saveToml());
+    this.find(".json").addEventListener("click", () => this.saveJson());
+    this.find(".step").addEventListener("click", () => this.saveFile("throw.step"));
+    this.find(".report").addEventListener("click", () => window.open(`/api/jobs/${this.job}/report`));
+    setTimeout(loadDrawing, 500);
+  }
+
+  /* A dimension has changed: what finite elements said holds no more. */
+  change() {
+    this.elements = null;
+    this.job = null;
+    this.find(".step").disabled = this.find(".report").disabled = true;
+    this.find(".solid").hidden = true;
+    this.find(".progress").textContent = "";
+    this.told();
+    this.update();
+  }
+
+  /* Ask once at a time; what changed meanwhile is asked afterwards, the newest alone. */
+  async update() {
+    if (this.asking) {
+      this.again = true;
+      return;
+    }
+    this.asking = true;
+    do {
+      this.again = false;
+      await this.refresh();
+    } while (this.again);
+    this.asking = false;
+  }
+
+  async refresh() {
+    const question = { throw: this.knobs.throw() };
+    const views = ["side", "front"].map((view) => askText("/api/throws/outline", { ...question, view }));
+    const formulas = askJson("/api/throws/formulas", question);
+    const estimate = this.settings.estimate(question).catch((error) => ({ refused: error.message }));
+    try {
+      const [side, front] = await Promise.all(views);
+      this.show(side, front, await formulas, await estimate);
+      this.find(".wrong").textContent = this.knobs.complain([]).join(" ");
+      this.root.classList.remove("stale");
+    } catch (error) {
+      await Promise.allSettled([...views, formulas]);
+      this.refuse(error);
+    }
+    this.root.dataset.updated = String(Number(this.root.dataset.updated) + 1);
+  }
+
+  refuse(error) {
+    const found = error instanceof ProblemError && error.errors.length ? error.errors : [{ field: "", message: error.message }];
+    this.find(".wrong").textContent = this.knobs.complain(found).join(" ");
+    this.root.classList.add("stale");
+  }
+
+  show(side, front, formulas, estimate) {
+    this.find(".side").innerHTML = side;
+    this.find(".front").innerHTML = front;
+    this.estimate = estimate;
+    this.formulas = formulas;
+    this.find(".by").textContent = this.settings.sourceName();
+    this.find(".remarks").textContent = [estimate.refused, ...(estimate.remarks || [])].filter(Boolean).join(" ");
+    this.showNumbers();
+  }
+
+  showNumbers() {
+    const estimate = this.estimate?.refused ? null : this.estimate;
+    fill(this.find(".numbers tbody"), rowsOf(estimate, this.elements?.throw), this.settings.sourceName());
+    const known = this.elements?.throw.supports.pinned;
+    const values = estimate?.values || {};
+    this.find(".numbers caption").textContent = known
+      ? "Steel; ± is the error of finite elements by their own estimate."
+      : "Steel. Calculate for the values by finite elements.";
+    fillFormulas(this.find(".formulas tbody"), this.formulas, {
+      axial: known?.axial_compliance ?? values.axial_compliance_pinned?.value,
+      torsional: known?.torsional_compliance ?? values.torsional_compliance_pinned?.value,
+    });
+  }
+
+  async calculate() {
+    const question = { throw: this.knobs.throw(), stress: this.find(".stress").checked };
+    try {
+      const job = await askJson("/api/throws/analysis", question);
+      this.job = job.id;
+      this.find(".calculate").disabled = true;
+      this.find(".cancel").hidden = false;
+      const seen = { numbers: false, view: "" };
+      await follow(job.id, (told) => this.tell(told, seen));
+    } catch (error) {
+      this.refuse(error);
+    }
+    this.find(".calculate").disabled = false;
+    this.find(".cancel").hidden = true;
+  }
+
+  async tell(job, seen) {
+    document.dispatchEvent(new Event("jobs-changed"));
+    if (job.id !== this.job) {
+      return; // a dimension has changed meanwhile
+    }
+    const words = { queued: "Waiting for another job.", done: "", canceled: "Canceled.", failed: job.problem?.detail };
+    this.find(".progress").textContent = words[job.state] ?? `${job.step || "Starting"} …`;
+    if (job.files.includes("result.json") && (!seen.numbers || job.state === "done")) {
+      seen.numbers = true;
+      this.elements = await askJson(`/api/jobs/${job.id}/result`);
+      this.showNumbers();
+      if (this.elements.fillet_note) {
+        this.find(".progress").textContent = this.elements.fillet_note;
+      }
+    }
+    // The view is written again when the stresses are there.
+    const view = job.files.includes("throw_view.json") ? `${job.step === "Writing the solid" || job.state === "done"}` : "";
+    if (view && view !== seen.view && !(seen.view && !this.elements?.fillets)) {
+      seen.view = view;
+      await this.turn(job.id);
+    }
+    if (job.state === "done") {
+      this.find(".step").disabled = !job.files.includes("throw.step");
+      this.find(".report").disabled = !job.files.includes("throw_drawing.svg");
+    }
+  }
+
+  /* Draw the throw in three dimensions, as in reports. */
+  async turn(id) {
+    const [figure] = await Promise.all([askText(`/api/jobs/${id}/files/throw_view.json`), loadDrawing()]);
+    if (id !== this.job) {
+      return;
+    }
+    const place = this.find(".solid");
+    const data = document.createElement("script");
+    data.type = "application/json";
+    data.id = `plot-view-${this.name}`;
+    data.textContent = figure;
+    const holder = document.createElement("div");
+    holder.className = "interactive";
+    holder.hidden = true;
+    holder.dataset.plot = `view-${this.name}`;
+    holder.dataset.label = "the throw in three dimensions";
+    place.replaceChildren(data, holder);
+    place.hidden = false;
+    window.drawInteractivePlot(holder);
+  }
+
+  async cancel() {
+    if (this.job) {
+      await ask(`/api/jobs/${this.job}/cancel`, {}).catch(() => null);
+    }
+  }
+
+  async saveToml() {
+    try {
+      const found = await askJson("/api/throws/validate", { throw: this.knobs.throw() });
+      save("throw.toml", found.toml, "text/plain");
+    } catch (error) {
+      this.refuse(error);
+    }
+  }
+
+  saveJson() {
+    const { estimate, formulas, elements } = this;
+    const content = { throw: this.knobs.throw(), estimate, formulas, finite_elements: elements };
+    save("throw.json", JSON.stringify(content, null, 1), "application/json");
+  }
+
+  async saveFile(name) {
+    save(name, await askText(`/api/jobs/${this.job}/files/${name}`), "application/octet-stream");
+  }
+}

@@ -1,0 +1,82 @@
+"""Errors as the API tells them: application/problem+json, with a sentence for each wrong field."""
+
+import re
+from http import HTTPStatus
+from typing import Any
+
+from pydantic_core import to_json
+from starlette.requests import Request
+from starlette.responses import Response
+
+from crankbase.errors import InputError
+
+MEDIA_TYPE = "application/problem+json"
+_FIELD = re.compile(r"(?P<field>\[?[\w.-]+(?:\[\d+\][\w.]*)*\]?): ")
+
+
+class ProblemError(Exception):
+    """A request that is refused, with the status that says so.
+
+    Parameters
+    ----------
+    status : int
+    detail : str
+        A sentence.
+    headers : dict, optional
+    """
+
+    def __init__(self, status: int, detail: str, headers: dict[str, str] | None = None) -> None:
+        super().__init__(detail)
+        self.status, self.detail, self.headers = status, detail, headers or {}
+
+
+def field_errors(error: InputError) -> list[dict[str, str]]:
+    """Return what is wrong by field: "field", empty where a sentence names none, and "message"."""
+    found = []
+    for sentence in error.sentences:
+        named = _FIELD.match(sentence)
+        found.append({"field": named["field"] if named else "", "message": sentence})
+    return found
+
+
+def problem(status: int, detail: str, errors: list[dict[str, str]] | None = None) -> dict[str, Any]:
+    """Return the content of a problem (RFC 9457), with `errors` by field."""
+    return {
+        "type": "about:blank",
+        "title": HTTPStatus(status).phrase,
+        "status": status,
+        "detail": detail,
+        "errors": errors or [],
+    }
+
+
+def problem_response(content: dict[str, Any], headers: dict[str, str] | None = None) -> Response:
+    """Return a problem as response."""
+    return Response(to_json(content), content["status"], headers, media_type=MEDIA_TYPE)
+
+
+async def answer_refusal(_: Request, error: Exception) -> Response:
+    """Answer a request that is refused."""
+    assert isinstance(error, ProblemError)
+    return problem_response(problem(error.status, error.detail), error.headers)
+
+
+async def answer_input_error(_: Request, error: Exception) -> Response:
+    """Answer input that cannot be used."""
+    assert isinstance(error, InputError)
+    return problem_response(problem(422, error.sentences[0], field_errors(error)))
+
+
+async def answer_http_error(_: Request, error: Exception) -> Response:
+    """Answer a wrong path or method."""
+    status = getattr(error, "status_code", 500)
+    details = {404: "There is nothing at this path.", 405: "This path does not take this method."}
+    detail = details.get(status, HTTPStatus(status).phrase + ".")
+    return problem_response(problem(status, detail), getattr(error, "headers", None))
+
+
+async def answer_fault(_: Request, error: Exception) -> Response:
+    """Answer a fault of the service without telling its inside."""
+    return problem_response(
+        problem(500, f"The service met {type(error).__name__}, which nobody expected.")
+    )

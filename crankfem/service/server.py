@@ -1,0 +1,106 @@
+"""The server: it listens, tells where, and ends gracefully."""
+
+import asyncio
+import socket
+import sys
+from typing import Any
+
+import uvicorn
+from uvicorn.protocols.http.auto import AutoHTTPProtocol
+
+from crankbase.errors import InputError
+from crankfem.service.app import make_app
+from crankfem.service.bounds import Settings
+
+GRACE = 5  # seconds for requests under way when the service ends
+
+
+def serve(settings: Settings) -> None:
+    """Serve until interrupted.
+
+    Raises
+    ------
+    InputError
+        If the folder or the port cannot be used.
+    """
+    app = make_app(settings)
+    bounds = settings.bounds
+
+    class Protocol(AutoHTTPProtocol):  # type: ignore[misc, valid-type]
+        """A connection that is closed where a request does not come in time."""
+
+        def connection_made(self, transport: Any) -> None:
+            super().connection_made(transport)
+            self._asked_before: Any = None
+            self._look_later()
+
+        def _look_later(self) -> None:
+            asyncio.get_running_loop().call_later(bounds.seconds, self._look)
+
+        def _look(self) -> None:
+            # The cycle is that of the request whose head came last.
+            asked = self.cycle
+            waits = asked is None or asked.response_complete or asked.more_body
+            if self.transport.is_closing():
+                return
+            if waits and asked is self._asked_before:
+                self.transport.close()
+            else:
+                self._asked_before = asked
+                self._look_later()
+
+    config = uvicorn.Config(
+        app,
+        http=Protocol,
+        ws="none",
+        access_log=False,
+        log_level="warning",
+        server_header=False,
+        limit_concurrency=bounds.connections,
+        timeout_graceful_shutdown=GRACE,
+        h11_max_incomplete_event_size=65536,
+    )
+    server = _Server(config, app.state.runner)
+    with _listening(settings) as listener:
+        host, port = listener.getsockname()[:2]
+        shown = f"[{host}]" if ":" in host else host
+        sys.stderr.write(f"crankfem serves at http://{shown}:{port}/ ({_who(settings)}).\n")
+        sys.stderr.write(
+            f"Jobs lie in {settings.folder}. End with Ctrl-C; jobs that run go on at the next start.\n"
+        )
+        server.run(sockets=[listener])
+        sys.stderr.write("Stopped.\n")
+
+
+class _Server(uvicorn.Server):
+    def __init__(self, config: uvicorn.Config, runner: Any) -> None:
+        super().__init__(config)
+        self._runner = runner
+
+    def handle_exit(self, sig: int, frame: Any) -> None:  # noqa: ARG002 - uvicorn's names
+        # Who follows a job is let go first: the server waits for all that is under way, once.
+        self._runner.announce_stop()
+        self.force_exit = self.should_exit
+        self.should_exit = True
+
+
+def _who(settings: Settings) -> str:
+    if settings.is_loopback:
+        return "this machine alone" + ("" if settings.key is None else ", with the key")
+    return "OPEN TO OTHER MACHINES that reach this one and bring the key; without TLS"
+
+
+def _listening(settings: Settings) -> socket.socket:
+    host = "127.0.0.1" if settings.host == "localhost" else settings.host
+    family = socket.AF_INET6 if ":" in host else socket.AF_INET
+    listener = socket.socket(family, socket.SOCK_STREAM)
+    try:
+        listener.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+        listener.bind((host, settings.port))
+    except OSError as error:
+        listener.close()
+        raise InputError(
+            f"--host, --port: given {settings.host} and {settings.port}, which cannot be listened at "
+            f"({error.strerror or error}); allowed is an address of this machine and a free port, 0 for any."
+        ) from None
+    return listener

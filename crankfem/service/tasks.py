@@ -1,0 +1,177 @@
+"""What jobs do, each in a worker process: from what was asked to files in the job's folder."""
+
+import json
+from collections.abc import Callable, Mapping
+from importlib import import_module
+from pathlib import Path
+from typing import Any
+
+from crankbase.outputs import write_text
+from crankfem.service.asking import UNIT_FORCE, AnalysisQuestion, FileQuestion, StressQuestion
+from crankfem.service.uploads import write_upload
+from regression.records import Outcome
+
+RESULT, SOLID, MODEL = "result.json", "throw.step", "model.json"
+REPORT = "results/report.html"
+# A medium-speed engine's throw [m], on which knobs stand at first.
+EXAMPLE = {
+    "crank_radius": 0.170,
+    "main_journal_diameter": 0.220,
+    "pin_diameter": 0.180,
+    "main_journal_length": 0.120,
+    "pin_length": 0.139,
+    "web_width": 0.285,
+    "web_thickness": 0.068,
+    "fillet_radius": 0.012,
+}
+OnRemark = Callable[[Any], None]
+
+
+class ToldProgress:
+    """The progress of a job, told to the service."""
+
+    def __init__(self, on_remark: OnRemark) -> None:
+        self._tell = on_remark
+
+    def step(self, text: str) -> None:
+        """Tell of a step that begins."""
+        self._tell({"step": text})
+
+    def design(self, finished: int, total: int, _: Outcome | None = None) -> None:
+        """Tell how many designs of a study are finished."""
+        self._tell({"finished": finished, "total": total})
+
+    def note(self, text: str) -> None:
+        """Tell something that the user should know."""
+        self._tell({"note": text})
+
+    warn = note
+
+
+def load() -> None:
+    """Load what jobs need, before there is one: a coarse throw goes through all of it."""
+    from fem.analysis import analyze_throw
+    from fem.material import STEEL
+    from geometry.mesher import mesh_here
+    from geometry.throw import CrankThrow
+
+    import_module("crankfem.analyses.throw.throw_record")
+    import_module("crankfem.report.interactive.throw_view")
+    analyze_throw(CrankThrow(**EXAMPLE), STEEL, 0.1, mesher=mesh_here)
+
+
+def run_job(
+    kind: str, question: Mapping[str, Any], folder: str, workers: int, on_remark: OnRemark
+) -> None:
+    """Do a job.
+
+    Raises
+    ------
+    InputError, MeshError, SolveError
+    """
+    _JOBS[kind](question, Path(folder), workers, ToldProgress(on_remark))
+
+
+def _analysis(question: Mapping[str, Any], folder: Path, _: int, told: ToldProgress) -> None:
+    from crankfem.analyses.provenance import provenance_record
+    from crankfem.analyses.record_units import with_units
+    from crankfem.analyses.throw.fillets import stresses_or_reason
+    from crankfem.analyses.throw.formula_records import formula_records
+    from crankfem.analyses.throw.pictures.drawing import write_drawing
+    from crankfem.analyses.throw.stress import stress_record
+    from crankfem.analyses.throw.throw_record import throw_record
+    from crankfem.report.interactive.throw_view import throw_view
+    from crankfem.report.throw_report import DRAWING
+    from fem.analysis import analyze_throw
+    from geometry.mesher import mesh_here
+    from geometry.solid_files import step_text
+
+    asked = AnalysisQuestion(**question)
+    throw, material = asked.read_throw(), asked.read_material()
+    told.step("Meshing and solving")
+    analysis = analyze_throw(throw, material, asked.accuracy, mesher=mesh_here)
+    record: dict[str, Any] = {
+        "about": provenance_record(),
+        "throw": throw_record(
+            analysis, UNIT_FORCE, pin_force=asked.pin_force, gamma_deg=asked.gamma_deg
+        ),
+        "formulas": formula_records(
+            throw, material, 180.0 if asked.gamma_deg is None else asked.gamma_deg
+        ),
+        "fillets": None,
+        "fillet_note": None,
+    }
+    _write(folder, with_units(record))
+    told.step("Drawing the throw")
+    throw_view(folder, analysis)
+    if asked.stress:
+        told.step("Calculating stresses at the fillets")
+        stresses, record["fillet_note"] = stresses_or_reason(throw, material)
+        if stresses is not None:
+            record["fillets"] = stress_record(stresses)
+            throw_view(folder, analysis, stresses)
+        _write(folder, with_units(record))
+    told.step("Writing the solid")
+    write_text(folder / SOLID, step_text(throw, "full"), "solid")
+    told.step("Drawing it with its dimensions")
+    write_drawing(throw, folder / DRAWING, "Crank throw")
+
+
+def _stress(question: Mapping[str, Any], folder: Path, _: int, told: ToldProgress) -> None:
+    from crankfem.analyses.record_units import with_units
+    from crankfem.analyses.throw.stress import stress_record
+    from fem.fillet_stress import fillet_stresses
+
+    asked = StressQuestion(**question)
+    told.step("Calculating stresses at the fillets")
+    stresses = fillet_stresses(asked.read_throw(), asked.read_material(), asked.accuracy)
+    _write(folder, with_units(stress_record(stresses)))
+
+
+def _study(question: Mapping[str, Any], folder: Path, workers: int, told: ToldProgress) -> None:
+    from crankfem.analyses.record_units import with_units
+    from crankfem.analyses.study.fit_records import study_record
+    from crankfem.analyses.study.studies import run_study
+
+    file = write_upload(FileQuestion(**question), folder)
+    told.step("Running the study")
+    found = run_study(file, folder / "study.sqlite", workers, told.design, note=told.note)
+    found.model.save(folder / MODEL)
+    _write(folder, with_units(study_record(found.table, found.fits, found.model)))
+
+
+def _engine(question: Mapping[str, Any], folder: Path, workers: int, told: ToldProgress) -> None:
+    from crankfem.jobs.pipeline import run_engine
+    from crankfem.jobs.run_files import results_text
+
+    file = write_upload(FileQuestion(**question), folder)
+    made = run_engine(file, folder / "results", workers=workers, progress=told)
+    write_text(folder / RESULT, results_text(made.results), "results")
+
+
+def _write(folder: Path, record: Mapping[str, Any]) -> None:
+    write_text(folder / RESULT, json.dumps(record, allow_nan=False) + "\n", "results")
+
+
+_JOBS: dict[str, Callable[[Mapping[str, Any], Path, int, ToldProgress], None]] = {
+    "analysis": _analysis,
+    "stress": _stress,
+    "study": _study,
+    "engine": _engine,
+}
+
+
+def check_upload(question: Mapping[str, Any], folder: str) -> dict[str, Any]:
+    """Read and check an uploaded file, and return what it was understood as.
+
+    Raises
+    ------
+    InputError
+    """
+    from crankfem.analyses.file_check import check_file, check_record
+
+    path = write_upload(FileQuestion(**question), Path(folder))
+    record = check_record(check_file(str(path))) | {"file": path.name}
+    return {
+        name: record[name] for name in ("kind", "valid", "commands", "remarks", "dimensions")
+    } | {"record": record}

@@ -1,0 +1,147 @@
+"""A service in a process of its own, as a user starts it, and what asks it."""
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+import urllib.error
+import urllib.request
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[1]
+# Seconds for a service to answer on a busy machine.
+STARTING = 60.0
+
+
+class Served:
+    """A service, its folder and its log."""
+
+    def __init__(self, folder, *options):
+        self.folder = folder
+        self.log = folder / "log"
+        paths = [str(ROOT), *filter(None, [os.environ.get("PYTHONPATH")])]
+        command = [
+            "-P",
+            "-m",
+            "crankfem",
+            "serve",
+            "--port",
+            "0",
+            "--folder",
+            str(folder / "service"),
+        ]
+        with self.log.open("ab") as log:
+            self.process = subprocess.Popen(
+                [sys.executable, *command, *options],
+                cwd=folder,
+                env=os.environ | {"PYTHONPATH": os.pathsep.join(paths)},
+                stdout=subprocess.DEVNULL,
+                stderr=log,
+                start_new_session=True,
+            )
+        self.address = self._await_address()
+
+    def _await_address(self):
+        deadline = time.monotonic() + STARTING
+        told = "crankfem serves at "
+        while time.monotonic() < deadline:
+            lines = [line for line in self.log.read_text().splitlines() if line.startswith(told)]
+            if lines and self.process.poll() is None:
+                address = lines[-1].removeprefix(told).split("/ ")[0]
+                try:
+                    urllib.request.urlopen(f"{address}/", timeout=5).read()
+                except urllib.error.URLError:
+                    pass
+                else:
+                    return address
+            assert self.process.poll() is None, self.log.read_text()
+            time.sleep(0.05)
+        raise AssertionError(self.log.read_text())
+
+    def ask(self, path, question=None, method=None, **headers):
+        """Ask, and return status, headers and body, whatever the status is."""
+        body = question if isinstance(question, bytes | None) else json.dumps(question).encode()
+        given = {"Content-Type": "application/json"} if body is not None else {}
+        given |= {name.replace("_", "-"): value for name, value in headers.items()}
+        request = urllib.request.Request(f"{self.address}{path}", body, given, method=method)
+        try:
+            with urllib.request.urlopen(request, timeout=60) as answer:
+                return answer.status, answer.headers, answer.read()
+        except urllib.error.HTTPError as error:
+            return error.code, error.headers, error.read()
+
+    def json(self, path, question=None, **headers):
+        status, _, body = self.ask(path, question, **headers)
+        return status, json.loads(body)
+
+    def wait(self, name, *states, seconds=180.0):
+        """Wait until a job is in one of the states; return it."""
+        deadline = time.monotonic() + seconds
+        while time.monotonic() < deadline:
+            _, job = self.json(f"/api/jobs/{name}")
+            if job["state"] in states:
+                return job
+            time.sleep(0.05)
+        raise AssertionError(job)
+
+    def end(self, number=signal.SIGTERM):
+        if self.process.poll() is None:
+            self.process.send_signal(number)
+            self.process.wait(timeout=60)
+        return self.process.returncode
+
+
+@pytest.fixture(scope="session")
+def serve():
+    """Start services; all are ended."""
+    started = []
+
+    def start(folder, *options):
+        started.append(Served(folder, *options))
+        return started[-1]
+
+    yield start
+    for service in started:
+        if service.process.poll() is None:
+            service.process.kill()
+            service.process.wait()
+
+
+@pytest.fixture(scope="session")
+def models(tmp_path_factory):
+    """A folder with one model."""
+    from crankfem import STEEL, CrankThrow
+    from fitted_models import known_model
+
+    folder = tmp_path_factory.mktemp("models")
+    throw = CrankThrow(**THROW)
+    known_model(
+        throw, STEEL, {"axial_compliance": 1.3e-9, "torsional_compliance": 4e-8}, 0.01
+    ).save(folder / "six.json")
+    return folder
+
+
+@pytest.fixture(scope="session")
+def service(serve, tmp_path_factory, models):
+    return serve(tmp_path_factory.mktemp("service"), "--models", str(models))
+
+
+THROW = {
+    "crank_radius": 0.170,
+    "main_journal_diameter": 0.220,
+    "pin_diameter": 0.180,
+    "main_journal_length": 0.120,
+    "pin_length": 0.139,
+    "web_width": 0.285,
+    "web_thickness": 0.068,
+    "fillet_radius": 0.012,
+}
+
+
+@pytest.fixture
+def throw():
+    return dict(THROW)

@@ -1,0 +1,6 @@
+import pytest
+
+pytest.importorskip("fastapi", reason="the service needs crankfem[serve]")
+pytest.importorskip("uvicorn")
+
+from serving import models, serve, service, throw  # noqa: F401

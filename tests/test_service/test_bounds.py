@@ -1,0 +1,256 @@
+"""Who may ask, how much, how slowly."""
+
+import json
+import socket
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+
+from crankbase.errors import InputError
+from crankfem.client import Client, RefusedError
+from crankfem.service.bounds import Settings
+
+KEY = "a key of twenty chars"
+
+
+@pytest.fixture(scope="module")
+def locked(serve, tmp_path_factory):
+    """A service with a key."""
+    folder = tmp_path_factory.mktemp("locked")
+    (folder / "key").write_text(f"{KEY}\n")
+    return serve(folder, "--key-file", str(folder / "key"))
+
+
+def test_other_machines_need_a_key():
+    with pytest.raises(InputError, match=r"--host: given '0.0.0.0' without a key"):
+        Settings(Path(), host="0.0.0.0")
+    with pytest.raises(InputError, match="given one of 5 characters"):
+        Settings(Path(), host="0.0.0.0", key="short")
+    with pytest.raises(InputError, match="--port: given 70000"):
+        Settings(Path(), port=70000)
+    assert Settings(Path(), host="0.0.0.0", key=KEY).key == KEY
+
+
+def test_the_service_says_whom_it_serves(service):
+    assert "(this machine alone)" in service.log.read_text()
+
+
+def test_without_the_key_nothing_is_answered(locked):
+    status, told = locked.json("/api/jobs")
+    assert status == 401
+    assert told["title"] == "Unauthorized"
+    assert locked.ask("/api/jobs", Authorization="Bearer wrong")[0] == 401
+    assert locked.ask("/api/jobs", Cookie="crankfem_key=wrong; =;")[0] == 401
+    assert Client(locked.address, KEY).jobs() == []
+    assert locked.ask("/")[0] == 200  # the page asks for the key
+
+
+def test_the_page_brings_the_key_as_a_cookie_that_scripts_do_not_see(locked):
+    assert locked.json("/api/session", {"key": "wrong"})[0] == 401
+    status, headers, _ = locked.ask("/api/session", {"key": KEY})
+    assert status == 200
+    cookie = headers["Set-Cookie"]
+    assert "HttpOnly" in cookie
+    assert "SameSite=strict" in cookie
+    assert locked.ask("/api/jobs", Cookie=cookie.partition(";")[0])[0] == 200
+
+
+@pytest.mark.parametrize(
+    "headers",
+    [
+        {"Origin": "https://example.org"},
+        {"Origin": "null"},
+        {"Sec_Fetch_Site": "cross-site"},
+        {"Host": "example.org"},
+        {"Host": "127.0.0.1.example.org:8765"},
+    ],
+)
+def test_foreign_origins_are_refused(service, headers):
+    assert service.ask("/api/jobs", **headers)[0] == 403
+    assert service.ask("/api/throws/validate", {"throw": {}}, **headers)[0] == 403
+
+
+def test_its_own_origin_is_answered(service):
+    assert service.ask("/api/jobs", Origin=service.address)[0] == 200
+
+
+@pytest.mark.parametrize(
+    ("body", "status"),
+    [
+        (b"", 400),
+        (b"[1]", 400),
+        (b'{"throw": NaN}', 400),
+        (b'{"throw": ' + b"[" * 100_000, 400),
+        (b"\xff\xfe", 400),
+        (b'{"throw": {"crank_radius": 1e999}}', 422),
+        (b'{"throw": {"crank_radius": ' + b"9" * 5000 + b"}}", 400),
+    ],
+)
+def test_malformed_bodies_are_refused(service, body, status):
+    found, headers, told = service.ask("/api/throws/validate", body)
+    assert found == status
+    assert headers["Content-Type"] == "application/problem+json"
+    assert json.loads(told)["status"] == found
+
+
+def test_other_media_are_refused(service):
+    status, _, _ = service.ask("/api/throws/validate", b"{}", Content_Type="text/plain")
+    assert status == 415
+
+
+def raw(service, *parts, pause=0.0):
+    """Send bytes as they are, and return what is answered until the end."""
+    host, _, port = service.address.removeprefix("http://").partition(":")
+    with socket.create_connection((host, int(port)), timeout=60) as connection:
+        for part in parts:
+            connection.sendall(part)
+            time.sleep(pause)
+        found = b""
+        while piece := connection.recv(65536):
+            found += piece
+        return found
+
+
+def test_large_bodies_are_refused_before_they_are_read(service):
+    head = b"POST /api/throws/validate HTTP/1.1\r\nHost: localhost\r\nContent-Type: application/json\r\n"
+    assert raw(service, head + b"Content-Length: 99999999999\r\n\r\n").startswith(b"HTTP/1.1 413")
+    chunk = b"40000\r\n" + b" " * 0x40000 + b"\r\n"
+    chunked = head + b"Transfer-Encoding: chunked\r\nConnection: close\r\n\r\n"
+    try:
+        told = raw(service, chunked, *[chunk] * 130, b"0\r\n\r\n")
+    except OSError:  # refused while it was still sent
+        told = b"HTTP/1.1 413"
+    assert told.startswith(b"HTTP/1.1 413")
+
+
+@pytest.mark.slow
+def test_slow_heads_and_bodies_are_refused(service):
+    start = time.monotonic()
+    assert raw(service, b"POST /api/throws/validate HTTP/1.1\r\nHost: loc") == b""
+    assert time.monotonic() - start < 30.0
+    head = b"POST /api/throws/validate HTTP/1.1\r\nHost: localhost\r\nContent-Type: application/json\r\n"
+    assert raw(service, head + b"Content-Length: 100\r\n\r\n", b'{"throw"') == b""
+    assert "Traceback" not in service.log.read_text()
+
+
+def test_nonsense_on_the_line_is_refused(service):
+    assert raw(service, b"\x16\x03\x01\x02\x00\x01\r\n\r\n").startswith((b"HTTP/1.1 400", b""))
+    assert service.ask("/api/jobs")[0] == 200
+
+
+@pytest.mark.parametrize(
+    "path",
+    [
+        "/page/..%2f..%2fapp.py",
+        "/page/%2e%2e/app.py",
+        "/api/jobs/..%2f..%2fjobs.sqlite",
+        "/api/jobs/0000000000000000/files/../../../jobs.sqlite",
+        "/api/models/..%2fsix",
+        "/api/models/%00",
+        "/docs",
+    ],
+)
+def test_paths_lead_nowhere_else(service, path):
+    assert service.ask(path)[0] == 404
+
+
+@pytest.mark.parametrize(
+    "wrong",
+    [
+        {"name": "../mine.toml"},
+        {"name": "/tmp/mine.toml"},
+        {"name": ".crankfem.toml"},
+        {"name": "mine.toml\n"},
+        {"name": "mine.csv"},
+        {"tables": {"../table.csv": "1"}},
+        {"tables": {"a/b.csv": "1"}},
+        {"tables": {"engine.toml": "1"}},
+        {"text": '[torque]\ntable = "/etc/passwd"'},
+        {"text": '[torque]\ntable = { value = "../../etc/passwd", source = "x" }'},
+        {"text": '[[gas_map.points]]\npressure_table = "/etc/passwd"'},
+        {"text": '[vibration]\nmodel = "../model.json"'},
+        {"text": '[shaft_line]\ntorsional = "/tmp/chain.toml"'},
+        {"text": "\ud800"},
+    ],
+)
+def test_uploaded_files_name_nothing_beside_them(service, wrong):
+    status, told = service.json("/api/files/check", {"text": "[throw]"} | wrong)
+    assert status in (400, 422)
+    assert "root:" not in json.dumps(told)
+    if "plain name" not in told["detail"]:
+        assert "\ud800" in wrong.get("text", "") or "name of the file itself" in told["detail"]
+
+
+def test_scripts_in_a_file_stay_text(service):
+    text = '[engine]\nname = "<script>alert(1)</script>"\n'
+    status, headers, body = service.ask("/api/files/check", {"text": text})
+    assert status == 422
+    assert headers["Content-Type"] == "application/problem+json"
+    assert headers["X-Content-Type-Options"] == "nosniff"
+    assert b"/tmp" not in body
+
+
+def test_each_request_has_one_log_line_without_contents(service):
+    before = len(service.log.read_text().splitlines())
+    service.ask("/api/throws/validate?secret=1", {"throw": {"crank_radius": "123.456 mm"}})
+    lines = service.log.read_text().splitlines()[before:]
+    (told,) = [json.loads(line) for line in lines if '"/api/throws/validate"' in line]
+    assert told["method"] == "POST"
+    assert told["status"] == 422
+    assert told["milliseconds"] > 0.0
+    assert not any(word in "".join(lines) for word in ("secret", "123.456"))
+
+
+def test_a_second_service_does_not_take_the_folder(service):
+    done = subprocess.run(
+        [
+            sys.executable,
+            "-m",
+            "crankfem",
+            "serve",
+            "--folder",
+            str(service.folder / "service"),
+            "--port",
+            "0",
+        ],
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert done.returncode == 2
+    assert "which no other service uses" in " ".join(done.stderr.split())
+
+
+def test_a_busy_port_is_told(service, tmp_path):
+    port = service.address.rpartition(":")[2]
+    done = subprocess.run(
+        [sys.executable, "-m", "crankfem", "serve", "--folder", str(tmp_path), "--port", port],
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert done.returncode == 2
+    assert "cannot be listened at" in " ".join(done.stderr.split())
+
+
+def test_without_the_extra_the_command_says_which_one(tmp_path):
+    script = (
+        "import sys; sys.modules['uvicorn'] = None; from crankfem.cli.entry import main; main()"
+    )
+    done = subprocess.run(
+        [sys.executable, "-c", script, "serve", "--folder", str(tmp_path)],
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert done.returncode == 3
+    assert "pip install 'crankfem[serve]'" in " ".join(done.stderr.split())
+
+
+def test_a_refusal_of_the_client_has_its_status(locked):
+    with pytest.raises(RefusedError, match="key of this service") as refused:
+        Client(locked.address).models()
+    assert refused.value.status == 401
