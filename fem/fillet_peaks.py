@@ -18,7 +18,7 @@ from fem.fillets import Fillet
 from fem.rule_mesh import RULE_LOADS, FilletMeshing, ReadingQuality, fillet_meshings
 from fem.unit_loads import LoadedThrow, UnitLoad
 from geometry.drilling import DrillingExit
-from geometry.throw import CrankThrow
+from geometry.mesher import Throw
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -153,7 +153,7 @@ class FilletStresses:
 
     Attributes
     ----------
-    throw : CrankThrow
+    throw : CrankThrow or ImportedThrow
     peaks : tuple of FilletPeak
         For each load, the fillets from left to right.
     sharp_corners : tuple of str
@@ -172,7 +172,7 @@ class FilletStresses:
         For each load, the exits of the oil holes in their order.
     """
 
-    throw: CrankThrow
+    throw: Throw
     peaks: tuple[FilletPeak, ...]
     sharp_corners: tuple[str, ...]
     loaded: LoadedThrow = field(repr=False)

@@ -30,7 +30,10 @@ from fem.rule_mesh import RULE_LOADS, WISHED_SIZE, reading_quality, rule_sizes
 from fem.unit_loads import LoadedThrow, solve_unit_loads, unit_loads
 from fem.wished_accuracy import STRESS_ACCURACY
 from geometry.drilling import DrillingExit
-from geometry.mesher import mesh_isolated
+from geometry.imported import ImportedThrow
+from geometry.imported_parts import imported_parts
+from geometry.mesh import ThrowMesh
+from geometry.mesher import Throw, mesh_isolated
 from geometry.parts import WebPlate
 from geometry.sizes import SizeMap
 from geometry.throw import CrankThrow
@@ -63,7 +66,7 @@ CUT_TOLERANCE = 1e-9
 
 
 def fillet_stresses(
-    throw: CrankThrow,
+    throw: Throw,
     material: Material = STEEL,
     accuracy: float = 0.05,
     *,
@@ -79,7 +82,9 @@ def fillet_stresses(
 
     Parameters
     ----------
-    throw : CrankThrow
+    throw : CrankThrow or ImportedThrow
+        Of a CAD part, fillets are the faces that run smoothly into journals and pins; oil holes of CAD
+        parts have no stresses.
     material : Material
         The stresses depend on its Poisson's ratio alone.
     accuracy : float
@@ -122,11 +127,19 @@ def fillet_stresses(
     """
     _check(throw, material, accuracy)
     check_choice("mesh", mesh, FILLET_MESHES, "fillets are meshed in these ways")
-    webs = throw.parts.webs if mesh == "m53" else ()
     mesh_with = mesher or mesh_isolated
-    fillets = throw_fillets(throw.parts)
-    outlets = [outlet for hole in throw.parts.drillings for outlet in hole.exits]
+    usual = mesh_with(throw, BULK, "auto", None)
+    parts = throw.parts if isinstance(throw, CrankThrow) else imported_parts(throw, usual)
+    webs = parts.webs if mesh == "m53" else ()
+    points = fillet_points(usual)
+    fillets = [fillet for fillet in throw_fillets(parts) if fillet.holds(points).any()]
+    outlets = [outlet for hole in parts.drillings for outlet in hole.exits]
     sites: tuple[Site, ...] = (*fillets, *outlets)
+    if not sites:
+        raise InputError(
+            "throw: given a part whose fillets do not stand round its journals and pins like a torus; "
+            "allowed is at least one that does."
+        )
     loads = unit_loads(radial_directions(throw))
 
     def solved(sizes: SizeMap, fineness: float) -> _FilletRefinementLevel:
@@ -134,7 +147,7 @@ def fillet_stresses(
         loaded = solve_unit_loads(meshed, loads, material, solver, end_sections)
         return _FilletRefinementLevel.judged(loaded, sites, fineness)
 
-    level = solved(*_first_sizes(throw, sites, mesh_with))
+    level = solved(*_first_sizes(usual, sites))
     errors = np.full((len(sites), len(loads)), np.inf)
     wanted = max(RULE_FINE if webs else FINE, (1.0 + 1e-9) * SCATTER / accuracy)
     for _ in range(MOST_MESHES - 1):
@@ -157,7 +170,7 @@ def fillet_stresses(
         peaks=tuple(
             FilletPeak(
                 fillet=fillet,
-                nominal=nominal_stress(throw.parts, fillet, load),
+                nominal=nominal_stress(parts, fillet, load),
                 **level.peak(number, column, errors),
             )
             for column, load in enumerate(loads)
@@ -166,13 +179,13 @@ def fillet_stresses(
         hole_peaks=tuple(
             OilHolePeak(
                 outlet=outlet,
-                nominal=nominal_hole_stress(throw.parts, outlet, load),
+                nominal=nominal_hole_stress(parts, outlet, load),
                 **level.peak(number, column, errors, at_hole=True),
             )
             for column, load in enumerate(loads)
             for number, outlet in enumerate(outlets, start=len(fillets))
         ),
-        sharp_corners=sharp_corners(throw.parts),
+        sharp_corners=sharp_corners(parts),
         loaded=level.loaded,
         surface=level.surface,
         fineness=level.fineness,
@@ -311,9 +324,8 @@ def _errors(coarse: _FilletRefinementLevel, fine: _FilletRefinementLevel) -> Arr
     return np.asarray(np.maximum(estimate, SCATTER / fine.fineness))
 
 
-def _first_sizes(throw: CrankThrow, sites: Sequence[Site], mesher: Mesher) -> tuple[SizeMap, float]:
+def _first_sizes(usual: ThrowMesh, sites: Sequence[Site]) -> tuple[SizeMap, float]:
     """Sizes of a mesh that is a little finer than usual at all sites, and how fine it is there."""
-    usual = mesher(throw, BULK, "auto", None)
     points = fillet_points(usual)
     places = [points[site.holds(points)] for site in sites]
     sizes, fineness = _sizes_within_budget(measured_sizes(usual), sites, places, COARSE)
@@ -354,16 +366,22 @@ def _too_small(sites: Sequence[Site]) -> InputError:
     )
 
 
-def _check(throw: CrankThrow, material: Material, accuracy: float) -> None:
-    if not isinstance(throw, CrankThrow):
+def _check(throw: Throw, material: Material, accuracy: float) -> None:
+    if not isinstance(throw, CrankThrow | ImportedThrow):
         raise InputError(
-            f"throw: given a {type(throw).__name__}; allowed is a CrankThrow, because a CAD part does "
-            "not say what its fillets and webs measure."
+            f"throw: given a {type(throw).__name__}; allowed is a CrankThrow, or an ImportedThrow of a "
+            "STEP file."
         )
     if not isinstance(material, Material):
         raise InputError(f"material: given {material!r}; allowed is a Material, like STEEL.")
     STRESS_ACCURACY.checked("accuracy", accuracy)
-    if not throw_fillets(throw.parts) and not throw.oil_holes:
+    if isinstance(throw, ImportedThrow):
+        if not throw.fillets:
+            raise InputError(
+                f"{throw.path}: given a part without a fillet at its main journals and pins; allowed is at "
+                "least one, because the elastic stress at a sharp corner has no bound."
+            )
+    elif not throw_fillets(throw.parts) and not throw.oil_holes:
         raise InputError(
             "fillet_radius: given 0 at all main journals and pins; allowed is at least one fillet, because "
             "the elastic stress at a sharp corner has no bound."

@@ -9,7 +9,7 @@ from geometry.parts import Cylinder, ThrowParts, WebPlate
 
 Array = NDArray[np.float64]
 # Nodes lie on a fillet's torus to this share of the journal's radius.
-PLACE_TOLERANCE = 1e-6
+PLACE_TOLERANCE = 1e-5
 
 
 @dataclass(frozen=True)

@@ -83,6 +83,9 @@ class ImportedThrow:
         Along the shaft, each as the bore of a cylinder; `plan` numbers them from zero.
     curved : tuple of (radius, area)
         Of all other curved surfaces: smallest radius of curvature and area [m, m^2].
+    cylinders : tuple of Cylinder
+        Left main journal, pins, right main journal with their fillets and bores, reaching along z as far as
+        the fillets do.
     fillets, corners : tuple of (zone, tags)
         Surfaces and curves where elements are small; cylinders are numbered from the left main
         journal.
@@ -104,6 +107,7 @@ class ImportedThrow:
     smallest: float
     holes: tuple[Cylinder, ...]
     curved: tuple[tuple[float, float], ...]
+    cylinders: tuple[Cylinder, ...]
     fillets: tuple[tuple[Zone, tuple[int, ...]], ...]
     corners: tuple[tuple[Zone, tuple[int, ...]], ...]
 

@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -21,7 +22,7 @@ from geometry.cad_faces import (
 from geometry.gmsh_session import middle_point
 from geometry.imported import ImportedPin, ImportedThrow, RequestedFaces
 from geometry.imported_sizes import planned_sizes
-from geometry.parts import Cylinder
+from geometry.parts import LEFT_JOURNAL, RIGHT_JOURNAL, Cylinder
 from geometry.sizes import ROOT_PER_FILLET, SizePlan
 from geometry.solid import BORE, FILLET, LEFT_END, MAIN_JOURNAL, PIN, RIGHT_END, WEB, Zone
 from geometry.step_file import PLANE, StepFace
@@ -118,6 +119,20 @@ class _Recognition:
             )
             for number, (pin, (low, high)) in enumerate(zip(self._pins, reaches[1:-1], strict=True))
         )
+        names = (LEFT_JOURNAL, *(pin.name for pin in pins), RIGHT_JOURNAL)
+        axes = ((0.0, 0.0), *(pin.axis for pin in pins), (0.0, 0.0))
+        cylinders = tuple(
+            _cylinder(name, axis, item.radius, (low + shift, high + shift), holes)
+            for name, axis, item, (low, high) in zip(names, axes, row, reaches, strict=True)
+        )
+        cylinders = tuple(
+            replace(
+                cylinder,
+                start_fillet=radii.get((number, "start"), 0.0),
+                end_fillet=radii.get((number, "end"), 0.0),
+            )
+            for number, cylinder in enumerate(cylinders)
+        )
         return ImportedThrow(
             path=path,
             digest=digest,
@@ -135,6 +150,7 @@ class _Recognition:
             smallest=self._smallest(plan),
             holes=holes,
             curved=self._curved(fillets),
+            cylinders=cylinders,
             fillets=tuple((zone, tuple(tags)) for zone, tags in fillets.items()),
             corners=tuple((zone, tuple(tags)) for zone, tags in corners.items()),
         )
@@ -387,6 +403,29 @@ def _pin_name(number: int) -> str:
 def _turned(axis: tuple[float, float], turn: float) -> tuple[float, float]:
     sine, cosine = math.sin(turn), math.cos(turn)
     return (cosine * axis[0] - sine * axis[1], sine * axis[0] + cosine * axis[1])
+
+
+def _cylinder(
+    name: str,
+    axis: tuple[float, float],
+    radius: float,
+    reach: tuple[float, float],
+    holes: Sequence[Cylinder],
+) -> Cylinder:
+    """A journal or pin without its fillets; a hole along it through its middle is its bore."""
+    plain = Cylinder(name, axis, radius, *reach, 0.0, 0.0, 0.0, axis, *reach)
+    middle = 0.5 * sum(reach)
+    for hole in holes:
+        inside = math.dist(hole.axis, axis) + hole.radius < radius
+        if inside and hole.start < middle < hole.end and hole.radius > plain.bore_radius:
+            plain = replace(
+                plain,
+                bore_radius=hole.radius,
+                bore_axis=hole.axis,
+                bore_start=hole.start,
+                bore_end=hole.end,
+            )
+    return plain
 
 
 def _hole(item: Round, turn: float, shift: float) -> Cylinder:

@@ -1,9 +1,16 @@
 """Which throw of a file a command takes."""
 
+from collections.abc import Sequence
+from pathlib import Path
+
+from crankbase.errors import InputError
 from crankfem.cli import console
 from crankfem.files.engine.throw_file import load_throw, names_of_throws
 from crankfem.files.reading.toml_file import TomlFile
-from fem.material import Material
+from fem.material import STEEL, Material
+from geometry.imported import import_throw
+from geometry.mesher import Throw
+from geometry.solid_files import ENDINGS
 from geometry.throw import CrankThrow
 
 
@@ -32,3 +39,40 @@ def select_throw(
                 f"Note: throw {first} is taken; the file has {', '.join(others)} too.", quiet
             )
     return load_throw(engine, name)
+
+
+def select_part(
+    engine: str, name: str | None, pins: Sequence[str] | None, quiet: bool = False
+) -> tuple[Throw, Material]:
+    """Select a throw of a file, or read the CAD part of steel that a STEP file holds.
+
+    Parameters
+    ----------
+    engine : str
+        File, or the name of a shipped engine.
+    name : str, optional
+        As `--throw` gives it, for files of dimensions.
+    pins : sequence of str, optional
+        Names of the pins' faces, for STEP files.
+    quiet : bool
+        Whether to say nothing.
+
+    Raises
+    ------
+    InputError
+    """
+    if Path(engine).suffix.lower() not in ENDINGS:
+        if pins:
+            raise InputError(
+                f"--pin: given {pins[0]!r}; allowed only with a STEP file, whose faces have names."
+            )
+        return select_throw(engine, name, quiet)
+    if name is not None:
+        raise InputError(
+            f"--throw: given {name!r} with a STEP file; allowed is it with a TOML file, for a part is one "
+            "throw."
+        )
+    part = import_throw(engine, pins=pins or ("pin",))
+    for remark in part.remarks:
+        console.print_note(remark, quiet)
+    return part, STEEL

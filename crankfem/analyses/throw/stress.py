@@ -3,6 +3,7 @@
 from crankbase.tables.output_units import SI, OutputUnit, OutputUnits
 from crankbase.tables.table import Column, Table
 from crankfem.analyses.record import Record, attributes
+from crankfem.analyses.throw.throw_record import given_dimensions
 from fem.fillet_peaks import FilletPeak, FilletStresses, OilHolePeak
 
 # Stresses are printed for loads of 1 kN and 1 kN m, or of so many of the user's own units.
@@ -13,7 +14,7 @@ def stress_record(stresses: FilletStresses) -> Record:
     """Plain content of the stresses at a throw's fillets and oil holes, in SI units."""
     mesh = stresses.loaded.mesh
     return {
-        "dimensions": stresses.throw.model_dump(mode="json"),
+        "dimensions": given_dimensions(stresses.throw),
         "material": stresses.loaded.material.model_dump(),
         "support": "pinned",
         "end_sections": stresses.loaded.end_sections,

@@ -64,7 +64,7 @@ def throw_record(
             },
         }
     return {
-        "dimensions": _dimensions(analysis.throw),
+        "dimensions": given_dimensions(analysis.throw),
         "material": analysis.material.model_dump(),
         "supports": supports,
         "radial_force": -acting[1],
@@ -123,7 +123,7 @@ def mode_records(modes: ThrowModes) -> list[Record]:
     ]
 
 
-def _dimensions(throw: Throw) -> Record:
+def given_dimensions(throw: Throw) -> Record:
     """What was given: fields in SI units, or the file of a CAD part with what was found in it."""
     if isinstance(throw, CrankThrow):
         return throw.model_dump(mode="json")

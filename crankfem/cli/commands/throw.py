@@ -7,9 +7,7 @@ from typing import Annotated, Any, cast
 import typer
 
 from crankbase.errors import InputError
-from crankfem.cli import console
 from crankfem.cli.commands.options import (
-    EngineArgument,
     Output,
     ThrowArgument,
     ThrowOption,
@@ -17,6 +15,11 @@ from crankfem.cli.commands.options import (
 )
 from crankfem.cli.console import print_json
 from fem.wished_accuracy import COMPLIANCE_ACCURACY, STRESS_ACCURACY
+
+PinsOption = Annotated[
+    list[str] | None,
+    typer.Option("--pin", help="Name of a crankpin's face in a STEP file; once for each pin."),
+]
 
 
 @with_output(units=True)
@@ -43,10 +46,7 @@ def throw(
             show_default="100 kN",
         ),
     ] = None,
-    pins: Annotated[
-        list[str] | None,
-        typer.Option("--pin", help="Name of a crankpin's face in a STEP file; once for each pin."),
-    ] = None,
+    pins: PinsOption = None,
     end_sections: Annotated[
         str, typer.Option(help="rigid, or averaged (free to warp); the two bound the truth.")
     ] = "rigid",
@@ -66,35 +66,16 @@ def throw(
     from crankfem.analyses.throw.throw_record import mode_records, throw_record
     from crankfem.cli.angle_and_speed import parse_gamma
     from crankfem.cli.tables import throw_tables
-    from crankfem.cli.throw_choice import select_throw
+    from crankfem.cli.throw_choice import select_part
     from crankfem.jobs.run_records import UNIT_RADIAL_FORCE
     from fem.analysis import analyze_throw
     from fem.class_modes import MOST_MODES
-    from fem.material import STEEL
-    from geometry.imported import import_throw
-    from geometry.mesher import Throw
-    from geometry.solid_files import ENDINGS
 
     angle = None if gamma is None else parse_gamma(gamma, out.quiet)
     force = None if pin_force is None else _parse_pin_force(pin_force)
     if not 0 <= modes <= MOST_MODES:
         raise InputError(f"--modes: given {modes}; allowed is 0 to {MOST_MODES}, 0 for none.")
-    if Path(engine).suffix.lower() in ENDINGS:
-        if name is not None:
-            raise InputError(
-                f"--throw: given {name!r} with a STEP file; allowed is it with a TOML file, for a part is "
-                "one throw."
-            )
-        part: Throw = import_throw(engine, pins=pins or ("pin",))
-        for remark in part.remarks:
-            console.print_note(remark, out.quiet)
-        material = STEEL
-    else:
-        if pins:
-            raise InputError(
-                f"--pin: given {pins[0]!r}; allowed only with a STEP file, whose faces have names."
-            )
-        part, material = select_throw(engine, name, out.quiet)
+    part, material = select_part(engine, name, pins, out.quiet)
     analysis = analyze_throw(
         part, material, accuracy, solver=solver, end_sections=cast(Any, end_sections)
     )
@@ -129,12 +110,13 @@ def _parse_pin_force(text: str) -> list[float]:
 
 @with_output(files=True, units=True)
 def stress(
-    engine: EngineArgument,
+    engine: ThrowArgument,
     name: ThrowOption = None,
     accuracy: Annotated[
         float, typer.Option(help=f"Relative accuracy of the largest stresses, {STRESS_ACCURACY}.")
     ] = 0.05,
     end_sections: Annotated[str, typer.Option(help="rigid, or averaged (free to warp).")] = "rigid",
+    pins: PinsOption = None,
     mesh: Annotated[
         str, typer.Option(help="adaptive, or m53: fillets as IACS UR M53, Appendix III, asks for.")
     ] = "adaptive",
@@ -144,19 +126,22 @@ def stress(
     *,
     out: Output,
 ) -> None:
-    """Find the stresses at a throw's fillets under unit loads, and their concentration factors."""
+    """Find the stresses at a throw's fillets under unit loads, and their concentration factors.
+
+    A STEP file is a CAD part of steel, as for `crankfem throw`.
+    """
     from crankbase.outputs import protect
     from crankfem.analyses.throw.pictures.stress_picture import picture_name
     from crankfem.analyses.throw.stress import stress_record
     from crankfem.cli.tables.throw_tables import print_stresses
-    from crankfem.cli.throw_choice import select_throw
+    from crankfem.cli.throw_choice import select_part
     from crankfem.files.reading.data_files import input_path
     from crankfem.jobs.outputs import make_output_folder
     from fem.fillet_stress import fillet_stresses
     from fem.loads import radial_directions
     from fem.unit_loads import unit_loads
 
-    part, material = select_throw(engine, name, out.quiet)
+    part, material = select_part(engine, name, pins, out.quiet)
     if pictures is not None:
         protect(input_path(engine))
         names = [picture_name(load) for load in unit_loads(radial_directions(part))]
