@@ -17,7 +17,15 @@ from crankbase.errors import InputError
 from fem.analysis import analyze_throw
 from fem.material import STEEL
 from geometry.throw import CrankThrow
-from regression.law.ratios import FILLETS, LARGEST_FILLET, PLAIN, REAL
+from regression.law.ratios import (
+    CHAMFER_OF_RADIUS,
+    FEATURES,
+    FILLETS,
+    LARGEST_FILLET,
+    PLAIN,
+    REAL,
+    THINNEST_WALL,
+)
 
 Array = NDArray[np.float64]
 # Points are drawn a little beyond the law's ranges, so that their ends lie inside.
@@ -40,8 +48,9 @@ SAMPLES = {
     "plain-held-out": Sample("plain", 23_002),
     "plain-test": Sample("plain", 23_005),
     "wide-train": Sample("wide", 23_007, BEYOND, 0.5),
-    "real-train": Sample("real", 23_003, BEYOND, 0.5),
-    "real-test": Sample("real", 23_006),
+    "real-train": Sample("real", 23_008, BEYOND, 0.3),
+    "real-pool": Sample("real", 23_010, BEYOND, 0.3),
+    "real-test": Sample("real", 23_009),
 }
 
 
@@ -96,31 +105,40 @@ def wide_fields(sample: Sample, point: Array) -> dict[str, Any]:
 def real_fields(sample: Sample, point: Array) -> dict[str, Any]:
     """Fields of a throw as they are: fillets, bores, web ends, outlines, slopes and unequal webs."""
     fields = wide_fields(sample, point)
-    rest = iter(point[len(REAL) + 2 :].tolist())
-    half = 0.5 * fields["web_width"]
-    fields["main_journal_bore"] = _or(next(rest), 0.0, 0.4, 0.1, 0.68)
-    fields["pin_bore"] = _or(next(rest), 0.0, 0.4, 0.1, 0.64) * fields["pin_diameter"]
-    offsets = _or(next(rest), 0.0, 0.5, -0.16, 0.1), _or(next(rest), 0.0, 0.5, -0.1, 0.16)
-    for name, offset in zip(("main_journal_bore", "pin_bore"), offsets, strict=True):
-        fields[f"{name}_offset"] = offset if fields[name] > 0.0 else 0.0
-    rectangle = next(rest) < 0.35
-    fields["web_pin_end"] = half * _or(next(rest), 1.0, 0.35, 0.72, 1.1)
-    fields["web_journal_end"] = half * _or(next(rest), 1.0, 0.55, 0.85, 1.12)
-    corner, kind = _or(next(rest), 0.0, 0.25, 0.1, 0.9) * half, next(rest)
+    shares = iter(point[len(REAL) + 2 :].tolist())
+
+    def feature(name: str, chance: float, least: float | None = None) -> float:
+        """The ratio of a plain throw with a chance, else one from its range and a little beyond."""
+        low, high, usual = FEATURES[name]
+        low = low if least is None else least
+        margin = sample.beyond * (high - low)
+        top = high if high == 1.0 else high + margin
+        return _or(next(shares), usual, chance, low - (margin if least is None else 0.0), top)
+
+    half, thickness = 0.5 * fields["web_width"], fields["web_thickness"]
+    for name, unit in (("main_journal_bore", 1.0), ("pin_bore", fields["pin_diameter"])):
+        bore, offset = feature(name, 0.4, 0.1), feature(f"{name}_offset", 0.6)
+        if bore > 0.0:
+            reach = 0.5 - THINNEST_WALL - 0.5 * bore
+            fields[name] = bore * unit
+            fields[f"{name}_offset"] = max(-reach * unit, min(reach * unit, offset))
+    rectangle = next(shares) < 0.35
+    for name, chance in (("web_pin_end", 0.35), ("web_journal_end", 0.55)):
+        fields[name] = half * feature(name, chance)
+    corner, rounded = half * feature("web_corner", 0.25, 0.08), next(shares) < 0.5
     if rectangle:
         fields["web_outline"] = "rectangle"
-        fields["web_corner_radius" if kind < 0.5 else "web_corner_chamfer"] = corner
+        name = "web_corner_radius" if rounded else "web_corner_chamfer"
+        fields[name] = corner / (CHAMFER_OF_RADIUS if rounded else 1.0)
     elif max(fields["web_pin_end"], fields["web_journal_end"]) < half:
         fields["web_journal_end"] = half
-    thickness = fields["web_thickness"]
-    for name, chance in (("web_tip_thickness", 0.4), ("web_foot_thickness", 0.6)):
-        share = _or(next(rest), 1.0, chance, 0.55, 1.0)
+    for name, chance in (("web_tip_thickness", 0.45), ("web_foot_thickness", 0.65)):
+        share = feature(name, chance)
         if share < 1.0:
             fields[name] = share * thickness
-    apart = _or(next(rest), 0.0, 0.7, -0.2, 0.2)
-    if apart != 0.0:
-        sides = {"left_web": math.exp(-apart), "right_web": math.exp(apart)}
-        for web, side in sides.items():
+    step = feature("thickness_step", 0.75) ** 0.5
+    if step != 1.0:
+        for web, side in (("left_web", 1.0 / step), ("right_web", step)):
             fields[web] = {"thickness": thickness * side}
             for name in ("tip_thickness", "foot_thickness"):
                 if f"web_{name}" in fields:

@@ -20,8 +20,13 @@ from fem.material import Material
 from fem.solver import factorize
 from geometry.crankshaft import Crankshaft, make_shaft
 from geometry.gmsh_session import gmsh_errors, gmsh_session
-from geometry.mesh import read_mesh
-from geometry.mesh_checks import check_quality, check_volume, solid_properties
+from geometry.mesh import ThrowMesh, read_mesh
+from geometry.mesh_checks import (
+    SolidProperties,
+    check_quality,
+    check_volume,
+    solid_properties,
+)
 from geometry.mesh_repair import straighten_elements
 
 Array = NDArray[np.float64]
@@ -83,13 +88,47 @@ def mesh_shaft(shaft: Crankshaft, size: float) -> ShaftMesh:
     MeshError
         If gmsh fails, or the mesh is not that of the solid.
     """
+    points, elements, _ = _meshed(shaft, size, AROUND, SMALLEST)
+    return ShaftMesh(points, elements, shaft.starts, shaft.throws[0].main_journal_diameter)
+
+
+def mesh_shaft_quarter(shaft: Crankshaft, size: float, around: int, smallest: float) -> ThrowMesh:
+    """Mesh a quarter, x >= 0, z <= length / 2, of a shaft with these two planes of symmetry.
+
+    It is a quarter of one long throw, whose free modes are those of the shaft (`fem.modes.free_modes`).
+
+    Parameters
+    ----------
+    shaft : Crankshaft
+    size : float
+        Of the elements [m].
+    around : int
+        Elements to a full circle of curved surfaces.
+    smallest : float
+        Smallest element, as a share of `size`.
+    """
+    points, elements, solid = _meshed(shaft, size, around, smallest, quarter=True)
+    return ThrowMesh("quarter", shaft.length, (), points, elements, {}, 1.0, 0, solid)
+
+
+def _meshed(
+    shaft: Crankshaft, size: float, around: int, smallest: float, *, quarter: bool = False
+) -> tuple[Array, NDArray[np.int64], SolidProperties]:
+    """Mesh a shaft or a quarter of it: points (n, 3), elements (m, 10) and the solid."""
     with gmsh_session("shaft") as gmsh, gmsh_errors("mesh the shaft"):
         make_shaft(gmsh, shaft)
+        if quarter:
+            reach = 10.0 * shaft.length
+            box = gmsh.model.occ.addBox(
+                0, -reach, -reach, reach, 2 * reach, reach + shaft.length / 2
+            )
+            gmsh.model.occ.intersect(gmsh.model.getEntities(3), [(3, box)])
+            gmsh.model.occ.synchronize()
         solid = solid_properties(gmsh)
         for option, value in (
             ("MeshSizeMax", size),
-            ("MeshSizeMin", SMALLEST * size),
-            ("MeshSizeFromCurvature", AROUND),
+            ("MeshSizeMin", smallest * size),
+            ("MeshSizeFromCurvature", around),
         ):
             gmsh.option.setNumber(f"Mesh.{option}", value)
         gmsh.model.mesh.generate(3)
@@ -98,7 +137,7 @@ def mesh_shaft(shaft: Crankshaft, size: float) -> ShaftMesh:
     points, _ = straighten_elements(points, elements)
     check_volume(points, elements, solid)
     check_quality(points, elements)
-    return ShaftMesh(points, elements, shaft.starts, shaft.throws[0].main_journal_diameter)
+    return points, elements, solid
 
 
 def solid_modes(

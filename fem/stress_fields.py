@@ -150,8 +150,8 @@ def stress_fields(
     """
     if len(throw.parts.pins) != 1:
         raise InputError(
-            f"throw: given one with {len(throw.parts.pins)} pins; allowed is one pin, because loads are those "
-            "of the ends and one pin."
+            f"throw: given one with {len(throw.parts.pins)} pins; allowed is one pin, because loads are "
+            "those of the ends and one pin."
         )
     stiffness = assemble_stiffness(mesh.points, mesh.elements, material)
     pins = unit_pin_loads(mesh)
@@ -199,7 +199,7 @@ def _places(
     for hole in throw.parts.drillings:
         journal = next(one for one in throw.parts.cylinders if one.name == hole.journal)
         for outlet in hole.exits:
-            sizes = 2.0 * journal.radius, 0.5 * hole.diameter
+            sizes = 2.0 * journal.radius, hole.radius
             found.append((outlet.name, "oil hole", *sizes, outlet.holds(points)))
     return found
 

@@ -32,17 +32,19 @@ _WORDS = {
 }
 # Of whole names.
 _NAMES = {
-    "1": "accuracy added adjusted_r_squared aic allowed asymmetry axial_beside_pinned axial_correction "
+    "1": "accuracy across_web added adjusted_r_squared aic "
+    "allowed asymmetry axial_beside_pinned axial_correction "
     "axial_force_per_radial axial_reaction band_designs beside_chosen bic cases computed_now connections "
     "crankpin_beside_mean cranks cylinder cylinders detuning elements elements_across_fillets "
     "evaluations exponent f_value fe_scatter figure fluctuation held_out largest_error_at_runs "
-    "largest_error_held_out largest_leverage largest_of_mean largest_of_same_angle likeness magnifier "
+    "largest_error_held_out largest_leverage largest_of_mean largest_of_same_angle layers likeness magnifier "
     "mean_error_at_runs mean_error_held_out mechanical_efficiency mended_elements mode "
     "node_positions nodes nonuniformity of_mean of_same_angle overlap_per_radius phase_sum pins points "
     "misfiring processors q_squared r_squared resultant rho runs same_stars samples section_error sections "
     "sense severity shape "
     "side_force_beside_largest strokes t throw torsional_beside_pinned unknowns used written",
-    "m": "about axis center_of_mass largest_compression least_compression overlap principal_place stroke "
+    "m": "about axis center_of_mass largest_compression least_compression overlap principal_place "
+    "shear_place stroke "
     "von_mises_place",
     "m^3": "volume",
     "rad": "crank_angles",
@@ -58,12 +60,13 @@ _NAMES = {
     "rad/(N m)": "torsional_compliance",
     ".unit": "bound contribution highest levels limit lower lowest peak permitted plain_sum plain_sum_peak "
     "printed repaired synthesis upper value worst",
-    ".stress_unit": "principal principals von_mises",
+    ".stress_unit": "principal principals shear von_mises",
     ".stiffness_units": "stiffness stiffness_error",
 }
 # Of ends of paths, "*" being any name.
 _PLACES = {
-    "1": "places.acceptability places.safety factors.* finite_elements.* ratios.* shrink_fit.friction shrink_fit.safety "
+    "1": "places.acceptability places.safety factors.* finite_elements.* ratios.* shrink_fit.friction "
+    "shrink_fit.safety "
     "axial_forces.difference change.major change.minor comparison.throws constants.* elasticity.* "
     "errors.* first.* kinematics_deviation.* kinetic_shares.* model_difference.maximum "
     "model_difference.mean modes.axial modes.bending modes.torsional quality.* responses.apart "
@@ -71,7 +74,8 @@ _PLACES = {
     "shapley.* spreads.high spreads.low strain_shares.* surfaces.* total.* used.*",
     "m": "places.depth places.point shrink_fit.largest_bore shrink_fit.distance shrink_fit.least_shrinkage "
     "shrink_fit.most_shrinkage shrink_fit.journal_bore "
-    "axial_split.both axial_split.radial axial_split.tangential dimensions.value rotating.position",
+    "meshings.size axial_split.both axial_split.radial axial_split.tangential dimensions.value "
+    "rotating.position",
     "m/s^2": "accelerations.differences.largest accelerations.differences.least differences.mean_largest "
     "pistons.amplitude pistons.largest pistons.left",
     "N": "axial_force.running.amplitude axial_force.running_whole.amplitude axial_forces.alone "
@@ -102,7 +106,7 @@ _PLACES = {
     "responses.first responses.second",
     ".units": "nominal.*",
     ".value_units": "excluded.values failures.values table.values",
-    ".stress_unit": "fillets.nominal",
+    ".stress_unit": "fillets.nominal oil_holes.nominal",
     ".coefficient_units": "coefficients.* standard_errors.*",
     ".coded_unit": "coded.coefficient coded.standard_error",
 }

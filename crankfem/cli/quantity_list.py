@@ -11,8 +11,6 @@ UNIT = re.compile(r"[a-zA-Z][^,\s]*(\s+[a-zA-Z][^,\s]*)*\s*$")
 def parse_quantities(text: str, unit: str, field: str) -> list[float]:
     """Convert quantities between commas to SI numbers; a unit at the end holds for bare numbers too.
 
-    A bare 0 needs no unit.
-
     Parameters
     ----------
     text : str
@@ -30,14 +28,11 @@ def parse_quantities(text: str, unit: str, field: str) -> list[float]:
     --------
     >>> parse_quantities("0, -100, 0.5 kN", "N", "--pin-force")
     [0.0, -100000.0, 500.0]
-    >>> parse_quantities("0, -100 kN, 0", "N", "--pin-force")
-    [0.0, -100000.0, 0.0]
     """
     parts = [part.strip() for part in text.split(",")]
     last = UNIT.search(parts[-1])
-    ending = None if last is None else last.group()
     words = [
-        f"{part} {ending or unit}" if _is_number(part) and (ending or not float(part)) else part
+        f"{part} {last.group()}" if last is not None and _is_number(part) else part
         for part in parts
     ]
     return [parse_quantity(word, unit, field) for word in words]
@@ -46,13 +41,23 @@ def parse_quantities(text: str, unit: str, field: str) -> list[float]:
 def parse_pin_force(text: str) -> list[float]:
     """Return the force on a pin in the throw frame, x, y, z [N]; one number is Z towards the shaft.
 
+    A bare 0 needs no unit.
+
     Raises
     ------
     InputError
+
+    Examples
+    --------
+    >>> parse_pin_force("0, -100 kN, 0"), parse_pin_force("100 kN")
+    ([0.0, -100000.0, 0.0], [0.0, -100000.0, 0.0])
     """
     from fem.end_reactions import LARGEST_LOAD
 
-    found = parse_quantities(text, "N", "--pin-force")
+    parts = text.split(",")
+    if any(UNIT.search(part) for part in parts):
+        parts = [f"{part} N" if part.strip() == "0" else part for part in parts]
+    found = parse_quantities(",".join(parts), "N", "--pin-force")
     if len(found) not in (1, 3) or not max(map(abs, found)) <= LARGEST_LOAD:
         raise InputError(
             f'--pin-force: given {text!r}; allowed is one radial force, like "100 kN", or x, y, z, like '

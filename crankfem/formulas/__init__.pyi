@@ -8,6 +8,8 @@ from crankfem.analyses.throw.formula_diagrams import plot_run_formulas as plot_r
 from regression.formulas.axial_formulas import axial_formula as axial_formula
 from regression.formulas.formula_value import FormulaValue as FormulaValue
 from regression.formulas.formula_value import formulas_to_pandas as formulas_to_pandas
+from regression.law.hand_formula import hand_formula as hand_formula
+from regression.law.superelement import law_reactions as law_reactions
 from regression.law.throw_law import AxialLaw as AxialLaw
 from regression.law.throw_law import TorsionalLaw as TorsionalLaw
 from regression.law.throw_law import axial_laws as axial_laws

@@ -189,13 +189,24 @@ def _compute(
         told.step("Judging the crankshaft's strength")
         known = {name: own.stresses for name, own in throws.items() if own.stresses is not None}
         strength = engine_strength(vibration, mechanism=inputs.mechanism, stresses=known)
-        for text in strength.unsafe:
-            told.note(f"Stress concentration: {text}.")
+        if strength.warning:
+            told.note(strength.warning)
         told.step("Following the stresses over the cycle")
         fatigue, fatigue_note = fatigue_or_reason(vibration, strength, known, inputs.mechanism)
     harmonics = None if inputs.torque is None else inputs.torque.harmonics()
     told.stop()
-    return RunComputation(inputs, throws, mechanism, study, vibration, harmonics, model, strength, fatigue, fatigue_note)
+    return RunComputation(
+        inputs,
+        throws,
+        mechanism,
+        study,
+        vibration,
+        harmonics,
+        model,
+        strength,
+        fatigue,
+        fatigue_note,
+    )
 
 
 def _with_stresses(

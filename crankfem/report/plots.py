@@ -85,7 +85,8 @@ THROW: tuple[Plot[None], ...] = (
     Plot(
         "stress_radial",
         "Equivalent stress of the crank throw under a radial force on the pin",
-        "Under a radial force on the pin; the ring marks the largest stress at a fillet.",
+        "Under a radial force on the pin; a ring marks the largest stress at a fillet, a square that at an "
+        "oil hole.",
     ),
     Plot(
         "stress_torsion", "Equivalent stress of the crank throw under a torque", "Under a torque."

@@ -1,5 +1,9 @@
 """Public names of this topic and their homes."""
 
+from crankfem.analyses.strength.cycle_fatigue import EngineFatigue as EngineFatigue
+from crankfem.analyses.strength.cycle_fatigue import FatiguePlace as FatiguePlace
+from crankfem.analyses.strength.cycle_fatigue import engine_fatigue as engine_fatigue
+from crankfem.analyses.strength.element_factors import engine_stresses as engine_stresses
 from crankfem.analyses.strength.engine_strength import EngineStrength as EngineStrength
 from crankfem.analyses.strength.engine_strength import ThrowStrength as ThrowStrength
 from crankfem.analyses.strength.engine_strength import engine_strength as engine_strength
@@ -8,11 +12,16 @@ from crankfem.analyses.strength.supported_throws import supported_throws as supp
 from dynamics.strength.concentration import ConcentrationFactors as ConcentrationFactors
 from dynamics.strength.concentration import coefficient_differences as coefficient_differences
 from dynamics.strength.crank_web import CrankWeb as CrankWeb
+from dynamics.strength.element_factors import ElementFactors as ElementFactors
 from dynamics.strength.fatigue import PlaceStrength as PlaceStrength
 from dynamics.strength.fatigue import added_bending as added_bending
 from dynamics.strength.fatigue import fatigue_strength as fatigue_strength
 from dynamics.strength.fatigue import fillet_equivalent as fillet_equivalent
 from dynamics.strength.fatigue import hole_equivalent as hole_equivalent
+from dynamics.strength.findley import CriticalPlane as CriticalPlane
+from dynamics.strength.findley import critical_plane as critical_plane
+from dynamics.strength.findley import findley_factor as findley_factor
+from dynamics.strength.findley import findley_limit as findley_limit
 from dynamics.strength.nominal import SupportedThrow as SupportedThrow
 from dynamics.strength.nominal import alternating as alternating
 from dynamics.strength.nominal import hole_stress as hole_stress

@@ -8,4 +8,5 @@ from regression.models.lookup import Lookups as Lookups
 from regression.models.optimum import Optimum as Optimum
 from regression.models.optimum_limits import Limit as Limit
 from regression.models.optimum_search import find_optimum as find_optimum
+from regression.models.reaction_lookup import ReactionLookup as ReactionLookup
 from regression.runs.study_table import StudyTable as StudyTable

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from crankbase.checks.arrays import FloatArray
+from crankbase.summaries import summarized
 from dynamics.assessment.limits import checked_rated_speed
 from dynamics.critical import CriticalSpeed
 from dynamics.running_limits import within
@@ -16,6 +17,7 @@ MAJOR_READING = "read from the 2025 edition alone; no second text confirms it"
 CLEAR = {"propeller": (0.8, 1.1), "generator": (0.9, 1.1)}
 
 
+@summarized("orders", "clear [rad/s]", "found", "passed")
 @dataclass(frozen=True)
 class MajorCriticals:
     """Critical speeds of the orders that one class calls major, and the speeds to be kept clear of them.

@@ -78,11 +78,11 @@ class ElementFactors:
 
 def unsafe_formulas(
     formulas: ConcentrationFactors | None, elements: ElementFactors | None
-) -> list[str]:
-    """Say which factors are smaller by the rule's formulas than by finite elements, a clause each."""
-    found = []
+) -> dict[str, tuple[float, float]]:
+    """Return the factors that are smaller by the rule's formulas than by finite elements: symbol to both."""
+    found: dict[str, tuple[float, float]] = {}
     if formulas is None or elements is None:
-        return []
+        return found
     for name, symbol in SYMBOLS.items():
         by_elements = getattr(elements, name)
         if by_elements is None:
@@ -92,10 +92,5 @@ def unsafe_formulas(
         except InputError:
             continue
         if by_formula < by_elements:
-            more = 100.0 * (by_elements / by_formula - 1.0)
-            found.append(
-                f"{symbol} is {by_formula:.3f} by the formula and {by_elements:.3f} by finite elements, "
-                f"{more:.2g} % more (estimated error {100.0 * elements.error:.2g} %): the formula is on the "
-                "unsafe side"
-            )
+            found[symbol] = by_formula, by_elements
     return found

@@ -187,8 +187,7 @@ def _on_planes(
     history: FloatArray, angles: FloatArray, factor: float
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Return criterion (p,), shear amplitude (p,) and normal stress (p, m) on planes."""
-    around, down = angles.T
-    normals = _normals(angles)
+    around, normals = angles[:, 0], _normals(angles)
     along = np.stack([-np.sin(around), np.cos(around), np.zeros_like(around)], axis=1)
     across = np.cross(normals, along)
 

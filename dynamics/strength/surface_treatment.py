@@ -12,6 +12,7 @@ from crankbase.checks.choices import check_choice
 from crankbase.errors import InputError
 from crankbase.summaries import summarized
 from dynamics.strength.concentration import ConcentrationFactors
+from dynamics.strength.element_factors import ElementFactors
 from dynamics.strength.fatigue import MPA
 
 Process = Literal["induction", "nitriding"]
@@ -134,12 +135,14 @@ def strength_near_end(distance: float, depth: float) -> float:
     return next((share for end, share in END_OF_HARDENING if ratio <= end), 1.0)
 
 
-def factors_below(factors: ConcentrationFactors, place: str, depth: float) -> tuple[float, float]:
+def factors_below(
+    factors: ConcentrationFactors | ElementFactors, place: str, depth: float
+) -> tuple[float, float]:
     """Return the factors on bending and torsion at a depth below the surface.
 
     Parameters
     ----------
-    factors : ConcentrationFactors
+    factors : ConcentrationFactors or ElementFactors
     place : {"pin fillet", "oil hole"}
         The journal's fillet has no formula in the text that was at hand.
     depth : float

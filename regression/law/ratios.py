@@ -44,21 +44,23 @@ REAL: Mapping[str, tuple[float, float]] = MappingProxyType(
 # What a plain throw has not, with its value there; fillets are those of `PLAIN`.
 FEATURES: Mapping[str, tuple[float, float, float]] = MappingProxyType(
     {
-        "main_journal_bore": (0.0, 0.68, 0.0),
-        "pin_bore": (0.0, 0.64, 0.0),
-        "main_journal_bore_offset": (-0.16, 0.1, 0.0),
-        "pin_bore_offset": (-0.1, 0.16, 0.0),
-        "web_pin_end": (0.72, 1.1, 1.0),
-        "web_journal_end": (0.85, 1.12, 1.0),
+        "main_journal_bore": (0.0, 0.62, 0.0),
+        "pin_bore": (0.0, 0.62, 0.0),
+        "main_journal_bore_offset": (-0.12, 0.06, 0.0),
+        "pin_bore_offset": (-0.06, 0.12, 0.0),
+        "web_pin_end": (0.75, 1.05, 1.0),
+        "web_journal_end": (0.9, 1.1, 1.0),
         "rectangle": (0.0, 1.0, 0.0),
-        "web_corner": (0.0, 0.9, 0.0),
-        "web_tip_thickness": (0.55, 1.0, 1.0),
-        "web_foot_thickness": (0.55, 1.0, 1.0),
-        "thickness_step": (0.67, 1.5, 1.0),
+        "web_corner": (0.0, 0.7, 0.0),
+        "web_tip_thickness": (0.6, 1.0, 1.0),
+        "web_foot_thickness": (0.65, 1.0, 1.0),
+        "thickness_step": (0.74, 1.35, 1.0),
     }
 )
 FILLETS = ("main_journal_fillet_radius", "pin_fillet_radius")
-LARGEST_FILLET = 0.085
+LARGEST_FILLET = 0.08
+# Walls beside bores are this share of the diameter or more.
+THINNEST_WALL = 0.15
 # Divisors that are not D, for sentences.
 DIVISORS = {
     "pin_bore": "pin_diameter",
@@ -194,6 +196,13 @@ def check_range(found: Ratios) -> None:
     InputError
         With the ratio, its value and its range.
     """
+    for bore, unit in (("main_journal_bore", 1.0), ("pin_bore", found["pin_diameter"])):
+        thinnest = np.min(0.5 * (1.0 - found[bore]) - abs(found[f"{bore}_offset"]) / unit)
+        if thinnest < THINNEST_WALL - ROUND_OFF:
+            raise InputError(
+                f"{bore}: leaves a wall of {thinnest:.3g} diameters at its thinnest; allowed for the law is "
+                f"{THINNEST_WALL:g} or more, because the throws that it was trained by have that."
+            )
     for name, (low, high) in RANGES.items():
         values = found[name]
         if type(values) is float and low - ROUND_OFF <= values <= high + ROUND_OFF:
@@ -218,34 +227,3 @@ def ratio_text(name: str) -> str:
     if name == "thickness_step":
         return "right_web.thickness / left_web.thickness"
     return f"{name} / {DIVISORS.get(name, 'main_journal_diameter')}"
-
-
-def overlap_slope(found: Ratios) -> Any:
-    """Overlap of main journal and pin over the web's thickness, as an area hyperbolic sine."""
-    overlap = 0.5 * (1.0 + found["pin_diameter"]) - found["crank_radius"]
-    return np.arcsinh(overlap / found["web_thickness"])
-
-
-def plain_inputs(found: Ratios) -> Array:
-    """What the networks of plain throws are given: (8, ...) array."""
-    lengths = [found[name] for name in (*REAL, FILLETS[0])]
-    rows = _rows([*lengths, overlap_slope(found)])
-    rows[:-1] = np.log(rows[:-1])
-    return rows
-
-
-def real_inputs(found: Ratios) -> Array:
-    """What the networks of real throws are given: (20, ...) array."""
-    lengths = [found[name] for name in REAL]
-    more = [found[name] for name in (*FILLETS, *FEATURES) if name != "thickness_step"]
-    step = 0.5 * np.log(found["thickness_step"])
-    rows = _rows([*lengths, overlap_slope(found), *more, step * step])
-    rows[: len(REAL)] = np.log(rows[: len(REAL)])
-    return rows
-
-
-def _rows(values: list[Any]) -> Array:
-    """Stack numbers, or arrays of one shape with numbers among them."""
-    if any(isinstance(value, np.ndarray) for value in values):
-        values = np.broadcast_arrays(*values)
-    return np.array(values, dtype=float)

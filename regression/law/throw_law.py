@@ -6,8 +6,8 @@ rigid discs, as in `fem.analysis.analyze_throw`; counterweights do not stiffen a
 """
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any
+from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -17,6 +17,7 @@ from crankbase.checks.scalars import is_number
 from crankbase.errors import InputError, quoted
 from crankbase.summaries import summarized
 from geometry.throw import CrankThrow
+from regression.law.inputs import plain_inputs, real_inputs
 from regression.law.networks import TIERS, networks
 from regression.law.ratios import (
     MORE_FIELDS,
@@ -24,17 +25,11 @@ from regression.law.ratios import (
     RANGES,
     check_range,
     is_plain,
-    plain_inputs,
     ratio_text,
     ratios,
-    real_inputs,
     throw_dimensions,
 )
 from regression.models.angle import between_values
-
-if TYPE_CHECKING:
-    from fem.supports import Support
-    from regression.models.reaction_lookup import ReactionLookup
 
 Array = NDArray[np.float64]
 
@@ -62,10 +57,6 @@ class AxialLaw:
         "plain" or "real": which networks answered.
     nearest_limit : str
         Of one throw: the ratio nearest to an end of the law's range, in words.
-    throw : CrankThrow or None
-        The one throw.
-    elastic : (2,) tuple of float
-        Young's modulus [Pa] and Poisson's ratio.
     """
 
     pinned: Any
@@ -76,8 +67,6 @@ class AxialLaw:
     errors: Mapping[str, Any]
     tier: Any
     nearest_limit: str = ""
-    throw: CrankThrow | None = field(default=None, repr=False)
-    elastic: tuple[float, float] = (2.1e11, POISSON_RATIO)
 
     @property
     def band(self) -> tuple[Any, Any]:
@@ -102,37 +91,6 @@ class AxialLaw:
     def influence(self, gamma_deg: ArrayLike) -> Any:
         """Influence coefficient between equal neighbors, c(gamma) [m/N]; as `axial`."""
         return between_values(gamma_deg, (self.influence_guided, self.influence_pinned, self.ratio))
-
-    def reactions(self, pin_force: ArrayLike, support: "Support" = "pinned") -> "ReactionLookup":
-        """Reactions of the supports on the one throw under a force on its pin, axial motion blocked.
-
-        Parameters
-        ----------
-        pin_force : (3,) or (..., 3) array_like
-            Across the shaft, in the throw frame [N]; the radial force Z is ``(0, -Z, 0)``.
-        support : "pinned", "guided" or Neighbors
-            The left end takes the torque; `Neighbors` with equal angles.
-
-        Returns
-        -------
-        ReactionLookup
-            In equilibrium with the force, with bands from those of the networks.
-
-        Raises
-        ------
-        InputError
-            If this is the law of many throws, or the force, the support or the throw is none that the
-            law knows reactions of.
-        """
-        from regression.law.law_reactions import USED, law_reactions
-
-        if self.throw is None:
-            raise InputError(
-                "reactions: asked of the law of many throws; allowed is that of one, axial_law(throw)."
-            )
-        answers = LawAnswers(throw_dimensions(self.throw), *self.elastic)
-        values, widths = (own.ravel() for own in answers.values(USED))
-        return law_reactions(self.throw, values, widths, pin_force, support)
 
 
 @summarized("pinned [rad/(N m)]", "guided [rad/(N m)]", "band [rad/(N m)]", "tier")
@@ -204,15 +162,15 @@ def axial_law(
     >>> print(f"{axial_law(throw).pinned:.2e} m/N")
     1.29e-09 m/N
     """
-    found = LawAnswers(throw_dimensions(throw), youngs_modulus, poisson_ratio, nearest=True)
-    return AxialLaw(**found.results(AXIAL), throw=throw, elastic=(youngs_modulus, poisson_ratio))
+    found = LawAnswers.of_throw(throw, youngs_modulus, poisson_ratio)
+    return AxialLaw(**found.results(AXIAL))
 
 
 def torsional_law(
     throw: CrankThrow, *, youngs_modulus: float = 2.1e11, poisson_ratio: float = POISSON_RATIO
 ) -> TorsionalLaw:
     """Torsional compliance of a throw by the law; parameters and errors as `axial_law`."""
-    found = LawAnswers(throw_dimensions(throw), youngs_modulus, poisson_ratio, nearest=True)
+    found = LawAnswers.of_throw(throw, youngs_modulus, poisson_ratio)
     return TorsionalLaw(**found.results(TORSIONAL))
 
 
@@ -298,17 +256,22 @@ class LawAnswers:
         dimensions: Mapping[str, Any],
         youngs_modulus: float,
         poisson_ratio: float,
-        nearest: bool = False,
     ) -> None:
         check_material(youngs_modulus, poisson_ratio)
         self.ratios = ratios(dimensions)
         check_range(self.ratios)
-        self.nearest = _nearest(self.ratios) if nearest else ""
         self.modulus, self.beside = youngs_modulus, poisson_ratio - POISSON_RATIO
         self.diameter = dimensions["main_journal_diameter"]
         self.plain = is_plain(self.ratios)
         shapes = {value.shape for value in self.ratios.values() if isinstance(value, np.ndarray)}
         self.shape = np.broadcast_shapes(*shapes)
+
+    @classmethod
+    def of_throw(
+        cls, throw: CrankThrow, youngs_modulus: float, poisson_ratio: float
+    ) -> "LawAnswers":
+        """Answers of one throw; errors as of `axial_law`."""
+        return cls(throw_dimensions(throw), youngs_modulus, poisson_ratio)
 
     def values(self, names: tuple[str, ...]) -> tuple[Array, Array]:
         """Dimensionless answers (k, ...) by the names of `OUTPUTS`, and relative half widths."""
@@ -351,7 +314,8 @@ class LawAnswers:
             found[name] = answer / (self.modulus * self.diameter**power) if power else answer
         tier = np.where(self.plain, *TIERS) if self.shape else TIERS[not self.plain]
         errors = dict(zip(kinds, widths, strict=True))
-        return found | {"errors": errors, "tier": tier, "nearest_limit": self.nearest}
+        nearest = "" if self.shape else _nearest(self.ratios)
+        return found | {"errors": errors, "tier": tier, "nearest_limit": nearest}
 
 
 def check_material(youngs_modulus: float, poisson_ratio: float) -> None:

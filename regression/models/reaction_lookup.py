@@ -102,7 +102,8 @@ def look_reactions_up(
     if missing:
         raise InputError(
             f"support: given {support_words(kind, gamma)}, but the model has no {missing[0]}; reactions "
-            f"there need {', '.join(NEEDED[kind])}: run and fit its study again, for this release computes them."
+            f"there need {', '.join(NEEDED[kind])}: run and fit its study again, for this release has "
+            "studies keep them."
         )
     found = {name: lookups(name, strict=strict, **dimensions) for name in NEEDED[kind]}
     inside = np.logical_and.reduce([one.inside for one in found.values()])

@@ -43,6 +43,7 @@ from regression.runs.study_table import study_table
 DEPICTED_ELSEWHERE = {
     "ChainFile": "an input; its chain has plots",
     "ChainText": "an input; its chain has plots",
+    "AxialLaw": "a few numbers; docs/law.md draws what they rest on",
     "Counterweight": "a part of a throw, which draws it",
     "EndReaction": "a part of Reactions",
     "EngineFile": "an input; its throw and its runs have plots",
@@ -72,7 +73,9 @@ DEPICTED_ELSEWHERE = {
     "RunResult": "its diagrams are the files of its folder; plot_run_formulas takes its results",
     "ShaftEnds": "a part of a crankshaft, which draws it",
     "SolveError": "an error",
+    "TorsionalLaw": "a few numbers, as an AxialLaw",
     "ThrowStrength": "a part of EngineStrength",
+    "FatiguePlace": "a part of EngineFatigue",
     "Unbalance": "two vectors",
     "Web": "a part of a throw, which draws it",
 }

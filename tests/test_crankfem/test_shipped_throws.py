@@ -152,7 +152,7 @@ def test_the_features_are_where_the_engines_have_them():
     eccentric = {n for n, t in throws.items() if t.pin_bore_offset}
     assert eccentric == {"8chn26-26", "8chn14-14", "8chn13-14"}
     flat = {n for n, t in throws.items() if t.web_outline == "rectangle"}
-    assert flat == {"6chn18-22", "12dn23-30"}
+    assert flat == {"6chn18-22", "6chn18-22-set", "12dn23-30"}
     assert throws["6chn18-22"].web_corner_chamfer > 0.0
     assert throws["12dn23-30"].web_corner_radius > 0.0
     weighted = {n for n, t in throws.items() if any(w.sector for w in t.parts.webs)}

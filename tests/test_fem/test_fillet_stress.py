@@ -30,8 +30,10 @@ from fem.principal import (
     principal_stresses,
     von_mises,
 )
+from fem.rule_mesh import reading_quality
 from fem.surface_stress import smallest_rotations, surface_stress, tangent_frames
-from fem.unit_loads import solve_unit_loads, unit_loads, whole_facets, whole_nodes
+from fem.symmetry import SymmetryClass
+from fem.unit_loads import LoadedThrow, solve_unit_loads, unit_loads, whole_facets, whole_nodes
 from geometry.facets import six_node_triangles
 from geometry.mesh import mesh_throw
 from geometry.sizes import SizeMap
@@ -459,6 +461,7 @@ def test_stress_depends_on_poissons_ratio_alone(mesh, loads, loaded):
         ({"fillet_radius": 0.0}, {}, "fillet_radius: given 0 at all .*; allowed is .* no bound"),
         ({}, {"accuracy": 0.001}, "accuracy: given 0.001; allowed is a number from 0.02 to 0.2"),
         ({}, {"material": "steel"}, "material: given 'steel'; allowed is a Material"),
+        ({}, {"mesh": "fine"}, "mesh: given 'fine'; allowed are adaptive, m53, because"),
         ({}, {"end_sections": "soft"}, "end_sections: given 'soft'; allowed are"),
     ],
 )
@@ -468,7 +471,9 @@ def test_refusals(dimensions, changes, arguments, sentence):
 
 
 def test_refuses_what_is_no_throw_of_dimensions():
-    with pytest.raises(InputError, match="throw: given a str; allowed is a CrankThrow, because"):
+    with pytest.raises(
+        InputError, match="throw: given a str; allowed is a CrankThrow, or an ImportedThrow"
+    ):
         fillet_stresses("throw")
 
 
@@ -496,3 +501,64 @@ def test_estimates_hold_against_a_finer_mesh(dimensions):
         room = one.error_estimate + other.error_estimate
         assert one.von_mises == close(other.von_mises, rel=room)
         assert one.principal == close(other.principal, rel=room)
+
+
+# --------------------------------------------------------------------------------- meshes of UR M53
+
+
+@pytest.fixture(scope="module")
+def by_rule(dimensions):
+    """Large fillets, which take few elements."""
+    throw = CrankThrow(**dimensions | {"fillet_radius": 0.02})
+    return fillet_stresses(throw, accuracy=0.1, mesh="m53", mesher=mesh_throw)
+
+
+@pytest.mark.further
+def test_mesh_of_the_rule_is_as_fine_as_it_asks(by_rule):
+    left, pin = by_rule.meshings
+    assert (left.fillet, pin.fillet) == ("left main journal", "pin, left web")
+    for meshing in (left, pin):
+        assert meshing.met
+        assert meshing.size_share <= 0.25
+        assert meshing.size == close(0.02 * meshing.size_share)
+        assert all(own <= most for own, most in zip(meshing.layers, (1.0, 2.0, 3.0), strict=True))
+        assert meshing.across_web >= 6.0
+    assert by_rule.rule_met
+    for peak in by_rule.peaks:
+        if peak.load.kind in ("torsion", "bending", "radial"):
+            assert peak.quality.normal_share < 0.03
+            assert peak.quality.spread <= 0.05
+
+
+@pytest.mark.further
+def test_mesh_of_the_rule_changes_the_stresses_within_their_estimates(by_rule):
+    usual = fillet_stresses(by_rule.throw, mesher=mesh_throw)
+    assert not all(meshing.met for meshing in usual.meshings)
+    for one, other in zip(usual.peaks, by_rule.peaks, strict=True):
+        room = one.error_estimate + other.error_estimate
+        assert one.von_mises == close(other.von_mises, rel=room)
+        assert one.shear == close(other.shear, rel=room)
+
+
+def test_criteria_of_the_rule_by_hand(full_mesh, loads):
+    """Stretched along z without contraction, a body has nu / (1 - nu) of the stress across; no spread."""
+    z = full_mesh.points[:, 2]
+    node = int(full_mesh.elements[np.abs(z[full_mesh.elements[:, 0]] - 0.2).argmin(), 0])
+    found = []
+    for stretch in (z, np.abs(z - z[node])):
+        field = np.zeros((*full_mesh.points.shape, 1))
+        field[:, 2, 0] = stretch
+        shares = ((SymmetryClass(0, 0), field),)
+        loaded = LoadedThrow(full_mesh, STEEL, loads[:1], shares, "", "rigid")
+        found.append(reading_quality(loaded, node, 0, shear=False))
+    even, kinked = found
+    assert even.spread == close(0.0, abs=1e-9)
+    assert even.normal_share == close(0.3 / 0.7)
+    assert not even.met
+    assert kinked.spread > 0.5
+
+
+def test_a_rule_mesh_beyond_the_budget_is_refused(monkeypatch, dimensions):
+    monkeypatch.setattr(fillet_stress, "MOST_RULE_UNKNOWNS", 30_000)
+    with pytest.raises(InputError, match='mesh: given "m53", whose elements would make about'):
+        fillet_stresses(CrankThrow(**dimensions), mesh="m53", mesher=mesh_throw)

@@ -8,7 +8,8 @@ more with numpy alone:
 - balance: masses at their centers, at the angle and the place of each crank, and moments about the middle;
 - chains: rods as two masses at their pins and half of what moves with the piston at each crank; compliances
   from both stiffnesses turned to the crank angles and put in a row, with sections on springs across the shaft
-  and free to tilt; half of a throw's compliance on either side of its crank;
+  and free to tilt, throws sharing what sections do beside; half of a throw's compliance on either side of its
+  crank;
 - the whole crankshaft: where its sections stand, and its mass by the throws' mass matrices.
 
 Tolerances: both sides are the same linear algebra on systems of 24 unknowns, whose condition number (1e7 in
@@ -40,6 +41,8 @@ BEARING = 1e10 * 0.078
 LENGTHS = {"heavy": 0.036 + 0.038 + 0.050, "plain": 0.034 + 0.036 + 0.050}
 STARTS = np.cumsum([0.0, *(LENGTHS[name] for name in NAMES)])
 EXACT, SOLVED = 1e-12, 1e-9
+# Motions of a section beside its mean ones.
+BESIDE = 12
 
 
 @pytest.fixture(scope="module")
@@ -123,19 +126,23 @@ def test_balance_of_the_mechanism(engine, solids, figure):
 
 def in_a_row(analyses):
     """Lengthening and twist of each throw under an axial force and a torque through all of them."""
-    size = 6 * (len(NAMES) + 1)
+    sections = len(NAMES) + 1
+    size = (6 + BESIDE) * sections
     stiffness = np.zeros((size, size))
     for place, (name, angle) in enumerate(zip(NAMES, ANGLES, strict=True)):
-        whole = np.kron(np.eye(4), turn(angle))
-        part = slice(6 * place, 6 * place + 12)
-        stiffness[part, part] += whole @ analyses[name].stiffness @ whole.T
+        own = analyses[name].superelement.joined.turned(angle_deg=math.degrees(angle)).stiffness
+        # Six mean motions of each section first, then what the sections do beside them.
+        beyond = 6 * sections + BESIDE * place
+        part = np.r_[6 * place : 6 * place + 12, beyond : beyond + 2 * BESIDE]
+        stiffness[np.ix_(part, part)] += own
     across = [6 * section + axis for section in range(len(NAMES) + 1) for axis in (0, 1)]
     stiffness[across, across] += BEARING
     free = np.setdiff1d(np.arange(size), [2, 5])
     motions = np.zeros((size, 2))
     loads = np.zeros((size, 2))
-    loads[[size - 4, size - 1], [0, 1]] = 1.0
+    loads[[6 * sections - 4, 6 * sections - 1], [0, 1]] = 1.0
     motions[free] = np.linalg.solve(stiffness[np.ix_(free, free)], loads[free])
+    motions = motions[: 6 * sections]
     return np.diff(motions[2::6, 0]), np.diff(motions[5::6, 1])
 
 

@@ -27,9 +27,9 @@ which a test can afford, 2.5 % above them (0.5 % of torsion). `benchmarks/whole_
 table again.
 
 Tolerances: 3 % of any of the first five elastic frequencies and 2 % of the first torsional one are what
-is promised, against the finest meshes. Measured: 0.2 to 1.4 %, torsion 0.3 %; in bearings 0.1 %.
-Superelements of 0.3 % accuracy in compliance instead of 1 % leave 0.1 to 0.9 %, torsion 0.2 %: that is
-what the rigid end sections in the middles of the main journals stiffen, most in bending across the
+is promised, against the finest meshes. Measured: 0.1 to 0.5 % below them, torsion 0.1 %; in bearings 0.4 %:
+about what the finest meshes are still high, for superelements are corrected for discretization. Rigid
+sections in the middles of the main journals would stiffen by up to 0.9 %, most in bending across the
 planes of the cranks.
 """
 

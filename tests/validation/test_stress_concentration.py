@@ -7,11 +7,13 @@ Sources and tolerances:
   exact for a hyperboloid that goes on for ever: 1.5 %, of which the mesh, with six elements across a
   quarter circle of the root's radius, takes 1 %, and the end at 2.5 neck radii 0.5 %.
 - Peterson's polynomials for a stepped round bar with shoulder fillet in bending and torsion (Pilkey,
-  charts 3.10 and 3.12; the coefficients also in W. C. Young, Roark's Formulas, table 17.1): 4 %, for
+  charts 3.10 and 3.12; the coefficients also in W. C. Young, Roark's Formulas, table 17.1): 3 %, for
   they are fitted to photoelastic measurements and drawn curves.
 - In tension Peterson's curve is known to be some 10 % low; the equation of S. M. Tipton, J. R. Sorem and
   R. D. Rolovic (J. Mech. Des. 118, 321-327, 1996), fitted to finite elements: 3 %, what they and the
   mesh leave together.
+- Eighteen elements across the shoulder fillet in place of nine, which is what UR M53 asks for, change its
+  factors by less than 2 %.
 - Equilibrium: stresses over a section of a throw have the applied loads as resultant: 1.2 %, which is what
   elements of 12 mm on a section of 180 mm leave (20 mm leave 2.5 %).
 - Stresses of beams, far from fillets and ends: 1.5 %, half of it what reaches there from the end.
@@ -134,7 +136,7 @@ def test_hyperbolic_notch(ratio, figure):
         figure(f"hyperbolic notch: {load}", own, wanted, 0.015, unit)
 
 
-def stepped_bar(small, large, radius):
+def stepped_bar(small, large, radius, fineness=9.0):
     """Half of a bar of two diameters with a shoulder fillet."""
     shoulder, length = 2.0 * small, 2.0 * small + large
 
@@ -154,7 +156,7 @@ def stepped_bar(small, large, radius):
         curves.insert(2, occ.addCircleArc(points[2], center, points[3]))
         return curves
 
-    fine = 0.5 * math.pi * radius / 6.0
+    fine = 0.5 * math.pi * radius / fineness
     middle = (0.5 * small + 0.3 * radius, shoulder - 0.3 * radius)
     off = f"Sqrt((Sqrt(x*x+y*y)-{middle[0]})^2+(z-{middle[1]})^2)"
     size = f"Min({0.3 * small},{fine}+0.5*Max(0,{off}-{0.8 * radius}))"
@@ -208,10 +210,19 @@ def test_shoulder_fillet(shoulder, figure):
     area, modulus = math.pi * sizes[0] ** 2 / 4.0, math.pi * sizes[0] ** 3 / 32.0
     tension, torsion = found[AXIAL] * area, found[TORSION] * 2.0 * modulus
     figure("shoulder fillet: factor in tension", tension, tipton_tension(*sizes), 0.03)
-    figure("shoulder fillet: factor in torsion", torsion, peterson("torsion", *sizes), 0.04)
+    figure("shoulder fillet: factor in torsion", torsion, peterson("torsion", *sizes), 0.03)
     for plane in (BENDING, CROSS_BENDING):
         bending = found[plane] * modulus
-        figure("shoulder fillet: factor in bending", bending, peterson("bending", *sizes), 0.04)
+        figure("shoulder fillet: factor in bending", bending, peterson("bending", *sizes), 0.03)
+
+
+@pytest.mark.further
+def test_twice_as_many_elements_change_the_shoulder_little(shoulder, figure):
+    _, sizes, found = shoulder
+    finer = largest_at_notch(stepped_bar(*sizes, fineness=18.0))
+    figure(
+        "shoulder fillet: stresses on a mesh twice as fine", found, finer, 0.02, "Pa/N, Pa/(N m)"
+    )
 
 
 @pytest.mark.slow

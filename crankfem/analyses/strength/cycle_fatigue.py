@@ -11,14 +11,14 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from crankbase.checks.arrays import FloatArray
 from crankbase.errors import InputError, MeshError
 from crankbase.library_types import DataFrame
 from crankbase.summaries import summarized
 from crankbase.tables.frames import Row, table_of
 from crankbase.units.units import RPM
-from crankfem.analyses.strength.cycle_loads import CycleLoads, cycle_loads
+from crankfem.analyses.strength.cycle_loads import cycle_loads
 from crankfem.analyses.strength.engine_strength import EngineStrength, engine_strength
+from crankfem.analyses.strength.fatigue_search import Candidate, find_candidates, worst_point
 from crankfem.analyses.strength.shaft_loads import judged_speeds
 from crankfem.analyses.vibration.firing_check import Cylinders, named
 from crankfem.analyses.vibration.run import EngineVibration
@@ -27,8 +27,6 @@ from crankfem.files.sections.strength_section import StrengthSection
 from dynamics.strength.fatigue import MANUFACTURE, fatigue_strength
 from dynamics.strength.findley import (
     FINDLEY_SOURCE,
-    critical_plane,
-    findley_bound,
     findley_factor,
     findley_limit,
 )
@@ -37,12 +35,6 @@ from fem.fillet_stress import fillet_stresses
 from fem.solver import SolveError
 from fem.stress_fields import StressedSite, StressFields, stress_fields
 
-# Speeds at which nodes are chosen first, and how many are followed over all speeds.
-FIRST_SPEEDS, FOLLOWED = 5, 16
-# Every so many samples of the cycle are enough to choose nodes, and speeds.
-SPARSER, SPARSE = 6, 3
-# Highest speeds of each case that are looked at closely, and nodes that are there.
-CLOSELY, NODES = 2, 8
 # Wished accuracy of the finite elements, where there are none yet.
 ACCURACY = 0.1
 
@@ -141,14 +133,19 @@ class EngineFatigue:
     def sentence(self) -> str:
         """The least safety factor, where and when, beside the rule's factor."""
         least = self.places[0]
-        firing = f"while {named(least.cylinders)} misfires" if least.cylinders else "firing normally"
+        firing = (
+            f"while {named(least.cylinders)} misfires" if least.cylinders else "firing normally"
+        )
         said = (
             "Fatigue over the cycle, by finite elements and Findley's criterion: the least safety factor is "
-            f"{least.safety:.2f} at the {least.name} of throw {least.throw}, at {RPM * least.speed:.4g} 1/min, "
-            f"shaft angle {least.shaft_angle_deg:.0f}°, {firing}"
+            f"{least.safety:.2f} at the {least.name} of throw {least.throw}, at "
+            f"{RPM * least.speed:.4g} 1/min, shaft angle {least.shaft_angle_deg:.0f}°, {firing}"
         )
+        broken = sum(one.safety < 1.0 for one in self.places)
+        if broken:
+            said += f"; {broken} of {len(self.places)} places are below 1"
         if least.rule_factor is None:
-            return f"{said}; UR M53 has no factor there."
+            return f"{said}; UR M53 does not judge that place."
         return f"{said}; UR M53 has Q = {least.rule_factor:.2f} for that place."
 
     def to_pandas(self) -> DataFrame:
@@ -194,7 +191,8 @@ def engine_fatigue(
     Raises
     ------
     InputError
-        If the engine has no section [strength], or a throw neither fillets nor oil holes.
+        If the engine has no section [strength], a throw neither fillets nor oil holes, or vibration is
+        unbounded.
     MeshError, SolveError
         If a throw cannot be meshed or solved.
 
@@ -216,24 +214,22 @@ def engine_fatigue(
     fields = throw_fields(vibration, stresses)
     cases = dict.fromkeys([(), *(own.torque.cylinders for own in rule.throws)])
     factor = findley_factor()
-    candidates: dict[tuple[int, int], list[_Candidate]] = {}
+    candidates: dict[tuple[int, int], list[Candidate]] = {}
     for loads in cycle_loads(vibration, known, speeds, cases):
         for throw, name in enumerate(file.throw_names):
             amplitudes = fields[name].amplitudes(loads.ends[throw], loads.pins[throw])
             for number, site in enumerate(fields[name].sites):
                 if site.kind == "journal fillet" and section.shrink_fit is not None:
                     continue
-                found = _candidates(site, loads, amplitudes, factor)
+                found = find_candidates(site, loads, throw, amplitudes, factor)
                 candidates.setdefault((throw, number), []).extend(found)
     places = []
     for (throw, number), each in candidates.items():
         site = fields[file.throw_names[throw]].sites[number]
         factors = [one.acceptability for one in rule.throws[throw].places if one.place == site.kind]
-        places.append(_worst(throw + 1, site, each, factor, section, factors))
+        places.append(_place(throw + 1, site, each, factor, section, factors))
     remarks = _remarks(vibration, section, fields, tuple(cases))
-    return EngineFatigue(
-        tuple(sorted(places, key=lambda one: one.safety)), factor, tuple(remarks)
-    )
+    return EngineFatigue(tuple(sorted(places, key=lambda one: one.safety)), factor, tuple(remarks))
 
 
 def fatigue_or_reason(
@@ -251,9 +247,7 @@ def fatigue_or_reason(
         Why there is none.
     """
     try:
-        found = engine_fatigue(
-            vibration, stresses=stresses, strength=strength, mechanism=mechanism
-        )
+        found = engine_fatigue(vibration, stresses=stresses, strength=strength, mechanism=mechanism)
     except (InputError, MeshError, SolveError) as error:
         return None, str(error)
     return found, None
@@ -273,76 +267,16 @@ def throw_fields(
     return {name: found[file.named_throws[name]] for name in file.throw_names}
 
 
-@dataclass(frozen=True)
-class _Candidate:
-    """A speed and case of firing of a site that may decide: what no point of it exceeds, and its loads."""
-
-    bound: float
-    speed: float
-    cylinders: Cylinders
-    angles: FloatArray
-    amplitudes: FloatArray  # (m, 12)
-
-
-def _history(site: StressedSite, nodes: FloatArray, amplitudes: FloatArray) -> FloatArray:
-    """Stresses (nodes, ..., m, 3) of amplitudes (..., m, 12)."""
-    stress = site.stress[nodes]
-    flat = amplitudes.reshape(-1, amplitudes.shape[-1]) @ np.moveaxis(stress, 1, 0).reshape(
-        amplitudes.shape[-1], -1
-    )
-    return np.moveaxis(flat.reshape(*amplitudes.shape[:-1], len(stress), 3), -2, 0)
-
-
-def _candidates(
-    site: StressedSite, loads: CycleLoads, amplitudes: FloatArray, factor: float
-) -> Iterator[_Candidate]:
-    """Return the speeds at which the bound of a site is highest among its neighbors."""
-    count = len(loads.speeds)
-    first = np.unique(np.linspace(0, count - 1, FIRST_SPEEDS).astype(int))
-    twisting = np.ptp(loads.ends[..., 11], axis=2).max(axis=0).argmax()
-    every = np.arange(len(site.points))
-    reached = np.zeros(len(every))
-    for speed in [*first, twisting]:
-        history = _history(site, every, amplitudes[speed, ::SPARSER])
-        reached = np.maximum(reached, findley_bound(history, factor))
-    nodes = np.argsort(reached)[-FOLLOWED:]
-    history = _history(site, nodes, amplitudes[:, ::SPARSE])
-    bounds = findley_bound(history, factor).max(axis=0)
-    padded = np.concatenate(([-np.inf], bounds, [-np.inf]))
-    tops = np.flatnonzero((bounds >= padded[:-2]) & (bounds >= padded[2:]))
-    for top in tops[np.argsort(bounds[tops])[::-1][:CLOSELY]]:
-        speed = float(loads.speeds[top])
-        yield _Candidate(
-            float(bounds[top]), speed, loads.cylinders, loads.angles, amplitudes[top].copy()
-        )
-
-
-def _worst(
+def _place(
     throw: int,
     site: StressedSite,
-    candidates: Sequence[_Candidate],
+    each: Sequence[Candidate],
     factor: float,
     section: StrengthSection,
     rule_factors: Sequence[float],
 ) -> FatiguePlace:
     """Find the point, speed and case with the largest value of the criterion."""
-    best, where = None, (0, candidates[0])
-    for one in sorted(candidates, key=lambda own: -own.bound):
-        if best is not None and one.bound <= best.value:
-            break
-        history = _history(site, np.arange(len(site.points)), one.amplitudes)
-        bounds = findley_bound(history, factor)
-        left = bounds.copy()
-        for _ in range(NODES):
-            node = int(np.argmax(left))
-            if best is not None and left[node] <= best.value:
-                break
-            found = critical_plane(history[node], factor)
-            if best is None or found.value > best.value:
-                best, where = found, (node, one)
-            left[node] = 0.0
-    assert best is not None
-    node, one = where
+    best, node, one = worst_point(site, each, factor)
     hard = section.hardening
     if hard is not None and site.kind in hard.places:
         strength = hard.treatment().surface_strength

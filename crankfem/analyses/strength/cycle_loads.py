@@ -12,6 +12,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from crankbase.checks.arrays import FloatArray
+from crankbase.errors import InputError
+from crankbase.units.units import RPM
 from crankfem.analyses.shaft.bearings import bearing_stiffness
 from crankfem.analyses.shaft.throw_analyses import crank_analyses
 from crankfem.analyses.strength.shaft_loads import superposition
@@ -142,9 +144,14 @@ def cycle_loads(
     mechanism : MechanismFile
         Of the same engine.
     speeds : (S,) array
-        At which nothing is unbounded [rad/s].
+        [rad/s]
     cases : iterable of tuples of int
         Cylinders that misfire; none in normal firing.
+
+    Raises
+    ------
+    InputError
+        If vibration is unbounded at one of them.
     """
     added, shaft = superposition(vibration, mechanism), shaft_under_forces(vibration)
     for case, series in added.at(speeds, cases):
@@ -173,6 +180,14 @@ def _case(
     file, sense = vibration.engine_file, vibration.engine_file.engine.turning_sense
     torsional = series["torsional"]
     speeds = torsional.speeds
+    for kind, vibrating in series.items():
+        endless = np.any(vibrating.unbounded, axis=0)
+        if np.any(endless):
+            raise InputError(
+                f"damping: given none for {kind} vibration that is unbounded at "
+                f"{RPM * speeds[np.argmax(endless)]:.4g} 1/min; allowed is some, because stresses over the "
+                "cycle need a steady vibration."
+            )
     forces = added.forces(speeds, case)
     _, common = common_order(torsional.orders)
     period = max(2.0 * np.pi / common, np.pi * file.engine.strokes)

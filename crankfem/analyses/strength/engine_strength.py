@@ -112,8 +112,8 @@ class EngineStrength:
         least, wrong = self.places[0], sum(not place.passed for place in self.places)
         how = ", factors by finite elements" if self.by_elements else ""
         said = (
-            f"Crankshaft strength by UR M53{how}: the least acceptability factor is {shown_factor(least)} at the "
-            f"{least.place} of throw {least.throw}, {REQUIRED:g} is required"
+            f"Crankshaft strength by UR M53{how}: the least acceptability factor is {shown_factor(least)} "
+            f"at the {least.place} of throw {least.throw}, {REQUIRED:g} is required"
         )
         said += f"; {wrong} of {len(self.places)} places fall short." if wrong else "."
         fits = [own for own in self.throws if own.fit is not None and not own.fit.passed]
@@ -148,13 +148,35 @@ class EngineStrength:
         for own in self.throws:
             webs: dict[str, list[str]] = {}
             for name, elements in own.elements.items():
-                for text in unsafe_formulas(own.factors.get(name), elements):
+                smaller = unsafe_formulas(own.factors.get(name), elements)
+                for symbol, (formula, other) in smaller.items():
+                    text = (
+                        f"{symbol} is {formula:.3f} by the formula and {other:.3f} by finite elements, "
+                        f"{_more(formula, other)} more (estimated error {100.0 * elements.error:.2g} %): the "
+                        "formula is on the unsafe side"
+                    )
                     webs.setdefault(text, []).append(name)
             said += [
                 (own.number, f", {'both webs' if len(names) > 1 else names[0]}: {text}")
                 for text, names in webs.items()
             ]
         return _of_throws(said)
+
+    @property
+    def warning(self) -> str:
+        """Which formulas give smaller factors than finite elements, with the largest difference; or ""."""
+        most: dict[str, tuple[float, float]] = {}
+        for own in self.throws:
+            for name, elements in own.elements.items():
+                for symbol, both in unsafe_formulas(own.factors.get(name), elements).items():
+                    most[symbol] = max(
+                        most.get(symbol, both), both, key=lambda two: two[1] / two[0]
+                    )
+        named = ", ".join(f"{symbol} (up to {_more(*both)})" for symbol, both in most.items())
+        return named and (
+            "By finite elements factors of stress concentration are larger than by the formulas of UR M53: "
+            f"{named}. There the formulas are on the unsafe side."
+        )
 
 
 def engine_strength(
@@ -234,6 +256,10 @@ def _of_throws(said: Iterable[tuple[int, str]]) -> tuple[str, ...]:
     )
 
 
+def _more(one: float, other: float) -> str:
+    return f"{100.0 * (other / one - 1.0):.2g} %"
+
+
 def _shrunk(own: ThrowWeb) -> str:
     """Say where a shaft without fillets at its journals is described."""
     if own.web.journal_fillet_radius or own.web.semi_built:
@@ -303,6 +329,4 @@ def _throw(
         for each in found.values()
         if each
     ]
-    return ThrowStrength(
-        number, webs, known, elements, tuple(least), torque, fit, tuple(left_out)
-    )
+    return ThrowStrength(number, webs, known, elements, tuple(least), torque, fit, tuple(left_out))

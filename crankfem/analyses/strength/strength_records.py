@@ -8,7 +8,7 @@ from crankbase.tables.table import Column, Table
 from crankbase.units.number_formats import UNBOUNDED
 from crankbase.units.units import RPM
 from crankfem.analyses.record import Record, attributes, plain
-from crankfem.analyses.strength.engine_strength import EngineStrength, ThrowStrength
+from crankfem.analyses.strength.engine_strength import EQUAL, EngineStrength, ThrowStrength
 from dynamics.strength.concentration import FACTORS, ConcentrationFactors
 from dynamics.strength.crank_web import RANGES
 from dynamics.strength.element_factors import SYMBOLS, ElementFactors
@@ -18,7 +18,9 @@ from dynamics.strength.fatigue import REQUIRED
 def strength_record(found: EngineStrength) -> Record:
     """Return what is told of a crankshaft's strength; null where an equivalent stress is unbounded."""
     return {
-        **attributes(found, "sentence", "passed", "source", "left_out", "unsafe", "by_elements"),
+        **attributes(
+            found, "sentence", "passed", "source", "left_out", "unsafe", "warning", "by_elements"
+        ),
         "remarks": list(found.remarks),
         "required_factor": REQUIRED,
         "throws": [_throw(own) for own in found.throws],
@@ -126,7 +128,10 @@ def factor_table(record: Record) -> Table:
         for name, own in throw["webs"].items():
             for way, key in (("formulas", "factors"), ("finite elements", "finite_elements")):
                 if own.get(key) is not None:
-                    values = tuple(own[key][one] for one in FACTORS)
+                    values = tuple(
+                        None if own[key][one] is None else round(own[key][one], EQUAL)
+                        for one in FACTORS
+                    )
                     web = f"{throw['throw']} {name.removesuffix(' web')}"
                     rows.setdefault((way, values), []).append(web)
     ways = [way for way, _ in rows]

@@ -73,7 +73,7 @@ def strength_remarks(
     if elements:
         met = "meet" if all(own.as_ruled for own in elements) else "do not meet"
         yield (
-            f"finite elements: ends are rigid discs, the force in three-point bending is spread over the pin; "
+            "finite elements: ends are rigid discs, the force in three-point bending is spread over the pin; "
             f"mesh and stresses {met} the criteria of the rule's Appendix III at all fillets"
         )
     changes = dict.fromkeys(

@@ -25,6 +25,7 @@ from crankfem.files.engine.engine_file import EngineFile
 from crankfem.files.sections.limits_sections import LimitsInput
 from dynamics.assessment.verdict import Verdict
 
+GEAR_HAMMER = "Gear hammer"
 # Of tables by the name of their first column, the column of the share that is used.
 JUDGED = {"gear": 4, "firing": 5, "part": 7}
 
@@ -147,7 +148,7 @@ def _findings(run: EngineVibration, cases: FiringCases, verdict: Verdict) -> Doc
     sentences += [_failing_sentence(cases, way) for way in cases.failing]
     sentences.append(mode_tables.major_sentences(run)[0])
     for what, table in (
-        ("Mean torques of gears", stress_tables.gear_table(run, cases)),
+        (GEAR_HAMMER, stress_tables.gear_table(run, cases)),
         ("Permitted angle of the generator", stress_tables.generator_table(run, cases)),
         ("Permitted values of dampers and couplings", stress_tables.damper_table(run, cases)),
     ):
@@ -167,9 +168,12 @@ def _kept_or_exceeded(what: str, table: Table) -> tuple[str, ...]:
         for row, mark in zip(table.rows, table.marks, strict=True)
         if mark == "over"
     ]
+    kept, exceeded = (
+        ("none in normal firing", "teeth part") if what == GEAR_HAMMER else ("kept", "exceeded")
+    )
     if rows:
-        return (f"{what}: exceeded ({'; '.join(rows)}).",)
-    return (f"{what}: kept.",) if judged else ()
+        return (f"{what}: {exceeded} ({'; '.join(rows)}).",)
+    return (f"{what}: {kept}.",) if judged else ()
 
 
 def _failing_sentence(cases: FiringCases, way: str) -> str:

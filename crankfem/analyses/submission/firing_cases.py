@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 
 from crankbase.checks.arrays import FloatArray
 from crankbase.errors import InputError
+from crankbase.summaries import summarized
 from crankfem.analyses.vibration.chain_answers import ChainAnswer, EngineChains
 from crankfem.analyses.vibration.engine_excitation import (
     calculated_speeds,
@@ -68,6 +69,7 @@ class FiringCase:
     heat: Mapping[str, tuple[float, float]]
 
 
+@summarized("speeds [rad/s]", "limits", "notes")
 @dataclass(frozen=True, eq=False)
 class FiringCases:
     """Torsional vibration of an engine up to 120 % of its rated speed in all ways of firing.

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from crankbase.checks.arrays import FloatArray
+from crankbase.summaries import summarized
 from crankbase.tables.output_units import OutputUnit
 from crankbase.tables.table import Column, Table
 from crankfem.analyses.submission.firing_cases import HIGHEST_SHARE
@@ -30,6 +31,7 @@ UNIT_AMPLITUDE = 1e-3
 ROUND_OFF = 1e-9
 
 
+@summarized("frequency [Hz]", "modal_inertia [kg m^2]", "amplitude")
 @dataclass(frozen=True, eq=False)
 class HolzerTable:
     """One mode scaled to an amplitude of 1 mrad at the first node: what moves, and what is twisted.

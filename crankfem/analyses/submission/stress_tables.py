@@ -386,7 +386,8 @@ def gear_table(run: EngineVibration, cases: FiringCases) -> Table | None:
             Column("gear hammer", words=True),
         ],
         rows,
-        note="Torques on the driven wheel. Teeth part where the vibratory torque exceeds the mean one.",
+        note="Torques on the driven wheel, the mean one that of the gas, without friction. Teeth part where "
+        "the vibratory torque exceeds the mean one.",
         marks=marks,
     )
 

@@ -64,6 +64,7 @@ def of_loads(stresses: FilletStresses, kept: Sequence[int]) -> FilletStresses:
     return replace(
         stresses,
         peaks=tuple(peak for peak in stresses.peaks if peak.load in loads),
+        hole_peaks=tuple(peak for peak in stresses.hole_peaks if peak.load in loads),
         loaded=replace(
             loaded,
             loads=loads,

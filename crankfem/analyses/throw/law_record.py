@@ -2,6 +2,7 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 
 from crankbase.errors import InputError
 from crankbase.tables.output_units import SI, OutputUnits
@@ -9,6 +10,7 @@ from crankbase.units.number_formats import percent
 from crankfem.analyses.record import Record
 from fem.material import Material
 from geometry.throw import CrankThrow
+from regression.law.superelement import law_reactions
 from regression.law.throw_law import axial_law, torsional_law
 from regression.models.angle import between_ends, fold_angle
 from regression.models.lookup import Lookup
@@ -115,7 +117,7 @@ class LawLookups:
     answers : dict of str to Lookup
         By the names of responses.
     reactions : callable
-        Force on the pin and support to reactions, `AxialLaw.reactions`.
+        Force on the pin and support to reactions.
     """
 
     answers: dict[str, Lookup]
@@ -138,7 +140,4 @@ def law_lookups(
         )
         for name, own in law_answers(throw, material, gamma_deg).items()
     }
-    law = axial_law(
-        throw, youngs_modulus=material.youngs_modulus, poisson_ratio=material.poisson_ratio
-    )
-    return LawLookups(answers, law.reactions)
+    return LawLookups(answers, partial(law_reactions, throw, poisson_ratio=material.poisson_ratio))

@@ -84,6 +84,7 @@ def throw(
         raise InputError(f"--modes: given {modes}; allowed is 0 to {MOST_MODES}, 0 for none.")
     part, material = select_part(engine, name, pins, out.quiet)
     shared: Any = int(sections) if sections in ("1", "2", "4") else sections
+    COMPLIANCE_ACCURACY.checked("accuracy", accuracy)  # before anything is printed
     law = law_record(part, material) if isinstance(part, CrankThrow) else None
     if law is not None and not out.json:
         print_line(law_sentence(law, out.units))

@@ -7,6 +7,7 @@ from crankbase.units.quantity import format_quantity
 from crankfem.analyses.record import Record
 from crankfem.analyses.study.fit_records import LACK_OF_FIT
 from crankfem.cli.console import number, print_line, print_table
+from regression.end_reactions import END_MOMENTS
 
 MAIN_RESPONSE = "axial_compliance"
 # Relative errors below this are round-off.
@@ -94,7 +95,9 @@ def print_comparisons(records: list[Record]) -> None:
 
 
 def _print_overview(fits: Mapping[str, Record], form: str | None = None) -> None:
-    chosen = {name: _selected_form(record, form) for name, record in fits.items()}
+    every = {name: _selected_form(record, form) for name, record in fits.items()}
+    moments = {name: one for name, one in every.items() if name in END_MOMENTS}
+    chosen = {name: one for name, one in every.items() if name not in moments}
     equations = "their chosen equations" if form is None else f"the form {form}, as given"
     print_table(
         Table.of_records(
@@ -110,6 +113,13 @@ def _print_overview(fits: Mapping[str, Record], form: str | None = None) -> None
             (Column("FE"), lambda f: _percent(f["fe_error"])),
         )
     )
+    errors = [one["largest_error_held_out"] for one in moments.values()]
+    known = [error for error in errors if error is not None]
+    if known:
+        print_line(
+            f"Besides, {len(moments)} numbers that reactions are made of: largest error held out "
+            f"{_percent(max(known))}; --response NAME and --json tell each ({', '.join(moments)})."
+        )
 
 
 def _print_forms(name: str, record: Record, taken: Record) -> None:

@@ -19,7 +19,7 @@ def reaction_record(
     Parameters
     ----------
     react : callable
-        Force and support to reactions, as `ComplianceModel.reactions` and `AxialLaw.reactions`.
+        Force and support to reactions, as `ComplianceModel.reactions`.
     force : (3,) sequence of float
         On the pin [N].
     gamma : float or None

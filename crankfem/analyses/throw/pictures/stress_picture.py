@@ -1,8 +1,8 @@
-"""Pictures of the stress all over a throw under each unit load, the largest one at a fillet marked."""
+"""Pictures of the stress all over a throw under each unit load; fillets and oil holes have marks."""
 
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,11 +13,13 @@ from crankbase.processes import scratch_folder
 from crankbase.units.units import UNITS
 from crankfem.analyses.throw.pictures.offscreen import OffscreenProcess
 from crankfem.analyses.throw.pictures.surface import outside_facets, stressed_surface
-from fem.fillet_peaks import FilletPeak, FilletStresses
+from fem.fillet_peaks import FilletPeak, FilletStresses, OilHolePeak
 from fem.unit_loads import UnitLoad, whole_facets, whole_nodes
 from geometry.facets import six_node_triangles
 from geometry.solid import CRANK_PLANE
 
+Array = NDArray[np.float64]
+Peak = TypeVar("Peak", FilletPeak, OilHolePeak)
 # What draws them, in a process that needs no finite elements.
 RENDER = "crankfem.analyses.throw.pictures.stress_rendering:render"
 # Stresses are shown for loads of 1 kN and 1 kN m, in MPa.
@@ -80,24 +82,35 @@ def picture_arrays(stresses: FilletStresses) -> dict[str, NDArray[Any]]:
             for place in np.flatnonzero(here)
         ]
     )
-    peaks = [largest_peak(stresses.under(load)) for load in loaded.loads]
+    peaks = [marked_peaks(stresses, load) for load in loaded.loads]
     return {
         "points": surface.points,
         "facets": surface.facets,
         "half": half if len(on_cut) else np.empty((0, 6), dtype=np.int64),
         "stress": surface.values.T * STRESS_SHOWN,
-        # Of a symmetric throw, those in the mirror images are alike.
+        # Of a symmetric throw, those in the mirror images are alike: (loads, marks, images, 3).
         "places": np.array(
-            [[image.points(peak.von_mises_place) for image in whole.images] for peak in peaks]
+            [
+                [[image.points(_seen_place(peak)) for image in whole.images] for peak in of_load]
+                for of_load in peaks
+            ]
         ),
-        "largest": np.array([peak.von_mises for peak in peaks]) * STRESS_SHOWN,
+        "largest": np.array([max(peak.von_mises for peak in of_load) for of_load in peaks])
+        * STRESS_SHOWN,
         "titles": np.array([load_title(load) for load in loaded.loads]),
-        "remarks": np.array([_remark(peak) for peak in peaks]),
+        "remarks": np.array(["\n".join(map(_remark, of_load)) for of_load in peaks]),
         "files": np.array([picture_name(load) for load in loaded.loads]),
     }
 
 
-def largest_peak(peaks: Sequence[FilletPeak]) -> FilletPeak:
+def marked_peaks(stresses: FilletStresses, load: UnitLoad) -> list[FilletPeak | OilHolePeak]:
+    """Return the largest peak at a fillet and the one at an oil hole, as far as there are any."""
+    fillets, holes = stresses.under(load), stresses.at_oil_holes(load)
+    found: list[FilletPeak | OilHolePeak] = [largest_peak(fillets)] if fillets else []
+    return [*found, largest_peak(holes)] if holes else found
+
+
+def largest_peak(peaks: Sequence[Peak]) -> Peak:
     """Return the peak of the largest equivalent stress; of mirror images the first."""
     largest = max(peak.von_mises for peak in peaks)
     return next(peak for peak in peaks if peak.von_mises > (1.0 - 1e-6) * largest)
@@ -108,14 +121,25 @@ def load_title(load: UnitLoad) -> str:
     return f"{load.name[0].upper()}{load.name[1:]}: 1 k{load.unit}, ends pinned"
 
 
-def _remark(peak: FilletPeak) -> str:
-    """Say where the largest stress at a fillet is."""
+def _seen_place(peak: FilletPeak | OilHolePeak) -> Array:
+    """Where a peak is marked: one inside an oil hole on the rim above it."""
+    if isinstance(peak, FilletPeak):
+        return peak.von_mises_place
+    hole = peak.outlet.drilling
+    off = peak.von_mises_place[:2] - hole.axis
+    rim = hole.axis + off * (hole.journal_radius / np.linalg.norm(off))
+    return np.array([*rim, peak.von_mises_place[2]])
+
+
+def _remark(peak: FilletPeak | OilHolePeak) -> str:
+    """Say where the largest stress at a fillet or oil hole is."""
     place = ", ".join(
         f"{axis} = {round(1e3 * value, 1) + 0.0:g} mm"
         for axis, value in zip("xyz", peak.von_mises_place, strict=True)
     )
     size = peak.von_mises * STRESS_SHOWN
     return (
-        f"largest at a fillet: {size:.3g} MPa ({peak.fillet.name}; {place}); "
+        f"largest at {'a fillet' if isinstance(peak, FilletPeak) else 'an oil hole'}: {size:.3g} MPa "
+        f"({peak.name}; {place}); "
         f"divided by the nominal stress {peak.von_mises_factor:.2f}"
     )

@@ -28,6 +28,7 @@ PIXELS = 900  # along the longer side of each view
 VIEWS_HEIGHT, DOTS = 6.0, 110  # of the sheet [inch, 1/inch]
 # A curved facet is drawn as four to this power flat ones; where there are many, the smaller number does.
 SUBDIVISIONS, MANY = (2, 1), 4_000
+SYMBOLS = ("o", "s")  # of the first mark and the second
 HIDDEN_BY = 0.01  # what covers a mark is nearer to the eye by this share of the throw's size
 
 
@@ -62,11 +63,15 @@ class _Solid:
 
     def best_eye(self, places: Array) -> tuple[Array, Array | None]:
         """Direction to the eye, and the first of some places that is seen from there, if any."""
-        for eye in self.eyes:
-            for place in places:
-                if not self._hidden(place, eye_at(np.array(eye)).towards):
-                    return np.array(eye), place
+        for eye in map(np.array, self.eyes):
+            if (place := self.seen_from(eye, places)) is not None:
+                return eye, place
         return np.array(self.eyes[0]), None
+
+    def seen_from(self, eye: Array, places: Array) -> Array | None:
+        """Return the first of some places that is seen from an eye, if any."""
+        towards = eye_at(eye).towards
+        return next((place for place in places if not self._hidden(place, towards)), None)
 
     def _hidden(self, place: Array, towards: Array) -> bool:
         """Whether the surface does not reach a place, or lies between it and the eye."""
@@ -81,11 +86,11 @@ class _Solid:
 
 @dataclass(frozen=True)
 class _View:
-    """Pixels of a view, its name, and where on it the mark is, if it is seen."""
+    """Pixels of a view, its name, and where on it each mark is, if it is seen."""
 
     pixels: NDArray[np.uint8]
     name: str
-    mark: tuple[float, float] | None
+    marks: tuple[tuple[float, float] | None, ...]
 
 
 def _field(number: int) -> str:
@@ -110,10 +115,10 @@ def render(arrays: Mapping[str, NDArray[Any]], folder: Path) -> None:
 
 
 def _render_views(solid: _Solid, places: Array) -> list[_View]:
-    """Render a view under each load; mark one of its places (loads, images, 3)."""
+    """Render a view under each load; of each mark's places (loads, marks, images, 3) mark one."""
     views, scenes = [], dict[tuple[float, ...], Scene]()
     for number, of_load in enumerate(places):
-        eye, place = solid.best_eye(of_load)
+        eye, _ = solid.best_eye(of_load[0])
         if tuple(eye) not in scenes:  # seen from one place, loads differ in their colors alone
             scene = Scene(np.asarray(solid.surface.points), eye, PIXELS)
             scene.add(
@@ -128,7 +133,9 @@ def _render_views(solid: _Solid, places: Array) -> list[_View]:
             scenes[tuple(eye)] = scene
         scene = scenes[tuple(eye)]
         pixels = scene.render(_field(number))
-        views.append(_View(pixels, solid.name, None if place is None else scene.place_of(place)))
+        seen = [solid.seen_from(eye, places) for places in of_load]
+        marks = tuple(None if place is None else scene.place_of(place) for place in seen)
+        views.append(_View(pixels, solid.name, marks))
     for scene in scenes.values():
         scene.close()
     return views
@@ -172,8 +179,9 @@ def _compose(
             axes.imshow(view.pixels, interpolation="lanczos", aspect="auto")
             axes.set_axis_off()
             write(view.name, left + 0.5 * across, 0.28, ha="center", color=QUIET)
-            if view.mark is not None:
-                _mark(axes, view.mark)
+            for mark, symbol in zip(view.marks, SYMBOLS, strict=False):
+                if mark is not None:
+                    _mark(axes, mark, symbol)
             left += across + gap
         axes = axes_at(left, bottom + 0.12 * VIEWS_HEIGHT, 0.22, 0.72 * VIEWS_HEIGHT)
         colors = ScalarMappable(Normalize(0.0, limit), _colormap())
@@ -183,16 +191,16 @@ def _compose(
         axes.tick_params(width=0.6)
         title, remark = texts
         write(title, side, height - 0.36, fontsize=14, fontweight="bold", color=TEXT_COLOR)
-        write(remark, side, height - 0.70, color=TEXT_COLOR)
+        write(remark, side, height - 0.70, color=TEXT_COLOR, linespacing=1.5)
         figure.savefig(path)
 
 
-def _mark(axes: Any, place: tuple[float, float]) -> None:
-    """Mark a place with a ring that hides nothing."""
+def _mark(axes: Any, place: tuple[float, float], symbol: str) -> None:
+    """Mark a place with a ring or square that hides nothing."""
     for color, width in (("white", 4.0), ("#0b57d0", 1.8)):
         axes.plot(
             *place,
-            "o",
+            symbol,
             markersize=15,
             markerfacecolor="none",
             markeredgecolor=color,

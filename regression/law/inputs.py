@@ -1,0 +1,96 @@
+"""What the law's networks are given of a throw: its ratios as the webs, journals and pin feel them.
+
+Lengths enter by their logarithms, the overlap beside the web's thickness, since force takes another way
+with it. Bores enter as what they leave: of the web's width beside each journal, and of the moments of
+inertia of journal and pin. Web ends and corners enter as the room about the journals' fillets, slopes as the
+thickness that they take at the axes.
+"""
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from geometry.throw_layout import COLLAR_MARGIN
+from regression.law.ratios import FILLETS, REAL, Ratios
+
+Array = NDArray[np.float64]
+
+
+def plain_inputs(found: Ratios) -> Array:
+    """Inputs (8, ...) of the networks of plain throws."""
+    rows = _rows([*(found[name] for name in (*REAL, FILLETS[0])), _overlap(found)])
+    rows[:-1] = np.log(rows[:-1])
+    return rows
+
+
+def real_inputs(found: Ratios) -> Array:
+    """Inputs (24, ...) of the networks of real throws."""
+    radius, pin, _, _, width, thickness = lengths = [found[name] for name in REAL]
+    fillet, pin_fillet = (found[name] for name in FILLETS)
+    bore, pin_bore = found["main_journal_bore"], found["pin_bore"]
+    offset, pin_offset = found["main_journal_bore_offset"], found["pin_bore_offset"]
+    half, rectangle = 0.5 * width, found["rectangle"]
+    foot_end, tip_end = (half * found[f"web_{end}_end"] for end in ("journal", "pin"))
+    corner = half * found["web_corner"]
+    # Half widths at the axes: of the hull of two circles, or of a rectangle less its corners.
+    sine = np.minimum(np.maximum((foot_end - tip_end) / radius, -0.95), 0.95)
+    cosine = np.sqrt(1.0 - sine * sine)
+    at_foot, at_tip = (
+        rectangle * (half - np.maximum(corner - end, 0.0))
+        + (1.0 - rectangle) * np.minimum(end / cosine, half)
+        for end in (foot_end, tip_end)
+    )
+    tip, foot = 1.0 - found["web_tip_thickness"], 1.0 - found["web_foot_thickness"]
+    begin = 0.5 + fillet + COLLAR_MARGIN
+    far_begin = radius - (0.5 + COLLAR_MARGIN) * pin - pin_fillet
+    step = 0.5 * np.log(found["thickness_step"])
+    rows = _rows(
+        [
+            *lengths,
+            2.0 * at_tip / width - pin_bore * pin / width,
+            2.0 * at_foot / width - bore / width,
+            _inertia_left(pin_bore, pin_offset / pin),
+            _inertia_left(bore, offset),
+            _overlap(found),
+            fillet,
+            pin_fillet,
+            offset * bore,
+            pin_offset * pin_bore,
+            tip_end - 0.5 * pin - pin_fillet,
+            foot_end - 0.5 - fillet,
+            rectangle,
+            tip * _between((radius - begin) / (radius + tip_end - begin)),
+            tip,
+            foot * _between(far_begin / (far_begin + foot_end)),
+            foot,
+            step * step,
+            corner * rectangle,
+        ]
+    )
+    rows[:10] = np.log(rows[:10])
+    return rows
+
+
+def _overlap(found: Ratios) -> Any:
+    """Overlap of main journal and pin over the web's thickness, its large values drawn together."""
+    overlap = 0.5 * (1.0 + found["pin_diameter"]) - found["crank_radius"]
+    return np.arcsinh(overlap / found["web_thickness"])
+
+
+def _inertia_left(bore: Any, offset: Any) -> Any:
+    """Moment of inertia that a bore leaves of a journal, about its own center; lengths over its diameter."""
+    moved = bore * offset
+    square = bore * bore
+    return 1.0 - square * square - 16.0 * moved * moved / (1.0 - square)
+
+
+def _between(share: Any) -> Any:
+    return np.minimum(np.maximum(share, -0.5), 1.0)
+
+
+def _rows(values: list[Any]) -> Array:
+    """Stack numbers, or arrays of one shape with numbers among them."""
+    if any(isinstance(value, np.ndarray) for value in values):
+        values = list(np.broadcast_arrays(*values))
+    return np.array(values, dtype=float)

@@ -1,0 +1,166 @@
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+
+from comparing import close
+from crankbase.errors import InputError
+from fem.supports import Neighbors
+from geometry.throw import CrankThrow
+from geometry.throw_dimensions import OilHole, Web
+from regression.law.hand_formula import hand_formula
+from regression.law.superelement import law_reactions
+from regression.law.throw_law import axial_law, axial_laws, torsional_law, torsional_laws
+
+DIMENSIONS = {
+    "crank_radius": 0.170,
+    "main_journal_diameter": 0.220,
+    "pin_diameter": 0.180,
+    "main_journal_length": 0.120,
+    "pin_length": 0.139,
+    "web_width": 0.300,
+    "web_thickness": 0.068,
+    "fillet_radius": 0.012,
+}
+THROW = CrankThrow(**DIMENSIONS)
+MANY = DIMENSIONS | {"web_thickness": np.array([0.050, 0.068, 0.090])}
+SUPPORTS = ("pinned", "guided", Neighbors(120.0, 120.0), Neighbors(90.0, 180.0))
+
+
+@pytest.mark.parametrize("scale", [2.0, 0.01, 1.0 / 3.0])
+def test_all_lengths_scaled_scale_compliances_exactly(scale):
+    scaled = CrankThrow(**{name: scale * value for name, value in DIMENSIONS.items()})
+    axial, of_scaled = axial_law(THROW), axial_law(scaled)
+    for name in ("pinned", "guided", "influence_pinned", "influence_guided"):
+        np.testing.assert_allclose(
+            getattr(of_scaled, name) * scale, getattr(axial, name), rtol=1e-12
+        )
+    np.testing.assert_allclose(of_scaled.ratio, axial.ratio, rtol=1e-12)
+    twists = torsional_law(THROW).pinned, torsional_law(scaled).pinned * scale**3
+    np.testing.assert_allclose(*twists, rtol=1e-12)
+
+
+def test_youngs_modulus_enters_exactly():
+    assert axial_law(THROW, youngs_modulus=1.05e11).pinned == 2.0 * axial_law(THROW).pinned
+
+
+def test_many_throws_have_the_answers_of_each():
+    axial, torsional = axial_laws(**MANY), torsional_laws(**MANY)
+    for place, thickness in enumerate(MANY["web_thickness"].tolist()):
+        throw = THROW.changed(web_thickness=thickness)
+        for law, found in ((axial_law(throw), axial), (torsional_law(throw), torsional)):
+            for name in found.errors:
+                np.testing.assert_allclose(getattr(found, name)[place], getattr(law, name), 1e-13)
+                np.testing.assert_allclose(found.errors[name][place], law.errors[name], 1e-13)
+            assert found.tier[place] == law.tier
+    assert np.all(np.diff(axial.pinned) < 0.0)
+
+
+def test_the_band_lies_about_the_value():
+    law = axial_law(THROW)
+    low, high = law.band
+    assert low < law.pinned < high
+    assert high - low == close(2.0 * law.errors["pinned"] * law.pinned)
+
+
+def test_between_neighbors_opposite_is_pinned_and_in_line_guided():
+    law = axial_law(THROW)
+    found = law.axial([0.0, 120.0, 180.0])
+    assert found[0] == law.guided
+    assert found[2] == law.pinned
+    cotangent = 1.0 / np.tan(np.pi / 3.0)
+    share = 1.0 / (1.0 + law.ratio * cotangent**2)
+    assert found[1] == close(law.guided + share * (law.pinned - law.guided), rel=1e-12)
+    assert law.influence(180.0) == law.influence_pinned
+
+
+@pytest.mark.parametrize(
+    ("changes", "message"),
+    [
+        ({"crank_radius": 0.5}, r"crank_radius / main_journal_diameter: given 2.273; allowed is 0.45 to 2,"),
+        ({"web_width": 0.50}, r"web_width / main_journal_diameter: given 2.273; allowed is 1.15 to 2,"),
+        (
+            {"pin_bore": 0.12, "pin_bore_offset": 0.012},
+            r"pin_bore: leaves a wall of 0.1 diameters at its thinnest",
+        ),
+        ({"oil_holes": (OilHole(part="pin", diameter=0.015),)}, r"throw.oil_holes: given 1;"),
+        ({"left_web": Web(width=0.32)}, r"throw.left_web.width: given 0.32; allowed for the law is only"),
+    ],
+)  # fmt: skip
+def test_what_the_law_does_not_know_is_refused(changes, message):
+    with pytest.raises(InputError, match=message):
+        axial_law(THROW.changed(**changes))
+
+
+@pytest.mark.parametrize("poisson_ratio", [0.2, 0.4, float("nan"), "0.3"])
+def test_other_poisson_ratios_are_refused(poisson_ratio):
+    with pytest.raises(
+        InputError, match=r"poisson_ratio: given .*; allowed for the law is 0.25 to 0.35"
+    ):
+        axial_law(THROW, poisson_ratio=poisson_ratio)
+
+
+@pytest.mark.parametrize(
+    ("changes", "message"),
+    [
+        ({"web_depth": 0.1}, "web_depth: no dimension that the law knows"),
+        ({"pin_length": None}, "pin_length: missing"),
+        ({"pin_length": -0.1}, "pin_length: given -0.1; allowed is a positive length"),
+        ({"pin_length": float("nan")}, "pin_length"),
+        (
+            {"pin_length": [0.13, 0.14]},
+            r"dimensions: given arrays of the shapes .*pin_length \(2,\)",
+        ),
+    ],
+)
+def test_wrong_dimensions_of_many_throws_are_refused(changes, message):
+    given = {name: value for name, value in (MANY | changes).items() if value is not None}
+    with pytest.raises(InputError, match=message):
+        axial_laws(**given)
+
+
+@pytest.mark.parametrize("support", SUPPORTS)
+@pytest.mark.parametrize("force", [(0.0, -1e5, 0.0), (2e4, 3e4, 0.0)])
+def test_reactions_are_in_equilibrium(force, support):
+    found = law_reactions(THROW, force, support)
+    left, right = found.left, found.right
+    np.testing.assert_allclose(left.force + right.force, -np.array(force), atol=1e-12 * 1e5)
+    about_left = (
+        left.moment
+        + right.moment
+        + np.cross([0.0, 0.0, THROW.length], right.force)
+        + np.cross([0.0, THROW.crank_radius, 0.5 * THROW.length], force)
+    )
+    np.testing.assert_allclose(about_left, 0.0, atol=1e-12 * 1e5 * THROW.length)
+
+
+def test_the_axial_reaction_is_that_of_the_compliances():
+    law = axial_law(THROW)
+    push = law_reactions(THROW, (0.0, -1.0, 0.0), "guided").left.force[2]
+    assert push == close(law.influence_guided / law.guided, rel=1e-10)
+    between = law_reactions(THROW, (0.0, -1.0, 0.0), Neighbors(120.0, 120.0)).left.force[2]
+    assert between == close(law.influence(120.0) / law.axial(120.0), rel=1e-8)
+
+
+def test_reactions_need_a_force_across_the_shaft():
+    with pytest.raises(InputError, match=r"pin_force: given .*; allowed are three numbers"):
+        law_reactions(THROW, (0.0, 0.0, 1.0))
+
+
+def test_the_hand_formula_is_near_the_law_and_knows_where_it_ends():
+    found = hand_formula(THROW)
+    assert found.valid
+    assert found.value == close(axial_law(THROW).pinned, rel=0.06)
+    outside = hand_formula(THROW.changed(crank_radius=0.4))
+    assert not outside.valid
+    assert "not a plain one" in outside.remarks[0]
+
+
+def test_the_law_loads_no_mesher_and_no_solver():
+    code = (
+        "import sys, crankfem as cf; cf.axial_law, cf.torsional_law;"
+        "print([n for n in ('gmsh', 'vtk', 'pyvista', 'scipy', 'skfem', 'pandas') if n in sys.modules])"
+    )
+    found = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert found.stdout.strip() == "[]"
