@@ -15,15 +15,19 @@ BOUNDS = [(0.1, 100.0), (1e-3, 50.0), (2e-4, 0.1)]  # lengths, size, noise
 
 
 class Process:
-    """A process fitted to answers (n, k) at inputs (n, d) between -1 and 1, or with a known kernel."""
+    """A process fitted to answers (n, k) at inputs (n, d) between -1 and 1, or with a known kernel.
 
-    def __init__(self, x: Array, y: Array, steps: int = 40, logs: Array | None = None) -> None:
+    `left` (n, k) are the errors that it would have without each throw in turn.
+    """
+
+    def __init__(self, x: Array, y: Array, steps: int = 25, logs: Array | None = None) -> None:
         self.x = x
         self.mean, self.scale = y.mean(axis=0), y.std(axis=0)
         self.y = (y - self.mean) / self.scale
         self.lines = LINES * self._straight(x) @ self._straight(x).T
         self.logs = self._likeliest(steps) if logs is None else logs
         self._unlikeliness(self.logs)
+        self.left = self.scale * self.weights / self.alone[:, None]
 
     def _likeliest(self, steps: int) -> Array:
         size = self.x.shape[1]
@@ -57,7 +61,7 @@ class Process:
         whole[np.diag_indices_from(whole)] += noise**2
         root = np.linalg.cholesky(whole)
         inverse = cho_solve((root, True), np.eye(len(whole)))
-        self.weights = inverse @ self.y
+        self.weights, self.alone = inverse @ self.y, np.diag(inverse)
         answers = self.y.shape[1]
         value = 0.5 * np.sum(self.y * self.weights) + answers * np.log(np.diag(root)).sum()
         pull = self.weights @ self.weights.T - answers * inverse

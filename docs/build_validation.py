@@ -118,6 +118,7 @@ GROUPS: dict[str, tuple[str, dict[str, str]]] = {
             "test_shaft_against_3d": "the whole solid in three dimensions",
             "test_excitation_axial": "the shaft of superelements",
             "test_end_sections": "the shaft without rigid sections",
+            "test_law": "finite elements of throws kept out",
             "test_symmetry_parts": "the throw meshed as a half and whole",
             "test_reaction_lookups": "finite elements of every throw, in place of equations",
         },

@@ -26,7 +26,8 @@ def plain_inputs(found: Ratios) -> Array:
 
 def real_inputs(found: Ratios) -> Array:
     """Inputs (24, ...) of the networks of real throws."""
-    radius, pin, _, _, width, thickness = lengths = [found[name] for name in REAL]
+    lengths = [found[name] for name in REAL]
+    radius, pin, _, _, width, _ = lengths
     fillet, pin_fillet = (found[name] for name in FILLETS)
     bore, pin_bore = found["main_journal_bore"], found["pin_bore"]
     offset, pin_offset = found["main_journal_bore_offset"], found["pin_bore_offset"]
