@@ -11,8 +11,6 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from crankbase.errors import InputError
-
 Array = NDArray[np.float64]
 
 # Dimensionless answers, E and D the unit: compliances and influence coefficients times E D, tilts and
@@ -32,7 +30,6 @@ OUTPUTS = (
     "volume",
 )
 TIERS = ("plain", "real")
-TIERS_FITTED = ("plain",)
 FILE = Path(__file__).with_name("law.npz")
 # So many throws are evaluated at a time: what belongs to them stays in the processor's cache.
 BLOCK = 2048
@@ -97,11 +94,6 @@ class Networks:
 def networks(tier: str, names: tuple[str, ...] = OUTPUTS) -> Networks:
     """Read the networks of a tier for some of the `OUTPUTS`."""
     rows = [OUTPUTS.index(name) for name in names]
-    if tier not in TIERS_FITTED:
-        raise InputError(
-            "throw: given one that is not plain (obround webs of one thickness, fillets of one radius, no "
-            "bores) or outside the range of plain ones; allowed for the law are only these."
-        )
     with np.load(FILE) as kept:
         arrays = {name: kept[f"{tier}_{name}"] for name in Networks.__annotations__}
     return Networks(**{n: a if n in ("low", "high") else a[rows] for n, a in arrays.items()})

@@ -73,7 +73,7 @@ DIVISORS = {
 # A chamfer that cuts as much off a corner as a radius of 1 does.
 CHAMFER_OF_RADIUS = float(np.sqrt(2.0 - 0.5 * np.pi))
 # A ratio may be beyond its range by round-off, and differs from a plain throw's by more.
-ROUND_OFF = 1e-9
+ROUND_OFF = 1e-6
 # Of a web of its own, what the law knows.
 WEB_FIELDS = ("thickness", "tip_thickness", "foot_thickness", "counterweight")
 PLAIN_FIELDS = ("main_journal_diameter", *PLAIN)

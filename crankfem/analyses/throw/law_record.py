@@ -11,7 +11,7 @@ from crankfem.analyses.record import Record
 from fem.material import Material
 from geometry.throw import CrankThrow
 from regression.law.superelement import law_reactions
-from regression.law.throw_law import axial_law, torsional_law
+from regression.law.throw_law import throw_laws
 from regression.models.angle import between_ends, fold_angle
 from regression.models.lookup import Lookup
 from regression.models.reaction_lookup import ReactionLookup
@@ -55,8 +55,9 @@ def law_answers(
     InputError
         If the law does not hold for the throw or its material.
     """
-    elastic = {"youngs_modulus": material.youngs_modulus, "poisson_ratio": material.poisson_ratio}
-    axial, torsional = axial_law(throw, **elastic), torsional_law(throw, **elastic)
+    axial, torsional = throw_laws(
+        throw, youngs_modulus=material.youngs_modulus, poisson_ratio=material.poisson_ratio
+    )
     found: dict[str, Record] = {}
     for law, names in ((axial, _AXIAL), (torsional, _TORSIONAL)):
         for response, (name, unit) in names.items():
