@@ -131,8 +131,10 @@ def fillet_stresses(
     usual = mesh_with(throw, BULK, "auto", None)
     parts = throw.parts if isinstance(throw, CrankThrow) else imported_parts(throw, usual)
     webs = parts.webs if mesh == "m53" else ()
-    points = fillet_points(usual)
-    fillets = [fillet for fillet in throw_fillets(parts) if fillet.holds(points).any()]
+    fillets = throw_fillets(parts)
+    if isinstance(throw, ImportedThrow):
+        points = fillet_points(usual)
+        fillets = tuple(fillet for fillet in fillets if fillet.holds(points).any())
     outlets = [outlet for hole in parts.drillings for outlet in hole.exits]
     sites: tuple[Site, ...] = (*fillets, *outlets)
     if not sites:

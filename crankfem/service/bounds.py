@@ -106,3 +106,10 @@ class Settings:
     def is_loopback(self) -> bool:
         """Whether only this machine can ask."""
         return self.host in LOOPBACK
+
+    @property
+    def who(self) -> str:
+        """Who is answered, in words."""
+        if self.is_loopback:
+            return "this machine alone" + ("" if self.key is None else ", with the key")
+        return "OPEN TO OTHER MACHINES that reach this one and bring the key; without TLS"

@@ -2,7 +2,7 @@
 
 import asyncio
 import socket
-import sys
+from collections.abc import Callable
 from typing import Any
 
 import uvicorn
@@ -15,8 +15,14 @@ from crankfem.service.bounds import Settings
 GRACE = 5  # seconds for requests under way when the service ends
 
 
-def serve(settings: Settings) -> None:
+def serve(settings: Settings, tell: Callable[[str], None]) -> None:
     """Serve until interrupted.
+
+    Parameters
+    ----------
+    settings : Settings
+    tell : callable
+        Called with the address when it can be asked.
 
     Raises
     ------
@@ -64,12 +70,8 @@ def serve(settings: Settings) -> None:
     with _listening(settings) as listener:
         host, port = listener.getsockname()[:2]
         shown = f"[{host}]" if ":" in host else host
-        sys.stderr.write(f"crankfem serves at http://{shown}:{port}/ ({_who(settings)}).\n")
-        sys.stderr.write(
-            f"Jobs lie in {settings.folder}. End with Ctrl-C; jobs that run go on at the next start.\n"
-        )
+        tell(f"http://{shown}:{port}/")
         server.run(sockets=[listener])
-        sys.stderr.write("Stopped.\n")
 
 
 class _Server(uvicorn.Server):
@@ -82,12 +84,6 @@ class _Server(uvicorn.Server):
         self._runner.announce_stop()
         self.force_exit = self.should_exit
         self.should_exit = True
-
-
-def _who(settings: Settings) -> str:
-    if settings.is_loopback:
-        return "this machine alone" + ("" if settings.key is None else ", with the key")
-    return "OPEN TO OTHER MACHINES that reach this one and bring the key; without TLS"
 
 
 def _listening(settings: Settings) -> socket.socket:

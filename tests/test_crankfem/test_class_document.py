@@ -9,7 +9,8 @@ import pytest
 import crankfem as cf
 from comparing import close
 from crankbase.errors import InputError
-from crankfem.analyses.submission.document import check_submission
+from crankbase.units.units import RPM
+from crankfem.analyses.submission.document import check_submission, class_document
 from crankfem.analyses.submission.firing_cases import (
     CUT_OUT,
     DASHPOTS,
@@ -226,6 +227,28 @@ def test_failing_cylinders_are_those_of_a_calculation_of_their_own(plant, cases)
         for place in plant.forced_torsional.stress.names
     )
     assert worst == close(check.misfiring.used, rel=2e-3)
+
+
+@pytest.mark.slow
+def test_findings_say_what_the_tables_hold(plant, cases):
+    """The worst of all cylinders and shafts, whether it is kept, and the major critical speed that is not."""
+    parts = {part.name: part for part in class_document(plant)}
+    said = parts["findings"].sentences
+    for way, sentence in zip((MISFIRING, CUT_OUT), said[2:4], strict=True):
+        used = {
+            (number, place): found.used
+            for number, case in cases.failing[way].items()
+            for (key, place), found in case.kept.items()
+            if key == STRESS
+        }
+        (number, place), most = max(used.items(), key=lambda one: one[1])
+        assert f"with {way}" in sentence.lower()
+        assert ("exceeded" in sentence) == (most > 1.0)
+        assert f"{place} with cylinder {number} failing" in sentence
+        assert f"{100.0 * most:.3g} % of what is permitted" in sentence
+    assert "order 5 in mode 2 does at 100.4 1/min" in said[4]
+    (row,) = parts["barred"].tables[0].table.rows
+    assert [speed * RPM for speed in row[:2]] == close([62.03, 72.81], rel=1e-3)
 
 
 TABLES = [

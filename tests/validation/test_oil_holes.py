@@ -13,7 +13,7 @@ Sources and tolerances:
   at eng-calculations.com; they are fitted to photoelastic measurements, above all those of H. T. Jessop,
   C. Snell and I. M. Allison, 1959): largest principal stress by the nominal stress of the full section.
   3 % in tension of bars, for tubes, and in bending and torsion for holes of 0.3 diameters. In bars with
-  holes of 0.1 and 0.2 diameters finite elements find in bending and torsion 3 to 8 % more than this, and these
+  holes of 0.1 and 0.2 diameters finite elements find 3 to 8 % more than this in bending and torsion; these
   have 8.5 %. CalculiX says the same of the same bar (hole of 0.1, eight elements a quarter of it: 2.98 and
   4.01, here 2.95 and 3.94), and the smallest hole must have what an infinitely small one has, see below: the
   curves, which fall from there by 6 times the hole's diameter over the bar's, have 2.89 and 3.89 at 0.02. The

@@ -5,6 +5,7 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
+from crankbase.errors import InputError
 from crankfem.analyses.strength.throw_webs import ThrowWeb
 from crankfem.files.engine.engine_file import EngineFile
 from dynamics.response.loads import section_modulus
@@ -12,6 +13,7 @@ from dynamics.strength.element_factors import ElementFactors
 from fem.fillet_peaks import FilletPeak, FilletStresses
 from fem.fillet_stress import FilletMesh, fillet_stresses
 from fem.principal import largest_principal, principal_stresses
+from geometry.throw import CrankThrow
 
 # Wished accuracy of stresses that are calculated for factors.
 ACCURACY = 0.05
@@ -47,13 +49,24 @@ def element_factors(
     webs : sequence of ThrowWeb
         Left and right.
 
+    Raises
+    ------
+    InputError
+        If the stresses are those of a CAD part.
+
     Notes
     -----
     Ends are rigid discs. The force of the three-point bending is spread evenly over the pin.
     """
-    (pin,) = stresses.throw.parts.pins
-    length, force = stresses.throw.length, 0.5 * (pin.start + pin.end)
-    holes = _hole_factors(stresses, webs[0])
+    throw = stresses.throw
+    if not isinstance(throw, CrankThrow):
+        raise InputError(
+            "stresses: given those of a CAD part; allowed are those of a throw by its dimensions, because "
+            "nominal stresses refer to these."
+        )
+    (pin,) = throw.parts.pins
+    length, force = throw.length, 0.5 * (pin.start + pin.end)
+    holes = _hole_factors(stresses, webs[0], pin.name)
     found = {}
     for own in webs:
         web = own.web
@@ -103,13 +116,13 @@ def element_factors(
     return found
 
 
-def _hole_factors(stresses: FilletStresses, own: ThrowWeb) -> dict[str, float | None]:
+def _hole_factors(stresses: FilletStresses, own: ThrowWeb, pin: str) -> dict[str, float | None]:
     """Return the factors of the oil hole in the pin, the larger of its exits."""
     loads = [load.kind for load in stresses.loaded.loads]
     modulus = float(section_modulus("torsional", own.web.pin_diameter, own.web.pin_bore))
     bending, torsion = [], []
     for outlet in dict.fromkeys(peak.outlet for peak in stresses.hole_peaks):
-        if outlet.drilling.journal != stresses.throw.parts.pins[0].name:
+        if outlet.drilling.journal != pin:
             continue
         surface = stresses.surface
         fields = surface.stress[outlet.holds(surface.points)]

@@ -1,14 +1,20 @@
 """The service of an API and a page."""
 
+import sys
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from crankbase.errors import InputError, MissingLibraryError
-from crankfem.cli.commands.options import WorkersOption
+from crankfem.cli.commands.options import Output, WorkersOption, with_output
+from crankfem.cli.console import print_json
+
+if TYPE_CHECKING:
+    from crankfem.service.bounds import Settings
 
 
+@with_output()
 def serve(
     folder: Annotated[
         Path, typer.Option(metavar="FOLDER", help="Where jobs and their files lie.")
@@ -25,6 +31,8 @@ def serve(
     ] = None,
     jobs: Annotated[int, typer.Option(help="Jobs that run at a time.")] = 1,
     workers: WorkersOption = 2,
+    *,
+    out: Output,
 ) -> None:
     """Serve an API and a page on which a throw's dimensions are turned like knobs.
 
@@ -48,7 +56,21 @@ def serve(
             f"The service needs the package {error.name}; install it with: pip install 'crankfem[serve]'."
         ) from None
     with interrupts_raise():
-        serve_until_interrupted(settings)
+        serve_until_interrupted(settings, lambda address: _tell(settings, address, out))
+
+
+def _tell(settings: "Settings", address: str, out: Output) -> None:
+    """Say where the service is, and whom it answers."""
+    if out.json:
+        print_json({"address": address, "folder": str(settings.folder), "who": settings.who})
+        sys.stdout.flush()  # who reads it waits for no end
+    elif not out.quiet:
+        # On standard error, as the log: nothing here is a result.
+        for line in (
+            f"crankfem serves at {address} ({settings.who}).",
+            f"Jobs lie in {settings.folder}. End with Ctrl-C; jobs that run go on at the next start.",
+        ):
+            typer.echo(line, err=True)
 
 
 def _read_key(file: Path | None) -> str | None:

@@ -29,16 +29,16 @@ export function rowsOf(estimate, elements) {
       error: found?.errors?.[name],
     });
   }
-  const load = 1e5;
   for (const side of ["left", "right"]) {
-    const scale = (made) => made && { force: made.force[2] / 1000, moment: made.moment[0] / 1000 };
-    const guess = scale(estimate?.reactions?.[side]);
-    const known = scale(elements?.supports?.pinned?.reactions?.[side]);
+    const guess = estimate?.reactions?.[side];
+    const axial = guess && guess.force[2] / 1000;
+    const off = guess?.force_band?.[2] / 1000;
+    const known = elements?.supports?.pinned?.reactions?.[side];
     rows.push({
-      title: `Axial reaction of the ${side} end to ${load / 1000} kN towards the shaft`,
+      title: `Axial reaction, ${side} end, to 100 kN on the pin towards the shaft`,
       unit: "kN",
-      estimate: guess ? { value: guess.force } : null,
-      value: known?.force,
+      estimate: guess ? { value: axial, lower: axial - off, upper: axial + off } : null,
+      value: known && known.force[2] / 1000,
     });
   }
   return rows;
@@ -55,10 +55,11 @@ export function fill(body, rows, by) {
   body.replaceChildren(
     ...rows.map((row) => {
       const made = document.createElement("tr");
-      const head = Object.assign(document.createElement("th"), { scope: "row", textContent: row.title });
+      const unit = (TINY[row.unit] || [1, row.unit])[1];
+      const head = Object.assign(document.createElement("th"), { scope: "row", textContent: `${row.title} [${unit}]` });
       made.append(
         head,
-        cell(quantity(row.estimate?.value, row.unit), by),
+        cell(bare(row.estimate?.value, row.unit), by),
         cell(band(row.estimate, row.unit), "Band"),
         cell(withError(row), "Finite elements")
       );
@@ -67,18 +68,22 @@ export function fill(body, rows, by) {
   );
 }
 
+/* The number without its unit, which stands in the head of its row. */
+function bare(value, unit, digits) {
+  return quantity(value, unit, digits).split(" ")[0];
+}
+
 function band(estimate, unit) {
   if (!estimate || !Number.isFinite(estimate.lower) || !Number.isFinite(estimate.upper)) {
     return "–";
   }
-  const low = quantity(estimate.lower, unit).split(" ")[0];
-  return `${low} to ${quantity(estimate.upper, unit)}`;
+  return `${bare(estimate.lower, unit)} to ${bare(estimate.upper, unit)}`;
 }
 
-/* Errors are told by their first two digits, of no more than the value is shown with. */
+/* Errors are told by two digits. */
 function withError(row) {
-  const value = quantity(row.value, row.unit);
-  return Number.isFinite(row.error) ? `${value} ± ${quantity(row.error, row.unit, 2).split(" ")[0]}` : value;
+  const value = bare(row.value, row.unit);
+  return Number.isFinite(row.error) ? `${value} ± ${bare(row.error, row.unit, 2)}` : value;
 }
 
 /* Published formulas beside what the law, or finite elements, say. */
