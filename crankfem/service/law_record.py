@@ -6,6 +6,7 @@ from crankfem.analyses.record import Record, attributes
 from fem.material import Material
 from fem.supports import Support
 from geometry.throw import CrankThrow
+from regression.law.superelement import law_reactions
 from regression.law.throw_law import throw_laws
 from regression.models.reaction_lookup import ReactionLookup
 
@@ -67,7 +68,9 @@ def law_record(
         "ratio": axial.ratio,
         "reactions": None
         if pin_force is None
-        else reactions_record(axial.reactions(pin_force, support)),
+        else reactions_record(
+            law_reactions(throw, pin_force, support, poisson_ratio=material.poisson_ratio)
+        ),
         "tier": axial.tier,
         "nearest_limit": axial.nearest_limit,
         "remarks": [
