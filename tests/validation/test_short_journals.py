@@ -20,8 +20,8 @@ of its mode (B. M. Irons's bound from above), which recovered stresses tell as t
 All ten agree within 0.1 % between the two finest meshes of either: so much is the reference's own error.
 
 Tolerances: what is promised, 0.7 % of modes 1 to 5 and 1 % of modes 6 to 10, from one superelement made to
-1 % of compliance. Measured: four throws 0.45 and 0.6 % high with degree 2, 0.15 and 0.3 % with degree 4, up to
-3.9 % with rigid sections; six throws 0.4 % with degree 2, 1.0 % with rigid sections.
+1 % of compliance. Measured: four throws 0.45 and 0.6 % high with degree 2, 0.15 and 0.3 % with degree 4, up
+to 3.9 % with rigid sections; six throws 0.4 % with degree 2, 0.9 % with rigid sections.
 """
 
 import numpy as np
