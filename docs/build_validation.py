@@ -119,6 +119,8 @@ GROUPS: dict[str, tuple[str, dict[str, str]]] = {
             "test_excitation_axial": "the shaft of superelements",
             "test_end_sections": "the shaft without rigid sections",
             "test_law": "finite elements of throws kept out",
+            "test_section_seams": "the same shaft, not cut",
+            "test_short_journals": "the whole solid in three dimensions",
             "test_symmetry_parts": "the throw meshed as a half and whole",
             "test_reaction_lookups": "finite elements of every throw, in place of equations",
         },

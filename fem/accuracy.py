@@ -186,7 +186,7 @@ def solve_level(mesh: ThrowMesh, problem: Problem) -> RefinementLevel:
     )
     part = solved.up_to(RIGID)
     with watch.lap("error estimate"):
-        stresses = class_errors((part,), mesh, problem.material)
+        stresses = class_errors(part, mesh, problem.material)
         axial = np.append(axial_motion(part, "pinned"), np.zeros(len(part.pin_components)))
         errors = stresses.energy_errors(axial)
         factor = effectivity(mesh, errors.relative)

@@ -40,33 +40,21 @@ EFFECTIVITY = {True: (1.25, 3.5), False: (1.28, 3.0)}
 # that of the axial compliance (a small correction may be the difference of larger ones), and what answers
 # of two meshes of like size differ by in any case, together: in 95 of 100 answers of random throws.
 UNCERTAINTY, MESH_UNCERTAINTY, MESH_NOISE = 0.12, 0.1, 1e-4
-# Classes are recovered together on meshes of up to so many elements, in less time; on larger ones one after
-# the other, in less memory.
-MOST_TOGETHER = 10_000
 # A correction of so much of any motion's energy is none: the mesh tells nothing.
 LARGEST_SHARE = 0.5
 
 
-def class_errors(
-    parts: Sequence[CondensedClass], mesh: ThrowMesh, material: Material
-) -> StressErrors:
-    """Recover the stresses of classes' fields: of k unit motions of each, then of a loads on the pins."""
-    fields = [one for part in parts for one in (part.fields, part.pin_fields)]
-    return stress_errors(mesh.points, mesh.elements, np.concatenate(fields, axis=2), material)
+def class_errors(part: CondensedClass, mesh: ThrowMesh, material: Material) -> StressErrors:
+    """Recover the stresses of a class's fields: of k unit motions, then of a loads on the pins."""
+    fields = np.concatenate([part.fields, part.pin_fields], axis=2)
+    return stress_errors(mesh.points, mesh.elements, fields, material)
 
 
 def class_energies(
     parts: Sequence[CondensedClass], mesh: ThrowMesh, material: Material
 ) -> list[Array]:
     """Mutual energies (k + a, k + a) of the estimated errors of each class's fields [J]."""
-    if len(mesh.elements) > MOST_TOGETHER:
-        return [class_errors((part,), mesh, material).products() for part in parts]
-    if not parts:
-        return []
-    together = class_errors(parts, mesh, material).products()
-    counts = [part.fields.shape[2] + part.pin_fields.shape[2] for part in parts]
-    ends = np.cumsum(counts)
-    return [together[end - n : end, end - n : end] for end, n in zip(ends, counts, strict=True)]
+    return [class_errors(part, mesh, material).products() for part in parts]
 
 
 def effectivity(mesh: ThrowMesh, share: float) -> float:

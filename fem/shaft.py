@@ -296,8 +296,8 @@ def shaft_compliances(
     With rigid sections and without lateral restraint (zero) every throw has its pinned compliances, axial and
     torsional, whatever the angles to its neighbors, and nearly so with sections that bend: an axial force
     through the section centers and a torque about their line load each throw by themselves alone, so the
-    common journal carries no bending moment and no lateral force, and tilts and moves as either throw wants it
-    to. Only bearings that hold the journals on one line join the throws.
+    common journal carries no bending moment and no lateral force, and tilts and moves as either throw wants.
+    Only bearings that hold the journals on one line join the throws.
     """
     if not throws or len(throws) != len(crank_angles_deg):
         raise InputError(

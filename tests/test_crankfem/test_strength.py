@@ -159,7 +159,7 @@ def test_barred_ranges_are_left_out(usual, judged):
     verdict = SimpleNamespace(verdict=SimpleNamespace(ranges_to_bar=barred))
     found = judged(assessment=verdict)
     for before, after in zip(usual.throws, found.throws, strict=True):
-        assert after.torque.value <= before.torque.value
+        assert after.torque.value <= before.torque.value * (1.0 + 1e-12)
         assert not barred[0][0] < after.torque.speed < barred[0][1]
     assert found.throws[3].torque.value < usual.throws[3].torque.value
     assert "which the verdict bars" in " ".join(found.remarks)
