@@ -2,7 +2,6 @@
 
 import math
 from collections.abc import Iterator, Sequence
-from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -21,8 +20,9 @@ from geometry.cad_faces import (
 )
 from geometry.gmsh_session import middle_point
 from geometry.imported import ImportedPin, ImportedThrow, RequestedFaces
+from geometry.imported_cylinders import hole_along, named_cylinders, turned_place
 from geometry.imported_sizes import planned_sizes
-from geometry.parts import LEFT_JOURNAL, RIGHT_JOURNAL, Cylinder
+from geometry.parts import LEFT_JOURNAL, RIGHT_JOURNAL
 from geometry.sizes import ROOT_PER_FILLET, SizePlan
 from geometry.solid import BORE, FILLET, LEFT_END, MAIN_JOURNAL, PIN, RIGHT_END, WEB, Zone
 from geometry.step_file import PLANE, StepFace
@@ -106,13 +106,15 @@ class _Recognition:
         fillets, corners, radii = self._meetings(row, ends)
         reaches = [self._reach(number, item, fillets) for number, item in enumerate(row)]
         holes = tuple(
-            _hole(item, turn, shift) for item in self._rounds if item.radius < 0.0 and item.whole
+            hole_along(item, turn, shift)
+            for item in self._rounds
+            if item.radius < 0.0 and item.whole
         )
         plan = planned_sizes(row, reaches, fillets, corners, radii, holes)
         pins = tuple(
             ImportedPin(
                 _pin_name(number),
-                _turned(pin.axis, turn) if number else (0.0, math.hypot(*pin.axis)),
+                turned_place(pin.axis, turn) if number else (0.0, math.hypot(*pin.axis)),
                 pin.radius,
                 low + shift,
                 high + shift,
@@ -121,18 +123,8 @@ class _Recognition:
         )
         names = (LEFT_JOURNAL, *(pin.name for pin in pins), RIGHT_JOURNAL)
         axes = ((0.0, 0.0), *(pin.axis for pin in pins), (0.0, 0.0))
-        cylinders = tuple(
-            _cylinder(name, axis, item.radius, (low + shift, high + shift), holes)
-            for name, axis, item, (low, high) in zip(names, axes, row, reaches, strict=True)
-        )
-        cylinders = tuple(
-            replace(
-                cylinder,
-                start_fillet=radii.get((number, "start"), 0.0),
-                end_fillet=radii.get((number, "end"), 0.0),
-            )
-            for number, cylinder in enumerate(cylinders)
-        )
+        spans = [(low + shift, high + shift) for low, high in reaches]
+        cylinders = named_cylinders(names, axes, row, spans, radii, holes)
         return ImportedThrow(
             path=path,
             digest=digest,
@@ -398,38 +390,3 @@ class _Recognition:
 
 def _pin_name(number: int) -> str:
     return PIN if number == 0 else f"{PIN} {number + 1}"
-
-
-def _turned(axis: tuple[float, float], turn: float) -> tuple[float, float]:
-    sine, cosine = math.sin(turn), math.cos(turn)
-    return (cosine * axis[0] - sine * axis[1], sine * axis[0] + cosine * axis[1])
-
-
-def _cylinder(
-    name: str,
-    axis: tuple[float, float],
-    radius: float,
-    reach: tuple[float, float],
-    holes: Sequence[Cylinder],
-) -> Cylinder:
-    """A journal or pin without its fillets; a hole along it through its middle is its bore."""
-    plain = Cylinder(name, axis, radius, *reach, 0.0, 0.0, 0.0, axis, *reach)
-    middle = 0.5 * sum(reach)
-    for hole in holes:
-        inside = math.dist(hole.axis, axis) + hole.radius < radius
-        if inside and hole.start < middle < hole.end and hole.radius > plain.bore_radius:
-            plain = replace(
-                plain,
-                bore_radius=hole.radius,
-                bore_axis=hole.axis,
-                bore_start=hole.start,
-                bore_end=hole.end,
-            )
-    return plain
-
-
-def _hole(item: Round, turn: float, shift: float) -> Cylinder:
-    """A hole in the throw frame, as the bore of a cylinder that the size fields know."""
-    axis, radius = _turned(item.axis, turn), -item.radius
-    start, end = item.low + shift, item.high + shift
-    return Cylinder(BORE, axis, radius, start, end, 0.0, 0.0, radius, axis, start, end)

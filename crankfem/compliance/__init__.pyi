@@ -14,5 +14,7 @@ from fem.fillet_stress import fillet_stresses as fillet_stresses
 from fem.modes import ThrowModes as ThrowModes
 from fem.pin_response import Motion as Motion
 from fem.pin_response import PinResponse as PinResponse
+from fem.rule_mesh import FilletMeshing as FilletMeshing
+from fem.rule_mesh import ReadingQuality as ReadingQuality
 from fem.shaft import ShaftCompliances as ShaftCompliances
 from fem.shaft import shaft_compliances as shaft_compliances

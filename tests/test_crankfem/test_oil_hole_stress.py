@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from comparing import close
+from crankfem.analyses.throw.pictures.stress_picture import picture_arrays
 from crankfem.analyses.throw.stress import stress_record, stress_tables
 from crankfem.cli.tables.throw_tables import _sentences
 from fem.fillet_stress import fillet_stresses
@@ -83,6 +84,26 @@ def test_records_tables_and_pictures_have_them_beside_the_fillets(found):
     assert table.title.startswith("Torque: largest stresses at fillets and exits of oil holes")
     assert [row[0] for row in table.rows][-1] == "pin, oil hole 1 at 180 deg"
     assert any("to a depth of one diameter" in sentence for sentence in _sentences(record))
+    drawn = picture_arrays(found)
+    assert drawn["places"].shape == (
+        5,
+        2,
+        4,
+        3,
+    )  # a fillet and a hole, in each image of the quarter
+    for number, load in enumerate(found.loaded.loads):
+        hole = max(found.at_oil_holes(load), key=lambda peak: peak.von_mises)
+        fillet, text = drawn["remarks"][number].split("\n")
+        assert fillet.startswith("largest at a fillet: ")
+        assert text.startswith(
+            f"largest at an oil hole: {hole.von_mises / 1e3:.3g} MPa ({hole.name}; "
+        )
+        largest = max(peak.von_mises for peak in (*found.under(load), hole))
+        assert drawn["largest"][number] == close(largest / 1e3)
+        # On the rim, right above where the stress is.
+        rim = drawn["places"][number, 1, 0]
+        assert math.hypot(rim[0], rim[1] - 0.17) == close(0.09)
+        assert rim[2] == close(hole.von_mises_place[2])
     # Records that older releases wrote have no such key; the left fillets of two say all.
     for load in record["loads"]:
         del load["oil_holes"]

@@ -109,6 +109,32 @@ def test_half_of_a_symmetric_throw_is_printed(found, capsys):
     assert "Torque: largest stresses at fillets [MPa per kN m]" in text
 
 
+def test_what_the_rule_asks_of_mesh_and_stresses_is_told(found, capsys):
+    stresses = replace(found["quarter"], mesh="m53")
+    text = printed(stress_record(stresses), capsys)
+    size = max(meshing.size_share for meshing in stresses.meshings)
+    assert (
+        f"Mesh of UR M53, Appendix III, not met: largest element of the fillets {size:.2f} of"
+        in text
+    )
+    read = [
+        peak.quality
+        for peak in stresses.peaks
+        if peak.load.kind in ("torsion", "bending", "radial")
+    ]
+    assert not stresses.rule_met
+    spread = max(quality.spread for quality in read)
+    assert "radial force, not met: smallest principal stress up to " in text
+    assert f"elements within {100.0 * spread:.1f} % of their mean (5 %)." in text
+    for load in stresses.loaded.loads:
+        for peak in stresses.under(load):
+            factors = {"torsion": peak.shear_factor, "axial": None, "cross bending": None}
+            assert peak.rule_factor == factors.get(load.kind, peak.von_mises_factor)
+            # Of two principal stresses and a free surface, half the von Mises stress at least.
+            assert 0.5 <= peak.shear / peak.von_mises <= 1.0 / math.sqrt(3.0) + 1e-9
+    assert "Appendix III" not in printed(stress_record(found["quarter"]), capsys)
+
+
 def test_sharp_corners_get_no_number(found, capsys):
     text = printed(stress_record(found["half"]), capsys)
     assert text.count("left journal") == text.count("right journal") == 5
