@@ -10,12 +10,13 @@ compliances: that is what is known of their error.
 
 from crankfem.analyses.throw.formula_spread import ACCURACY
 from crankfem.files.engine.throw_file import load_throw
-from crankfem.files.reading.data_files import data_folder, shipped_names
+from crankfem.files.reading.data_files import data_folder, input_path, shipped_names
+from crankfem.files.reading.toml_file import read_toml
 from fem.analysis import analyze_throw
 from fem.angle_law import effective_angle_law
 
 HEAD = f"""\
-# Compliances of a throw of each shipped engine by finite elements of this program (written by
+# Compliances of each shipped engine with a throw of its own, by finite elements (written by
 # docs/build_throw_compliances.py), estimated error within {100.0 * ACCURACY:g} %: relative, of the axial
 # compliance. Axial between equal neighbors at an angle gamma:
 # e_0 + (e_180 - e_0) / (1 + rho cot^2(gamma/2)), through gamma = 0, 90 and 180 deg, sections moving as
@@ -26,9 +27,14 @@ engine,e_0_m_per_N,e_180_m_per_N,rho,torsional_rad_per_Nm,error_estimate
 
 def main() -> None:
     """Analyze each throw and write a row for it."""
-    rows = []
+    rows, known = [], []
     for name in shipped_names("engine"):
         throw, material = load_throw(name)
+        # A set has its engine's throw, and of a plant whose maker gives the chain the throw is assumed.
+        of_plant = "plant" in read_toml(input_path(name)).sections.get("shaft_line", {})
+        if of_plant or (throw, material) in known:
+            continue
+        known.append((throw, material))
         found = analyze_throw(throw, material, accuracy=ACCURACY)
         law = effective_angle_law(found.superelement)
         rows.append(

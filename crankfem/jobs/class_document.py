@@ -81,9 +81,8 @@ def write_class_document(
     refuse_what_cannot_run(read)
     check_submission(read)
     inputs = (read.path, *engine_tables(read, mechanism_of(read)))
-    folder = Path(output)
     with protected(*inputs):
-        _check_folder(folder)
+        folder = _checked_folder(output)
         run = engine_vibration(read, step=told.step)
         told.step("Calculating all cylinders failing")
         parts = class_document(run)
@@ -108,16 +107,17 @@ def write_class_document(
     return WrittenDocument(page, tables, run, parts)
 
 
-def _check_folder(folder: Path) -> None:
-    """Make the folders, and refuse files of somebody else's that stand in the way.
+def _checked_folder(output: str | Path) -> Path:
+    """Make the folders, refuse files of somebody else's that stand in the way, and return the first one.
 
     Raises
     ------
     InputError
     """
-    if not str(folder).strip() or folder.is_file():
+    folder = Path(output)
+    if not str(output).strip() or folder.is_file():
         raise InputError(
-            f"output: given {str(folder)!r}; allowed is a folder one may write to, because the document, its "
+            f"output: given {str(output)!r}; allowed is a folder one may write to, because the document, its "
             "tables and diagrams are files in it."
         )
     try:
@@ -134,6 +134,7 @@ def _check_folder(folder: Path) -> None:
             check_output(path, "table")
         for path in sorted((folder / DIAGRAMS).glob("*.svg")):
             check_output(path, "picture")
+    return folder
 
 
 def _take_last_away(folder: Path) -> None:
