@@ -19,7 +19,7 @@ from crankfem.service.answers import Lookups, ModelDescription, ModelNames
 from crankfem.service.asking import LookupQuestion, read_question, read_record
 from crankfem.service.bounds import Bounds
 from crankfem.service.job_store import JobStore
-from crankfem.service.law_record import reactions_record
+from crankfem.service.law_answer import reactions_record
 from crankfem.service.problems import ProblemError
 from crankfem.service.responses import answer, described
 from crankfem.service.tasks import MODEL

@@ -15,7 +15,7 @@ from crankfem.service.asking import (
     ThrowQuestion,
     read_question,
 )
-from crankfem.service.law_record import law_record
+from crankfem.service.law_answer import law_answer
 from crankfem.service.responses import answer, described
 from geometry.plots.throw_outline import outline_svg
 
@@ -28,7 +28,7 @@ async def ask_law(request: Request) -> Response:
     """Tell compliances, c and reactions of a throw by the law, with bands, without finite elements."""
     asked = await read_question(request, LawQuestion)
     return answer(
-        law_record(
+        law_answer(
             asked.read_throw(),
             asked.read_material(),
             asked.gamma_deg,

@@ -179,17 +179,14 @@ def throw_laws(
 ) -> tuple[AxialLaw, TorsionalLaw]:
     """Both laws of a throw in the time of one; parameters and errors as `axial_law`."""
     found = LawAnswers.of_throw(throw, youngs_modulus, poisson_ratio)
-    both = found.results(AXIAL | {f"twist {name}": one for name, one in TORSIONAL.items()})
-    errors = both.pop("errors")
-    shared = {name: both.pop(name) for name in ("tier", "nearest_limit")}
-    axial = {name: both[name] for name in AXIAL}
-    torsional = {name: both[f"twist {name}"] for name in TORSIONAL}
-    return (
-        AxialLaw(**axial, **shared, errors={name: errors[name] for name in AXIAL}),
-        TorsionalLaw(
-            **torsional, **shared, errors={name: errors[f"twist {name}"] for name in TORSIONAL}
-        ),
-    )
+    twists = {f"twist {name}": one for name, one in TORSIONAL.items()}
+    shared = found.results(AXIAL | twists)
+    errors = shared.pop("errors")
+    axial = {name: shared.pop(name) for name in AXIAL}
+    torsional = {name: shared.pop(f"twist {name}") for name in TORSIONAL}
+    axial["errors"] = {name: errors[name] for name in AXIAL}
+    torsional["errors"] = {name: errors[f"twist {name}"] for name in TORSIONAL}
+    return AxialLaw(**axial, **shared), TorsionalLaw(**torsional, **shared)
 
 
 def axial_laws(

@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 
+from crankbase.errors import InputError
 from crankfem.analyses.record import Record, attributes
 from fem.material import Material
 from fem.supports import Support
@@ -11,7 +12,7 @@ from regression.law.throw_law import throw_laws
 from regression.models.reaction_lookup import ReactionLookup
 
 
-def law_record(
+def law_answer(
     throw: CrankThrow,
     material: Material,
     gamma_deg: float | None = None,
@@ -63,19 +64,23 @@ def law_record(
             values[f"{name}_neighbors"] = {
                 "value": float(value), "lower": None, "upper": None, "unit": "m/N"
             }  # fmt: skip
+    remarks = [
+        f"Bands hold the true value in 95 of 100 throws. The law's nearest limit: {axial.nearest_limit}."
+    ]
+    reactions = None
+    if pin_force is not None:
+        try:
+            found = law_reactions(throw, pin_force, support, poisson_ratio=material.poisson_ratio)
+            reactions = reactions_record(found)
+        except InputError as error:  # the compliances are known all the same
+            remarks.append(f"No reactions: {error}")
     return {
         "values": values,
         "ratio": axial.ratio,
-        "reactions": None
-        if pin_force is None
-        else reactions_record(
-            law_reactions(throw, pin_force, support, poisson_ratio=material.poisson_ratio)
-        ),
+        "reactions": reactions,
         "tier": axial.tier,
         "nearest_limit": axial.nearest_limit,
-        "remarks": [
-            f"Bands hold the true value in 95 of 100 throws. The law's nearest limit: {axial.nearest_limit}."
-        ],
+        "remarks": remarks,
     }
 
 
