@@ -48,7 +48,7 @@ SLOW = {
     "export 6chn25-34 throw.vtu --size 3 --part quarter": 0,
 }
 # Whose JSON other tests make, which look at its units too, or holds no numbers.
-ELSEWHERE = {"run", "report"}
+ELSEWHERE = {"run", "report", "class", "serve"}
 
 
 @pytest.fixture

@@ -1154,8 +1154,8 @@ LEFT_OUT = {
         AssembledShaft CrankshaftSystem DampedChain LinearSystem TurningChain
         ViscousSystem""",
     "a few numbers": """
-        AbsorberOptimum BestPressure ConcentrationFactors FlywheelTilt FrequencyDifference MovingMasses
-        RodModel TwoMassCheck""",
+        AbsorberOptimum BestPressure ConcentrationFactors CriticalPlane ElementFactors FlywheelTilt
+        FrequencyDifference MovingMasses RodModel TwoMassCheck""",
     "does not know the angles it belongs to; HingeMoment tabulates its reduced crank": """
         CylinderMotion PointMotion TurnMotion ReducedCrank""",
     "depends on speed and load; CylinderForces at speeds draws it": "CylinderHarmonics",
