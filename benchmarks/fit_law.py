@@ -26,6 +26,7 @@ Array = NDArray[np.float64]
 UX, UY, UZ, RX, RY, RZ = range(6)
 PINNED = [n for n in range(12) if n not in (UX, UY, 6 + UX, 6 + UY, UZ, RZ)]
 HIDDEN = {"plain": (16, 12), "real": (24, 16)}
+STEPS = {"plain": 60, "real": 200}
 SAMPLES = {"plain": ("plain-train", "plain-held-out")}
 # Change of each answer's logarithm with Poisson's ratio: mean over five throws of the real tier, and one and
 # a half of its standard deviations, for five are few.
@@ -49,8 +50,9 @@ LEAST_NOISE = 2e-4
 FE_ERROR = 0.0017
 # Throws between those computed that networks of real throws learn from; plain throws that processes do.
 POOL, PLAIN_TEACHERS, KERNEL_THROWS = 3000, 200, 900
-# Networks that follow processes: squares of weights beside those of errors, and a step's least gain.
-FREE, LEAST_GAIN = 8e-8, 1.5e-3
+# Networks that follow processes: squares of weights beside those of errors, and steps of less
+# than the least gain that may follow each other.
+FREE, LEAST_GAIN, SLOW = 8e-8, 1e-3, 6
 UNWEIGHED = 10  # steps before weights are held back as the evidence tells
 
 
@@ -194,14 +196,14 @@ class Network:
     def follow(self, x: Array, y: Array, steps: int) -> None:
         """Minimize squared errors beside answers without noise; weights are held back as little as can be."""
         held = np.array([FREE] * 5 + [1e-3 * FREE] * 2)[self.groups]
-        damping = 1e-2
+        damping, slow = 1e-2, 0
         error = y - self.values(x)
         cost = error @ error + held @ self.weights**2
         for _ in range(steps):
             slopes = self.derivatives(x)[1]
             square = slopes.T @ slopes
             downhill = slopes.T @ error - held * self.weights
-            for _ in range(8):
+            for _ in range(10):
                 matrix = square.copy()
                 matrix[np.diag_indices_from(matrix)] += held + damping
                 weights = self.weights + cho_solve(cho_factor(matrix, lower=True), downhill)
@@ -212,9 +214,10 @@ class Network:
                 damping *= 4.0
             else:
                 break
-            gain, damping = 1.0 - better / cost, max(damping / 4.0, 1e-7)
+            slow = slow + 1 if better > (1.0 - LEAST_GAIN) * cost else 0
             self.weights, error, cost = weights, left, better
-            if gain < LEAST_GAIN:
+            damping = max(damping / 3.0, 1e-7)
+            if slow > SLOW:
                 break
 
     def _weighed(
@@ -340,12 +343,11 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("folder", type=Path)
     parser.add_argument("--tier", choices=FITS, nargs="*", default=list(FITS))
-    parser.add_argument("--steps", type=int, default=60)
     given = parser.parse_args()
     kept = dict(np.load(FILE)) if FILE.exists() else {}
     for tier in given.tier:
         rows = read(given.folder, SAMPLES[tier])
-        made = FITS[tier](rows, *table(tier, rows), given.steps)
+        made = FITS[tier](rows, *table(tier, rows), STEPS[tier])
         made["poisson"] = np.array([POISSON[name] for name in OUTPUTS])
         kept |= {f"{tier}_{name}": array for name, array in made.items()}
     np.savez_compressed(FILE, **kept)

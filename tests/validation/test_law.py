@@ -4,10 +4,9 @@ Source: data/tables/law_throws.csv.gz, corrected superelements of this program's
 throws of the samples plain-test and real-test, which took part neither in training nor in any choice; and
 e_n of the shipped engines' throws by corrected finite elements at 1 %, end sections rigid, as below. The
 law is an interpolation of other throws' answers, so that its own error is judged. Tolerances are what the
-law is held to: plain throws' e_n pinned 0.2 % rms and 1 % at most, their other compliances 0.5 % rms; real throws
-what docs/law.md tells of them, and 2 % for most shipped engines; a
-band that holds 95 of 100 true values holds 90 of 100 of a sample of some hundred, with luck of one in
-several hundred against it.
+law is held to: plain throws' e_n pinned 0.2 % rms and 1 % at most, their other compliances 0.5 % rms; real
+throws as docs/law.md tells, and most shipped engines' 2 %. A band that holds 95 of 100 true values holds 90
+of 100 of a sample of some hundred, with luck of one in several hundred against it.
 """
 
 import csv
@@ -97,7 +96,13 @@ def test_real_throws(throws, figure):
     found, _ = errors(throws, "real-test")
     assert found.shape[1] >= 200
     figure("error of e_n pinned, real throws, rms", rms(found[0]), 0.0, 0.01, kind="absolute")
-    figure("error of e_n pinned, real throws, largest", np.abs(found[0]).max(), 0.0, 0.04, kind="absolute")
+    figure(
+        "error of e_n pinned, real throws, largest",
+        np.abs(found[0]).max(),
+        0.0,
+        0.04,
+        kind="absolute",
+    )
     for error in rms(found[1:]):
         figure("errors of real throws' other answers, rms", error, 0.0, 0.015, kind="absolute")
 
