@@ -120,7 +120,7 @@ def test_a_throw_of_pairs_or_of_an_engine_that_they_change():
 
 def test_lookup_law(call):
     out = call("lookup", "law", *PAIRS, "--gamma", "120 deg", "--pin-force", "0, -100 kN, 0").out
-    assert "Bands hold 95 of 100 throws, of rigid end sections." in out
+    assert "A band holds the true value of 95 in 100 throws, their end sections rigid." in out
     assert "Axial reaction neighbors 120 deg: within" in out
     found = call("lookup", "law", *PAIRS, "--json").json()
     assert (
