@@ -139,7 +139,10 @@ def test_check_and_formulas_tell_the_law(call):
     assert record["law"]["answers"]["axial_compliance"]["value"] == value
     out = call("formulas", ENGINE, "--no-fe").out
     assert "the law" in out
-    assert "The law, fitted to finite elements of rigid end sections, has a band of" in out
+    assert "The law, fitted to finite elements with rigid end sections, has a band of" in out
+    assert "sections between neighbors bend" not in out  # pinned
+    beside = call("formulas", ENGINE, "--no-fe", "--gamma", "120 deg").out
+    assert "and leaves out that sections between neighbors bend." in beside
 
 
 def test_throws_outside_are_told_by_formulas_too(call, tmp_path):
