@@ -122,6 +122,7 @@ GROUPS: dict[str, tuple[str, dict[str, str]]] = {
             "test_section_seams": "the same shaft, not cut",
             "test_short_journals": "the whole solid in three dimensions",
             "test_symmetry_parts": "the throw meshed as a half and whole",
+            "test_element_factors": "the same throws on meshes twice as fine",
             "test_reaction_lookups": "finite elements of every throw, in place of equations",
         },
     ),

@@ -151,7 +151,8 @@ class EngineStrength:
                 smaller = unsafe_formulas(own.factors.get(name), elements)
                 for symbol, (formula, other) in smaller.items():
                     text = (
-                        f"{symbol} is {formula:.3f} by the formula and {other:.3f} by finite elements, "
+                        f"{symbol} is {formula:.3f} by the formula and {other:.3f} by finite elements"
+                        f"{_method(symbol)}, "
                         f"{_more(formula, other)} more (estimated error {100.0 * elements.error:.2g} %): the "
                         "formula is on the unsafe side"
                     )
@@ -172,7 +173,9 @@ class EngineStrength:
                     most[symbol] = max(
                         most.get(symbol, both), both, key=lambda two: two[1] / two[0]
                     )
-        named = ", ".join(f"{symbol} (up to {_more(*both)})" for symbol, both in most.items())
+        named = ", ".join(
+            f"{symbol}{_method(symbol)} (up to {_more(*both)})" for symbol, both in most.items()
+        )
         return named and (
             "By finite elements factors of stress concentration are larger than by the formulas of UR M53: "
             f"{named}. There the formulas are on the unsafe side."
@@ -254,6 +257,11 @@ def _of_throws(said: Iterable[tuple[int, str]]) -> tuple[str, ...]:
         f"throw{'s' if len(throws) > 1 else ''} {', '.join(map(str, throws))}{text}"
         for text, throws in found.items()
     )
+
+
+def _method(symbol: str) -> str:
+    """Of the two methods of Appendix III for the shear factor the one that is used."""
+    return " by method 1" if symbol == "beta_Q" else ""
 
 
 def _more(one: float, other: float) -> str:

@@ -74,6 +74,7 @@ def strength_remarks(
         met = "meet" if all(own.as_ruled for own in elements) else "do not meet"
         yield (
             "finite elements: ends are rigid discs, the force in three-point bending is spread over the pin; "
+            "beta_Q is by method 1 of Appendix III, the difference of two large numbers; "
             f"mesh and stresses {met} the criteria of the rule's Appendix III at all fillets"
         )
     changes = dict.fromkeys(

@@ -1,0 +1,87 @@
+"""Factors of stress concentration by finite elements, on the rule's mesh and on one twice as fine.
+
+Source: the same throw on a finer mesh. Appendix III of IACS UR M53 (Rev.5) asks for elements of a quarter of
+the fillet's radius, layers of one, two and three times that below, and six across the web. Elements at the
+fillets, below them and at the oil hole are then half as large (1.8 to 2.2 times smaller as measured), and nine
+stand across the web. Three throws: pin and journals that overlap; such that do not; bored journals and an
+oil hole across the pin.
+
+Tolerance: 3 %, as much as the factors are said to be good for; those that are read from one stress are
+within 1.2 %. beta_Q by method 1 has 7 %: it is (s_3P - s_N3P beta_B)/s_Q3P, where s_3P/(beta_Q s_Q3P) is
+10 to 14, and largest stresses that differ by 0.5 % change it by that much. Method 2, s_3P/s_N3P, has 3 %,
+and so has the stress that the assessment puts together, beta_B s_N + beta_Q s_Q: with one rod in the
+middle of the pin it is that of method 2.
+"""
+
+import math
+
+import pytest
+
+from crankfem.analyses.strength.element_factors import element_factors
+from crankfem.analyses.strength.throw_webs import throw_webs
+from crankfem.files.sections.strength_section import StrengthSection
+from dynamics.strength.element_factors import SYMBOLS
+from fem import fillet_stress, rule_mesh
+from geometry.throw import CrankThrow
+from geometry.throw_dimensions import OilHole
+
+pytestmark = pytest.mark.further
+
+STEEL = {"tensile_strength": 8e8, "manufacture": "free-form forged", "piston": "trunk"}
+HOLE = OilHole(part="pin", diameter=0.03, angle=0.5 * math.pi, exit_radius=0.006)
+THROWS = {
+    "overlap": {},
+    "no overlap": {"crank_radius": 0.22, "main_journal_diameter": 0.19, "web_width": 0.25}
+    | {"web_thickness": 0.085},
+    "bores and oil hole": {"crank_radius": 0.175, "main_journal_diameter": 0.19}
+    | {"pin_diameter": 0.19, "main_journal_length": 0.14, "main_journal_bore": 0.08}
+    | {"oil_holes": (HOLE,)},
+}
+BY_METHOD_1 = 0.07
+# Elements come out a little larger than wished.
+FINER, ACROSS_WEB = 2.4, 9.0
+
+
+def throw(name):
+    usual = {"crank_radius": 0.16, "main_journal_diameter": 0.2, "pin_diameter": 0.18}
+    usual |= {"main_journal_length": 0.15, "pin_length": 0.13, "fillet_radius": 0.0225}
+    return CrankThrow(**({"web_width": 0.256, "web_thickness": 0.08} | usual | THROWS[name]))
+
+
+def factors(name, accuracy):
+    found = fillet_stress.fillet_stresses(throw(name), accuracy=accuracy, mesh="m53")
+    section = StrengthSection(**STEEL)
+    return found, element_factors(found, throw_webs(throw(name), section))["left web"]
+
+
+def on_both_meshes(name):
+    """Stresses and factors as the program finds them, and with elements half as large."""
+    ruled = factors(name, 0.05)
+    with pytest.MonkeyPatch.context() as patched:
+        wished = rule_mesh.WISHED_SIZE / FINER
+        for module in (rule_mesh, fillet_stress):
+            patched.setattr(module, "WISHED_SIZE", wished)
+        patched.setattr(rule_mesh, "ACROSS_WEB", ACROSS_WEB)
+        patched.setattr(fillet_stress, "RULE_FINE", 0.5 * math.pi / wished)
+        patched.setattr(fillet_stress, "MOST_RULE_UNKNOWNS", 1_500_000)
+        patched.setattr(fillet_stress, "MOST_MESHES", 2)
+        finer = factors(name, 0.2)
+    return ruled, finer
+
+
+@pytest.mark.parametrize("name", THROWS)
+def test_factors_on_a_mesh_twice_as_fine(name, figure):
+    (stresses, ruled), (fine_stresses, finer) = on_both_meshes(name)
+    assert ruled.as_ruled
+    for own, fine in zip(stresses.meshings, fine_stresses.meshings, strict=True):
+        assert fine.layers[0] < 0.56 * own.layers[0]
+        assert fine.size_share < 0.65 * own.size_share
+    for factor, symbol in {**SYMBOLS, "beta_combined": "beta_Q by method 2"}.items():
+        found, reference = getattr(ruled, factor), getattr(finer, factor)
+        if found is None:
+            assert factor.startswith("gamma")
+            assert not throw(name).oil_holes
+        elif factor == "beta_shear":
+            figure(f"{name}: {symbol} by method 1", found, reference, BY_METHOD_1, "1")
+        else:
+            figure(f"{name}: {symbol}", found, reference, 0.03, "1")
