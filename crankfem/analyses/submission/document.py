@@ -114,8 +114,9 @@ def _failing_sentence(cases: FiringCases, way: str) -> str:
     at = format_quantity(own.speed, "rad/s", 4)
     within = "kept" if own.used <= 1.0 else "exceeded"
     return (
-        f"With {way} limits of stress are {within}: most is used in {name} with cylinder {numbers[name]} "
-        f"failing, {own.value / 1e6:.4g} MPa at {at}, {100.0 * own.used:.3g} % of what is permitted then."
+        f"With {way} the limits of stress are {within}. The worst case is {name} with cylinder "
+        f"{numbers[name]} failing: {own.value / 1e6:.4g} MPa at {at}, {100.0 * own.used:.3g} % of the "
+        "permitted stress."
     )
 
 
