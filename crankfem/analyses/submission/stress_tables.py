@@ -71,6 +71,7 @@ def normal_table(cases: FiringCases) -> Table:
 
 
 def found_value(found: Reached) -> float | str:
+    """Return a value reached, in a word where it is unbounded."""
     return UNBOUNDED if math.isinf(found.value) else found.value
 
 
