@@ -139,7 +139,9 @@ def test_check_and_formulas_tell_the_law(call):
     assert record["law"]["answers"]["axial_compliance"]["value"] == value
     out = call("formulas", ENGINE, "--no-fe").out
     assert "the law" in out
-    assert "The law, fitted to finite elements of rigid end sections, has a band of" in out
+    assert "The law, fitted to finite elements with rigid end sections, has a band of" in out
+    # Axial compliances stand beside finite elements between neighbors, torsional ones beside pinned ends.
+    assert out.count(", and leaves out that sections between neighbors bend.") == 1
 
 
 def test_throws_outside_are_told_by_formulas_too(call, tmp_path):

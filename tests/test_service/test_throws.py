@@ -77,6 +77,8 @@ def test_the_law_answers_with_bands_and_reactions(client, throw):
     assert found.reactions.right.moment == close(known.right.moment.tolist())
     assert found.reactions.left.force_band[2] == close(known.band.left.force[2])
     assert client.law(throw).reactions is None
+    with pytest.raises(InputError, match="gamma_deg: given '120'; allowed is a number in deg"):
+        client.law(throw, gamma_deg="120")
     with pytest.raises(InputError, match="gamma_deg: missing"):
         client.law(throw, pin_force=force, support="neighbors")
 
