@@ -197,7 +197,7 @@ def test_bending_is_that_of_the_whole_shaft_far_below_its_bending_modes(vibratio
     assert ours[:-1] == close(whole[:-1], rel=5e-3)
 
 
-@pytest.mark.slow
+@pytest.mark.further
 def test_the_worst_point_is_the_worst_of_all(found, vibration, stresses):
     """Every node of the fillet by the criterion itself, on the loads of the place's speed and firing."""
     file, worst = vibration.engine_file, found.places[0]
@@ -217,7 +217,7 @@ def test_the_worst_point_is_the_worst_of_all(found, vibration, stresses):
     assert worst.safety == close(findley_limit(worst.strength, factor) / every[node].value)
 
 
-@pytest.mark.slow
+@pytest.mark.further
 def test_what_is_said_of_fatigue(found, vibration):
     assert len(found.places) == 24
     assert [one.safety for one in found.places] == sorted(one.safety for one in found.places)
