@@ -126,10 +126,11 @@ class InputModel(BaseModel, metaclass=_ShowsFields):
             unit = None if info is None else field_extra(info, "unit")
             if unit is not None and isinstance(value, str | bool):
                 prefix = f"{self.section}." if self.section else ""
-                raise InputError(
-                    f"{prefix}{name}: given {quoted(value)}; allowed is a number in {unit or 'no unit'}, "
-                    "for in Python quantities are SI numbers."
-                )
+                what = "a number in deg, as the field's name says"
+                if not name.endswith("_deg"):
+                    kind = f"in {unit}" if unit else "without a unit"
+                    what = f"a number {kind}, for in Python quantities are SI numbers"
+                raise InputError(f"{prefix}{name}: given {quoted(value)}; allowed is {what}.")
         try:
             super().__init__(**values)
         except ValidationError as error:

@@ -126,7 +126,7 @@ def fillet_stresses(
     pin, left web: 2.7
     """
     _check(throw, material, accuracy)
-    check_choice("mesh", mesh, FILLET_MESHES, "fillets are meshed in these ways")
+    check_choice("mesh", mesh, FILLET_MESHES, "these meshes are known")
     mesh_with = mesher or mesh_isolated
     usual = mesh_with(throw, BULK, "auto", None)
     parts = throw.parts if isinstance(throw, CrankThrow) else imported_parts(throw, usual)

@@ -210,7 +210,7 @@ def file_content(path: Path) -> bytes:
     try:
         return path.read_bytes()
     except FileNotFoundError:
-        raise InputError(f"{path}: given the name of no file; allowed is a STEP file.") from None
+        raise InputError(f"{path}: does not exist; give the path of a STEP file.") from None
     except OSError as error:
         raise InputError(f"{path}: given a file that cannot be read: {error.strerror}.") from None
 

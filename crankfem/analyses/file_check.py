@@ -235,6 +235,8 @@ def _engine(read: EngineFile, content: TomlFile) -> CheckedFile:
             "the source regression is fitted by crankfem run; crankfem vibration takes a saved model: "
             "vibration.model, or --model MODEL.json"
         )
+    has_gas = read.gas is not None or read.gas_map is not None
+    vibration = ("vibration", "class") if has_gas else ("vibration",)
     if read.model_path is not None:
         beside = "" if read.study is None else "; the section [study] is not run beside it"
         remarks.append(f"regression: the saved model {read.model_path}{beside}")
@@ -247,7 +249,7 @@ def _engine(read: EngineFile, content: TomlFile) -> CheckedFile:
         "engine",
         read.engine.name,
         tuple(content.sections),
-        ("run", *(() if fitted_by_run else ("vibration",)), *MECHANISM_COMMANDS, *study),
+        ("run", *(() if fitted_by_run else vibration), *MECHANISM_COMMANDS, *study),
         input_values(read),
         read.throw,
         _arrangement(read.engine),

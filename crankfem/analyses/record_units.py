@@ -56,7 +56,7 @@ _NAMES = {
     "s": "duration",
     "1/min": "vibrations_per_minute",
     "rad/s": "angular_frequency speed",
-    "m/N": "axial_compliance e_0 e_180 influence influence_coefficient",
+    "m/N": "axial_compliance axial_rigid_sections e_0 e_180 influence influence_coefficient",
     "rad/(N m)": "torsional_compliance",
     ".unit": "bound contribution highest levels limit lower lowest peak permitted plain_sum plain_sum_peak "
     "printed repaired synthesis upper value worst",

@@ -163,9 +163,9 @@ async def read_question(request: Request, kind: type[Asked]) -> Asked:
     try:
         content = from_json(await request.body(), allow_inf_nan=False)
     except ValueError as error:
-        raise ProblemError(400, f"The body of the request is no JSON: {error}.") from None
+        raise ProblemError(400, f"The body of the request is not JSON: {error}.") from None
     if not isinstance(content, dict):
-        raise ProblemError(400, "The body of the request is no JSON object.")
+        raise ProblemError(400, "The body of the request is not a JSON object.")
     return kind(**content)
 
 

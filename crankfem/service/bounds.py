@@ -99,7 +99,8 @@ class Settings:
             )
         if self.models is not None and not self.models.is_dir():
             raise InputError(
-                f"--models: given {self.models}, which is no folder; allowed is one of models."
+                f"--models: given {self.models}, which is not a folder; allowed is one with "
+                "compliance models."
             )
 
     @property

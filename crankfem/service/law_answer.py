@@ -4,6 +4,7 @@ from collections.abc import Sequence
 
 from crankbase.errors import InputError
 from crankfem.analyses.record import Record, attributes
+from crankfem.analyses.throw.law_record import end_answers, neighbor_answers
 from fem.material import Material
 from fem.supports import Support
 from geometry.throw import CrankThrow
@@ -40,32 +41,16 @@ def law_answer(
     axial, torsional = throw_laws(
         throw, youngs_modulus=material.youngs_modulus, poisson_ratio=material.poisson_ratio
     )
-    values = {
-        "axial_compliance_pinned": _banded(axial.pinned, axial.errors["pinned"], "m/N"),
-        "axial_compliance_guided": _banded(axial.guided, axial.errors["guided"], "m/N"),
-        "influence_coefficient_pinned": _banded(
-            axial.influence_pinned, axial.errors["influence_pinned"], "m/N"
-        ),
-        "influence_coefficient_guided": _banded(
-            axial.influence_guided, axial.errors["influence_guided"], "m/N"
-        ),
-        "torsional_compliance_pinned": _banded(
-            torsional.pinned, torsional.errors["pinned"], "rad/(N m)"
-        ),
-        "torsional_compliance_guided": _banded(
-            torsional.guided, torsional.errors["guided"], "rad/(N m)"
-        ),
-    }
+    values = {}
+    for name, own in end_answers(axial, torsional).items():
+        if own["support"]:
+            values[f"{name.removesuffix('_guided')}_{own['support']}"] = own
     if gamma_deg is not None:
-        for name, value in (
-            ("axial_compliance", axial.axial(gamma_deg)),
-            ("influence_coefficient", axial.influence(gamma_deg)),
-        ):
-            values[f"{name}_neighbors"] = {
-                "value": float(value), "lower": None, "upper": None, "unit": "m/N"
-            }  # fmt: skip
+        for name, own in neighbor_answers(axial, gamma_deg).items():
+            values[f"{name}_neighbors"] = own
     remarks = [
-        f"Bands hold the true value in 95 of 100 throws. The law's nearest limit: {axial.nearest_limit}."
+        "A band holds the true value of 95 in 100 throws, their end sections rigid. Nearest to an end of the "
+        f"law's range: {axial.nearest_limit}."
     ]
     reactions = None
     if pin_force is not None:
@@ -75,18 +60,16 @@ def law_answer(
         except InputError as error:  # the compliances are known all the same
             remarks.append(f"No reactions: {error}")
     return {
-        "values": values,
+        "values": {
+            name: {key: own[key] for key in ("value", "lower", "upper", "unit")}
+            for name, own in values.items()
+        },
         "ratio": axial.ratio,
         "reactions": reactions,
         "tier": axial.tier,
         "nearest_limit": axial.nearest_limit,
         "remarks": remarks,
     }
-
-
-def _banded(value: float, error: float, unit: str) -> Record:
-    low, high = sorted((value * (1.0 - error), value * (1.0 + error)))
-    return {"value": value, "lower": low, "upper": high, "unit": unit}
 
 
 def reactions_record(found: ReactionLookup) -> Record:

@@ -120,7 +120,7 @@ def test_a_throw_of_pairs_or_of_an_engine_that_they_change():
 
 def test_lookup_law(call):
     out = call("lookup", "law", *PAIRS, "--gamma", "120 deg", "--pin-force", "0, -100 kN, 0").out
-    assert "Bands hold 95 of 100 throws, of rigid end sections." in out
+    assert "A band holds the true value of 95 in 100 throws, their end sections rigid." in out
     assert "Axial reaction neighbors 120 deg: within" in out
     found = call("lookup", "law", *PAIRS, "--json").json()
     assert (
@@ -139,7 +139,9 @@ def test_check_and_formulas_tell_the_law(call):
     assert record["law"]["answers"]["axial_compliance"]["value"] == value
     out = call("formulas", ENGINE, "--no-fe").out
     assert "the law" in out
-    assert "The law, fitted to finite elements of rigid end sections, has a band of" in out
+    assert "The law, fitted to finite elements with rigid end sections, has a band of" in out
+    # Axial compliances stand beside finite elements between neighbors, torsional ones beside pinned ends.
+    assert out.count(", and leaves out that sections between neighbors bend.") == 1
 
 
 def test_throws_outside_are_told_by_formulas_too(call, tmp_path):

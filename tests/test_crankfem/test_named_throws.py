@@ -238,7 +238,9 @@ def test_a_study_is_of_the_throw_it_names(write):
     assert load_study(first).throw == engine.named_throws["heavy"]
     with pytest.raises(InputError, match=r"^study\.throw: given 'third'; allowed are plain, heavy"):
         load_study(write(added=STUDY.replace('"plain"', '"third"')))
-    with pytest.raises(InputError, match=r"^study\.throw: given 'a'; allowed is it with sections"):
+    with pytest.raises(
+        InputError, match=r"^study\.throw: given 'a'; allowed only where throws have names"
+    ):
         load_study(_plain_with_study_throw(first.parent))
 
 
@@ -447,7 +449,7 @@ def test_commands_take_the_throw_they_are_told(call):
     ("arguments", "message"),
     [
         (("throw", UNEQUAL, "--throw", "third"), "throw: given 'third'; allowed are plain, heavy"),
-        (("throw", "yamz-5340", "--throw", "a"), "allowed is it with sections like"),
+        (("throw", "yamz-5340", "--throw", "a"), "allowed only where throws have names"),
         (("throw", "part.step", "--throw", "a"), "--throw: given 'a' with a STEP file"),
         (("formulas", "--all", "--throw", "a"), "--throw: given 'a' without ENGINE.toml"),
         (

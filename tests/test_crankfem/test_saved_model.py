@@ -124,6 +124,7 @@ def test_check_tells_which_command_fits(silent, saved, edit, call, tmp_path):
     name = written(tmp_path, text)
     record = call("check", name, "--json").json()
     assert "vibration" not in record["commands"]
+    assert "class" not in record["commands"]
     assert any("fitted by crankfem run" in one for one in record["remarks"])
     answer = call("vibration", name)
     assert answer.code == 2
@@ -133,6 +134,8 @@ def test_check_tells_which_command_fits(silent, saved, edit, call, tmp_path):
         "check", written(tmp_path, edit(text, {"vibration.model": '"model.json"'})), "--json"
     ).json()
     assert "vibration" in record["commands"]
+    assert "class" not in record["commands"]  # without gas pressure
+    assert "class" in call("check", "6chn25-34", "--json").json()["commands"]
     assert any("the section [study] is not run beside it" in one for one in record["remarks"])
     thick = edit(text, {"throw.web_thickness": '"99 mm"'})
     answer = call("check", written(tmp_path, thick))

@@ -20,7 +20,7 @@ from crankfem.analyses.throw.pictures.stress_picture import (
 )
 from crankfem.analyses.throw.stress import stress_record
 from crankfem.cli.app import app
-from crankfem.cli.tables.throw_tables import print_stresses
+from crankfem.cli.tables.throw_tables import _down, _rule_sentences, _up, print_stresses
 from fem import fillet_stress
 from fem.fillet_stress import fillet_stresses
 from fem.unit_loads import unit_loads
@@ -109,12 +109,31 @@ def test_half_of_a_symmetric_throw_is_printed(found, capsys):
     assert "Torque: largest stresses at fillets [MPa per kN m]" in text
 
 
+def test_what_misses_a_limit_of_the_rule_by_little_does_not_look_as_if_it_met_it():
+    assert (_up(0.2501, 2), _up(0.25, 2), _down(5.96, 1), _down(6.0, 1)) == (
+        "0.26",
+        "0.25",
+        "5.9",
+        "6.0",
+    )
+    meshing = {"size_share": 0.2501, "layers": (1.0, 2.0, 3.01), "across_web": 5.96, "met": False}
+    quality = {"normal_share": 0.01, "spread": 0.0501, "met": False}
+    record = {
+        "meshings": [meshing],
+        "loads": [{"kind": "torsion", "fillets": [{"quality": quality}]}],
+    }
+    mesh, stresses = _rule_sentences(record)
+    assert "0.26 of the radius (allowed 0.25), layers below 1.0, 2.0, 3.1 quarters" in mesh
+    assert "5.9 elements across the web (6 or more)" in mesh
+    assert "within 5.1 % of their mean (5 %)" in stresses
+
+
 def test_what_the_rule_asks_of_mesh_and_stresses_is_told(found, capsys):
     stresses = replace(found["quarter"], mesh="m53")
     text = printed(stress_record(stresses), capsys)
     size = max(meshing.size_share for meshing in stresses.meshings)
     assert (
-        f"Mesh of UR M53, Appendix III, not met: largest element of the fillets {size:.2f} of"
+        f"Mesh of UR M53, Appendix III, not met: largest element of the fillets {_up(size, 2)} of"
         in text
     )
     read = [
@@ -125,7 +144,7 @@ def test_what_the_rule_asks_of_mesh_and_stresses_is_told(found, capsys):
     assert not stresses.rule_met
     spread = max(quality.spread for quality in read)
     assert "radial force, not met: smallest principal stress up to " in text
-    assert f"elements within {100.0 * spread:.1f} % of their mean (5 %)." in text
+    assert f"elements within {_up(100.0 * spread, 1)} % of their mean (5 %)." in text
     for load in stresses.loaded.loads:
         for peak in stresses.under(load):
             factors = {"torsion": peak.shear_factor, "axial": None, "cross bending": None}

@@ -569,7 +569,7 @@ def test_an_inclined_shaft_is_refused(throw, folder):
 
 
 def test_a_file_that_is_not_there(folder):
-    with pytest.raises(InputError, match="the name of no file; allowed is a STEP file"):
+    with pytest.raises(InputError, match="does not exist; give the path of a STEP file"):
         import_throw(folder / "missing.step")
     with pytest.raises(InputError, match="a file that cannot be read"):
         import_throw(folder)
@@ -656,7 +656,7 @@ def test_a_changed_file_is_refused(named, folder):
     with pytest.raises(InputError, match="a file that has changed since it was imported"):
         mesh_imported_throw(imported)
     path.unlink()
-    with pytest.raises(InputError, match="the name of no file"):
+    with pytest.raises(InputError, match="does not exist"):
         mesh_imported_throw(imported)
 
 

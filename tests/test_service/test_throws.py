@@ -14,6 +14,7 @@ from crankfem import (
     load_throw,
     torsional_law,
 )
+from crankfem.analyses.throw.law_record import law_answers
 from crankfem.client import Client, RefusedError
 from crankfem.formulas import law_reactions
 
@@ -68,12 +69,16 @@ def test_the_law_answers_with_bands_and_reactions(client, throw):
     assert found.values["axial_compliance_pinned"].value == close(axial.pinned)
     assert found.values["axial_compliance_pinned"].lower == close(axial.band[0])
     assert found.values["axial_compliance_neighbors"].value == close(float(axial.axial(120.0)))
+    between = law_answers(CrankThrow(**throw), STEEL, 120.0)["axial_compliance"]
+    assert found.values["axial_compliance_neighbors"].upper == close(between["upper"])
     assert found.values["torsional_compliance_guided"].value == close(torsional.guided)
     known = law_reactions(CrankThrow(**throw), force, Neighbors(120.0, 120.0))
     assert found.reactions.left.force == close(known.left.force.tolist())
     assert found.reactions.right.moment == close(known.right.moment.tolist())
     assert found.reactions.left.force_band[2] == close(known.band.left.force[2])
     assert client.law(throw).reactions is None
+    with pytest.raises(InputError, match="gamma_deg: given '120'; allowed is a number in deg"):
+        client.law(throw, gamma_deg="120")
     with pytest.raises(InputError, match="gamma_deg: missing"):
         client.law(throw, pin_force=force, support="neighbors")
 

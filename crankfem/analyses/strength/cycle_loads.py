@@ -24,7 +24,7 @@ from crankfem.files.engine.mechanism_file import MechanismFile
 from dynamics.response.order_excitation import at_angles
 from dynamics.response.series import OrderSeries
 from dynamics.response.synthesis import common_order
-from fem.shaft import solve_shaft
+from fem.shaft import shaft_unknowns, sharing_sections, solve_shaft
 from fem.superelement import RZ, UZ, Superelement
 
 # Samples over the cycle are so far apart or a little less [deg].
@@ -95,14 +95,18 @@ class ShaftUnderForces:
         take the rest.
         """
         count, shape = len(self.throws), pins.shape[1:-1]
-        turned = [
-            throw.turned(angle_deg=float(angle))
-            for throw, angle in zip(self.throws, np.degrees(self.angles), strict=True)
-        ]
+        turned = sharing_sections(
+            [
+                throw.turned(angle_deg=float(angle))
+                for throw, angle in zip(self.throws, np.degrees(self.angles), strict=True)
+            ]
+        )
+        sections = turned[0].sections
+        parts = [shaft_unknowns(place, count, sections.bending) for place in range(count)]
         # Columns: six loads of each pin, then torques at both ends, then tension of each throw.
-        loads = np.zeros((6 * (count + 1), 7 * count + 2))
+        loads = np.zeros((sections.count * (count + 1), 7 * count + 2))
         for place, throw in enumerate(turned):
-            loads[6 * place : 6 * place + 12, 6 * place : 6 * place + 6] = throw.pin_loads[0]
+            loads[parts[place], 6 * place : 6 * place + 6] = throw.pin_loads[0]
             loads[[6 * place + UZ, 6 * place + 6 + UZ], 6 * count + 2 + place] = -1.0, 1.0
         loads[RZ, 6 * count], loads[6 * count + RZ, 6 * count + 1] = -1.0, 1.0
         motions = solve_shaft(turned, loads, self.bearings)
@@ -115,9 +119,8 @@ class ShaftUnderForces:
         )
         found = np.empty((count, 12, acting.shape[1]))
         for place, throw in enumerate(turned):
-            part = slice(6 * place, 6 * place + 12)
-            own = throw.stiffness @ motions[part]
-            own[:, 6 * place : 6 * place + 6] -= throw.pin_loads[0]
+            own = throw.stiffness[:12] @ motions[parts[place]]
+            own[:, 6 * place : 6 * place + 6] -= throw.pin_loads[0][:12]
             back = self._turn_back(place)
             found[place] = back @ own @ acting
         return np.moveaxis(found, 1, -1).reshape(count, *shape, 12)

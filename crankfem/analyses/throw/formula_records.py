@@ -107,12 +107,14 @@ def fe_record(analysis: ThrowAnalysis, gamma_deg: float) -> Record:
     Returns
     -------
     dict
-        "axial" at that angle [m/N], "torsional" (pinned) [rad/(N m)], "error_estimate"; and
-        "angle_law", the law's e_0, e_180 [m/N] and rho, None where the webs differ.
+        "axial" at that angle [m/N], and with rigid sections "axial_rigid_sections"; "torsional" (pinned)
+        [rad/(N m)], "error_estimate"; and "angle_law", the law's e_0, e_180 [m/N] and rho, None where
+        the webs differ.
     """
     law = analysis.angle_law if is_symmetric(analysis.superelement) else None
     return {
         "axial": fe_axial(analysis, gamma_deg),
+        "axial_rigid_sections": fe_axial(analysis.with_sections("rigid"), gamma_deg),
         "torsional": analysis.torsional_compliance("pinned"),
         "error_estimate": analysis.error_estimate,
         "angle_law": None

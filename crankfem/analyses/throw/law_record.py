@@ -11,19 +11,20 @@ from crankfem.analyses.record import Record
 from fem.material import Material
 from geometry.throw import CrankThrow
 from regression.law.superelement import law_reactions
-from regression.law.throw_law import throw_laws
+from regression.law.throw_law import AxialLaw, TorsionalLaw, throw_laws
 from regression.models.angle import between_ends, fold_angle
 from regression.models.lookup import Lookup
 from regression.models.reaction_lookup import ReactionLookup
 
 LAW = "law"
 AXIAL, TORSIONAL = "axial_compliance", "torsional_compliance"
+INFLUENCE = "influence_coefficient"
 # Responses, as models name them, to the law's attributes and units.
 _AXIAL = {
     AXIAL: ("pinned", "m/N"),
     f"{AXIAL}_guided": ("guided", "m/N"),
-    "influence_coefficient": ("influence_pinned", "m/N"),
-    "influence_coefficient_guided": ("influence_guided", "m/N"),
+    INFLUENCE: ("influence_pinned", "m/N"),
+    f"{INFLUENCE}_guided": ("influence_guided", "m/N"),
     "tilt_stiffness_ratio": ("ratio", ""),
 }
 _TORSIONAL = {
@@ -58,32 +59,39 @@ def law_answers(
     axial, torsional = throw_laws(
         throw, youngs_modulus=material.youngs_modulus, poisson_ratio=material.poisson_ratio
     )
+    found = end_answers(axial, torsional)
+    return found if gamma_deg is None else found | neighbor_answers(axial, gamma_deg)
+
+
+def end_answers(axial: AxialLaw, torsional: TorsionalLaw) -> dict[str, Record]:
+    """Values of both laws with ends pinned and guided, as `law_answers` returns them."""
     found: dict[str, Record] = {}
     for law, names in ((axial, _AXIAL), (torsional, _TORSIONAL)):
         for response, (name, unit) in names.items():
-            value, error = getattr(law, name), law.errors[name]
             support = "guided" if "guided" in name else "pinned" if unit else ""
-            found[response] = {
-                "value": value,
-                "lower": value - error * abs(value),
-                "upper": value + error * abs(value),
-                "unit": unit,
-                "support": support,
-            }
-    if gamma_deg is not None:
-        ratio = found["tilt_stiffness_ratio"]
-        for name, law_of in ((AXIAL, axial.axial), ("influence_coefficient", axial.influence)):
-            parts = (found[f"{name}_guided"], found[name], ratio)
-            ends = [(part["lower"], part["upper"]) for part in parts]
-            lower, upper = between_ends(fold_angle(gamma_deg), ends)
-            found[name] = {
-                "value": law_of(gamma_deg),
-                "lower": lower,
-                "upper": upper,
-                "unit": "m/N",
-                "support": f"between neighbors at {gamma_deg:g} deg",
-            }
+            lower, upper = _band(law, name)
+            found[response] = _answer(getattr(law, name), lower, upper, unit, support)
     return found
+
+
+def neighbor_answers(axial: AxialLaw, gamma_deg: float) -> dict[str, Record]:
+    """Axial compliance and c between equal neighbors [deg]; their bands join those of three numbers."""
+    support = f"between neighbors at {gamma_deg:g} deg"
+    found = {}
+    for response, law in ((AXIAL, axial.axial), (INFLUENCE, axial.influence)):
+        names = (_AXIAL[f"{response}_guided"][0], _AXIAL[response][0], "ratio")
+        lower, upper = between_ends(fold_angle(gamma_deg), [_band(axial, name) for name in names])
+        found[response] = _answer(float(law(gamma_deg)), lower, upper, "m/N", support)
+    return found
+
+
+def _band(law: AxialLaw | TorsionalLaw, name: str) -> tuple[float, float]:
+    value, error = getattr(law, name), law.errors[name]
+    return value - error * abs(value), value + error * abs(value)
+
+
+def _answer(value: float, lower: float, upper: float, unit: str, support: str) -> Record:
+    return {"value": value, "lower": lower, "upper": upper, "unit": unit, "support": support}
 
 
 def law_record(throw: CrankThrow, material: Material, gamma_deg: float | None = None) -> Record:

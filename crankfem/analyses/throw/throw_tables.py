@@ -48,8 +48,8 @@ def section_sentence(record: Record) -> str:
     if not shares:
         return ""
     return (
-        f"Beside equal throws, where end sections move as polynomials of degree {record['sections']}, the "
-        f"throw is softer: rigid end sections leave out {' and '.join(shares)}."
+        f"Pinned and guided ends are rigid sections here, which leaves out {' and '.join(shares)}: so much "
+        f"softer is the throw beside equal ones, with sections that bend (degree {record['sections']})."
     )
 
 

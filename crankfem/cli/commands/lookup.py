@@ -96,7 +96,7 @@ def lookup(
         return
     banded = _print_lookups(answers, angle is not None, out.units)
     if str(model) == LAW:
-        print_line("Bands hold 95 of 100 throws, of rigid end sections.")
+        print_line("A band holds the true value of 95 in 100 throws, their end sections rigid.")
     elif banded:
         _print_bands(loaded, banded)
     if reactions is not None:

@@ -52,7 +52,9 @@ def throw(
     ] = "rigid",
     sections: Annotated[
         str,
-        typer.Option(help="Where throws meet: rigid, or degree 1, 2 or 4 of how sections bend."),
+        typer.Option(
+            help="How sections between throws move: rigid, or bending (polynomials of degree 1, 2 or 4)."
+        ),
     ] = "2",
     solver: Annotated[str, typer.Option(help="pardiso, superlu, or auto.")] = "auto",
     modes: Annotated[

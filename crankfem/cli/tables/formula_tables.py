@@ -106,8 +106,11 @@ def _print_kind(
         print_line(units.text(f"  Left out: {record['reason']}."))
     if law is not None:
         low, high = (unit.with_name(law[end]) for end in ("lower", "upper"))
+        beside = "neighbors" in law["support"]
+        softer = ", and leaves out that sections between neighbors bend" if beside else ""
         print_line(
-            f"  The law, fitted to finite elements of rigid end sections, has a band of {low} to {high}."
+            "  The law, fitted to finite elements with rigid end sections, has a band of "
+            f"{low} to {high}{softer}."
         )
     inside = [record["value"] / fe for record in records if record["valid"]] if fe else []
     if len(inside) > 1:

@@ -96,6 +96,16 @@ def print_stresses(record: Record, units: OutputUnits = SI) -> None:
         print_line(sentence)
 
 
+def _up(value: float, decimals: int) -> str:
+    """Return a number rounded up, so that what is above its limit never looks as if it met it."""
+    return f"{math.ceil(round(value * 10**decimals, 6)) / 10**decimals:.{decimals}f}"
+
+
+def _down(value: float, decimals: int) -> str:
+    """Return a number rounded down, so that what is below its limit never looks as if it met it."""
+    return f"{math.floor(round(value * 10**decimals, 6)) / 10**decimals:.{decimals}f}"
+
+
 def _rule_sentences(record: Record) -> list[str]:
     """What UR M53, Appendix III, asks of mesh and stresses, and what was reached."""
     meshings = record["meshings"]
@@ -112,15 +122,15 @@ def _rule_sentences(record: Record) -> list[str]:
 
     return [
         f"Mesh of UR M53, Appendix III, {told(meshings)}: largest element of the fillets "
-        f"{max(one['size_share'] for one in meshings):.2f} of the radius (allowed {LARGEST_SIZE:g}), layers "
-        f"below {', '.join(f'{layer:.1f}' for layer in layers)} quarters of it (1, 2, 3), "
-        f"{min(one['across_web'] for one in meshings):.1f} elements across the web "
+        f"{_up(max(one['size_share'] for one in meshings), 2)} of the radius (allowed {LARGEST_SIZE:g}), "
+        f"layers below {', '.join(_up(layer, 1) for layer in layers)} quarters of it (1, 2, 3), "
+        f"{_down(min(one['across_web'] for one in meshings), 1)} elements across the web "
         f"({ACROSS_WEB:.0f} or more).",
         "Its criteria where stresses are read under torque, bending in the crank plane and radial force, "
         f"{told(read)}: smallest principal stress up to "
         f"{100.0 * max(one['normal_share'] for one in read):.1f} % of the largest "
         f"(below {100.0 * LARGEST_NORMAL:.0f} %), elements within "
-        f"{100.0 * max(one['spread'] for one in read):.1f} % of their mean "
+        f"{_up(100.0 * max(one['spread'] for one in read), 1)} % of their mean "
         f"({100.0 * LARGEST_SPREAD:.0f} %).",
     ]
 

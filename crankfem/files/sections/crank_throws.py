@@ -111,8 +111,8 @@ def throw_of_name(throws: Throws, name: object, field: str, default: str) -> Cra
         return throws[default]
     if PLAIN in throws:
         raise InputError(
-            f"{field}: given {name!r}; allowed is it with sections like [throws.a], because the file has "
-            "one throw, without a name."
+            f"{field}: given {name!r}; allowed only where throws have names, in sections like [throws.a], "
+            "because the file has one throw, without a name."
         )
     if not isinstance(name, str) or name not in throws:
         raise InputError(
