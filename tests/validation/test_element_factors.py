@@ -1,8 +1,9 @@
 """Factors of stress concentration by finite elements, on the rule's mesh and on one twice as fine.
 
 Source: the same throw on a finer mesh. Appendix III of IACS UR M53 (Rev.5) asks for elements of a quarter of
-the fillet's radius, layers of one, two and three times that below, and six across the web. Elements at the
-fillets, below them and at the oil hole are then half as large (1.8 to 2.2 times smaller as measured), and
+the fillet's radius, layers of one, two and three times that below, and six across the web. Sizes asked
+for at the fillets, below them and at the oil hole are then halved (the largest element and the first layer
+come out 1.4 to 1.8 times smaller, for the program may refine its own mesh further where elements differ), and
 nine stand across the web. Three throws: pin and journals that overlap; such that do not; bored journals
 and an oil hole across the pin.
 
@@ -38,8 +39,7 @@ THROWS = {
     | {"oil_holes": (HOLE,)},
 }
 BY_METHOD_1 = 0.07
-# Elements come out a little larger than wished.
-FINER, ACROSS_WEB = 2.4, 9.0
+FINER, ACROSS_WEB = 2.0, 9.0
 
 
 def throw(name):
@@ -74,8 +74,8 @@ def test_factors_on_a_mesh_twice_as_fine(name, figure):
     (stresses, ruled), (fine_stresses, finer) = on_both_meshes(name)
     assert ruled.as_ruled
     for own, fine in zip(stresses.meshings, fine_stresses.meshings, strict=True):
-        assert fine.layers[0] < 0.56 * own.layers[0]
-        assert fine.size_share < 0.65 * own.size_share
+        assert fine.layers[0] < 0.75 * own.layers[0]
+        assert fine.size_share < 0.75 * own.size_share
     for factor, symbol in {**SYMBOLS, "beta_combined": "beta_Q by method 2"}.items():
         found, reference = getattr(ruled, factor), getattr(finer, factor)
         if found is None:
