@@ -64,7 +64,7 @@ def hand_formula(throw: CrankThrow, *, youngs_modulus: float = 2.1e11) -> Formul
     ...     fillet_radius=0.012,
     ... )
     >>> round(hand_formula(throw).value * 1e9, 2)
-    1.28
+    1.27
     """
     if not (is_number(youngs_modulus) and youngs_modulus > 0.0):
         raise InputError(

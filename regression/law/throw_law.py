@@ -160,7 +160,7 @@ def axial_law(
     ...     fillet_radius=0.012,
     ... )
     >>> print(f"{axial_law(throw).pinned:.2e} m/N")
-    1.29e-09 m/N
+    1.28e-09 m/N
     """
     found = LawAnswers.of_throw(throw, youngs_modulus, poisson_ratio)
     return AxialLaw(**found.results(AXIAL))
