@@ -25,7 +25,8 @@ from regression.law.ratios import ratios, throw_dimensions
 Array = NDArray[np.float64]
 UX, UY, UZ, RX, RY, RZ = range(6)
 PINNED = [n for n in range(12) if n not in (UX, UY, 6 + UX, 6 + UY, UZ, RZ)]
-HIDDEN = {"plain": (16, 12), "real": (16, 12)}
+HIDDEN = {"plain": (16, 12), "real": (24, 16)}
+STEPS = {"plain": 60, "real": 200}
 SAMPLES = {"plain": ("plain-train", "plain-held-out")}
 # Change of each answer's logarithm with Poisson's ratio: mean over five throws of the real tier, and one and
 # a half of its standard deviations, for five are few.
@@ -48,7 +49,10 @@ LEAST_NOISE = 2e-4
 # What finite elements of 1 % leave of an error, in 95 of 100 throws (docs/accuracy.md).
 FE_ERROR = 0.0017
 # Throws between those computed that networks of real throws learn from; plain throws that processes do.
-POOL, PLAIN_TEACHERS, KERNEL_THROWS = 1500, 200, 450
+POOL, PLAIN_TEACHERS, KERNEL_THROWS = 3000, 200, 900
+# Networks that follow processes: squares of weights beside those of errors, and steps of less
+# than the least gain that may follow each other.
+FREE, LEAST_GAIN, SLOW = 8e-8, 1e-3, 6
 UNWEIGHED = 10  # steps before weights are held back as the evidence tells
 
 
@@ -189,6 +193,33 @@ class Network:
                 held, precision = self._weighed(y - values, slopes, held, precision)
         self.noise = 1.0 / np.sqrt(precision)
 
+    def follow(self, x: Array, y: Array, steps: int) -> None:
+        """Minimize squared errors beside answers without noise; weights are held back as little as can be."""
+        held = np.array([FREE] * 5 + [1e-3 * FREE] * 2)[self.groups]
+        damping, slow = 1e-2, 0
+        error = y - self.values(x)
+        cost = error @ error + held @ self.weights**2
+        for _ in range(steps):
+            slopes = self.derivatives(x)[1]
+            square = slopes.T @ slopes
+            downhill = slopes.T @ error - held * self.weights
+            for _ in range(10):
+                matrix = square.copy()
+                matrix[np.diag_indices_from(matrix)] += held + damping
+                weights = self.weights + cho_solve(cho_factor(matrix, lower=True), downhill)
+                left = y - self.values(x, weights)
+                better = left @ left + held @ weights**2
+                if better < cost:
+                    break
+                damping *= 4.0
+            else:
+                break
+            slow = slow + 1 if better > (1.0 - LEAST_GAIN) * cost else 0
+            self.weights, error, cost = weights, left, better
+            damping = max(damping / 3.0, 1e-7)
+            if slow > SLOW:
+                break
+
     def _weighed(
         self, error: Array, slopes: Array, held: Array, precision: float
     ) -> tuple[Array, float]:
@@ -206,11 +237,10 @@ class Network:
 
 
 def fit(tier: str, x: Array, y: Array, steps: int, ends: tuple[Array, Array]) -> dict[str, Array]:
-    """Fit a network to each answer: the arrays of `Networks`, without bands, and the root of their error."""
+    """Fit a network to each answer: the arrays of `Networks`, without bands."""
     low, high = ends
     scaled = 2.0 * (x - low) / (high - low) - 1.0
     found: list[list[Array]] = []
-    misfit = []
     for name in OUTPUTS:
         column = y[:, OUTPUTS.index(name)]
         middle = column.mean()
@@ -218,12 +248,16 @@ def fit(tier: str, x: Array, y: Array, steps: int, ends: tuple[Array, Array]) ->
         best.train(scaled, column - middle, steps)
         found.append([*best.parts()[:-1], best.parts()[-1][0] + middle])
         error = column - middle - best.values(scaled)
-        misfit.append(error.std())
         print(f"{tier} {name}: rms {100 * error.std():.3f} %, largest {100 * abs(error).max():.2f} %,"
               f" noise {100 * best.noise:.3f} %", flush=True)  # fmt: skip
+    return stacked(found, low, high)
+
+
+def stacked(found: list[list[Array]], low: Array, high: Array) -> dict[str, Array]:
+    """Weights of some networks as the arrays of `Networks`."""
     names = ("first", "first_constant", "second", "second_constant", "last", "direct", "constant")
-    stacked = {name: np.array([one[place] for one in found]) for place, name in enumerate(names)}
-    return {"low": low, "high": high, **stacked, "misfit": np.array(misfit)}
+    parts = {name: np.array([one[place] for one in found]) for place, name in enumerate(names)}
+    return {"low": low, "high": high, **parts}
 
 
 def pool(count: int) -> Array:
@@ -245,27 +279,33 @@ def teachers(rows: list[dict[str, Any]]) -> Array:
 
 
 def fit_real(rows: list[dict[str, Any]], x: Array, y: Array, steps: int) -> dict[str, Array]:
-    """Fit processes to real throws, then networks to these throws and to the processes between them."""
+    """Fit processes to real throws, then networks to these processes at these throws and between them."""
     between = pool(POOL)
     low = np.minimum(x.min(axis=0), between.min(axis=0))
     high = np.maximum(x.max(axis=0), between.max(axis=0))
-    scaled, far = (2.0 * (some - low) / (high - low) - 1.0 for some in (x, between))
     chosen = teachers(rows)
-    few = np.random.default_rng(2).permutation(chosen)[:KERNEL_THROWS]
-    taught = np.empty((len(far), len(OUTPUTS)))
-    errors = np.empty((len(chosen), len(OUTPUTS)))
-    for place in range(len(OUTPUTS)):
-        column = y[:, [place]]
-        kernel = Process(scaled[few], column[few]).logs
-        process = Process(scaled[chosen], column[chosen], logs=kernel)
-        taught[:, place], errors[:, place] = process.values(far)[:, 0], process.left[:, 0]
+    scaled, far = (2.0 * (some - low) / (high - low) - 1.0 for some in (x[chosen], between))
+    few = np.random.default_rng(2).permutation(len(chosen))[:KERNEL_THROWS]
     judged = np.array([rows[n]["sample"] == "real-train" for n in chosen])
-    for name, left in zip(OUTPUTS, errors[judged].T, strict=True):
-        print(f"{name}: processes of other throws rms {100 * np.sqrt(np.mean(left**2)):.2f} %, "
-              f"largest {100 * abs(left).max():.1f} %", flush=True)  # fmt: skip
-    both = np.concatenate([x[chosen], between]), np.concatenate([y[chosen], taught])
-    made = fit("real", *both, steps, ends=(low, high))
-    made["bands"] = bands(scaled[chosen][judged], errors[judged], made.pop("misfit"))
+    both = np.concatenate([scaled, far])
+    found: list[list[Array]] = []
+    errors, misfit = [], []
+    for name, column in zip(OUTPUTS, y[chosen].T[:, :, None], strict=True):
+        kernel = Process(scaled[few], column[few], steps=35).logs
+        process = Process(scaled, column, logs=kernel)
+        errors.append(process.left[judged, 0])
+        known = 0.5 * (process.values(scaled) + column)
+        taught = np.concatenate([known, process.values(far)])[:, 0]
+        middle = taught.mean()
+        one = Network(both.shape[1], HIDDEN["real"], seed=0)
+        one.follow(both, taught - middle, steps)
+        found.append([*one.parts()[:-1], one.parts()[-1][0] + middle])
+        misfit.append((taught - middle - one.values(both)).std())
+        left = 100 * np.abs(errors[-1])
+        print(f"{name}: processes of other throws rms {np.sqrt(np.mean(left**2)):.2f} %, largest "
+              f"{left.max():.1f} %; network beside them {100 * misfit[-1]:.2f} %", flush=True)  # fmt: skip
+    made = stacked(found, low, high)
+    made["bands"] = bands(scaled[judged], np.array(errors).T, np.array(misfit))
     return made
 
 
@@ -274,11 +314,9 @@ def fit_plain(rows: list[dict[str, Any]], x: Array, y: Array, steps: int) -> dic
     held = np.array([row["sample"] == "plain-held-out" for row in rows])
     ends = x.min(axis=0), x.max(axis=0)
     first = fit("plain", x[~held], y[~held], steps, ends=ends)
-    first.pop("misfit")
     some = Networks(**first, bands=np.zeros((len(OUTPUTS), 2)), poisson=np.zeros((len(OUTPUTS), 2)))
     errors = y[held] - np.log(some.answers(x[held].T)).T
     made = fit("plain", x, y, steps, ends=ends)
-    made.pop("misfit")
     made["bands"] = bands(some.scaled(x[held].T).T, errors, np.zeros(len(OUTPUTS)))
     return made
 
@@ -305,12 +343,11 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("folder", type=Path)
     parser.add_argument("--tier", choices=FITS, nargs="*", default=list(FITS))
-    parser.add_argument("--steps", type=int, default=60)
     given = parser.parse_args()
     kept = dict(np.load(FILE)) if FILE.exists() else {}
     for tier in given.tier:
         rows = read(given.folder, SAMPLES[tier])
-        made = FITS[tier](rows, *table(tier, rows), given.steps)
+        made = FITS[tier](rows, *table(tier, rows), STEPS[tier])
         made["poisson"] = np.array([POISSON[name] for name in OUTPUTS])
         kept |= {f"{tier}_{name}": array for name, array in made.items()}
     np.savez_compressed(FILE, **kept)

@@ -1,5 +1,6 @@
 """Factors of stress concentration from finite elements, in the place of the formulas of UR M53."""
 
+import math
 from dataclasses import dataclass
 
 from crankbase.errors import InputError
@@ -53,6 +54,14 @@ class ElementFactors:
     gamma_torsion: float | None
     error: float
     as_ruled: bool
+
+    @property
+    def shear_error(self) -> float | None:
+        """Estimated relative error of `beta_shear`: of `error`, what the difference of stresses makes."""
+        if self.beta_combined is None or self.beta_bending is None:
+            return None
+        left = abs(self.beta_combined - self.beta_bending)
+        return self.error * self.beta_combined / left if left > 0.0 else math.inf
 
     def at(self, place: str) -> tuple[float, float, float]:
         """Return the factors on bending, shear and torsion at a place; 0 where shear is left out.

@@ -26,15 +26,21 @@ from regression.law.ratios import FILLETS, REAL, Ratios, is_plain, ratios, throw
 SOURCE = "crankfem: beams fitted to finite-element answers of plain filleted throws (docs/law.md)"
 
 
-def hand_value(found: Ratios) -> Any:
-    """Value e E D of the formula for ratios of one or more throws."""
+def hand_parts(found: Ratios) -> tuple[Any, Any, Any]:
+    """Parts of e E D for ratios of one or more throws: the pin's bending, the webs, and tension."""
     radius, pin, journal_length, pin_length, width, thickness = (found[name] for name in REAL)
     fillet = 0.5 * (found[FILLETS[0]] + found[FILLETS[1]])
     overlap = 0.5 * (1.0 + pin) - radius
     bent = radius**2 * (pin_length + 0.45 * thickness - 1.36 * fillet) * 64.0 / (np.pi * pin**4)
     webs = 39.3 * radius * np.exp(-1.74 * fillet) / (thickness**2.16 * width**0.5 * pin**0.45)
-    webs *= (1.0 + np.exp(1.5 * overlap / (thickness**0.57 * width**0.14))) ** -2.4
-    return bent + webs + 1.16 * (journal_length + pin_length / pin**2) * 4.0 / np.pi
+    webs = webs * (1.0 + np.exp(1.5 * overlap / (thickness**0.57 * width**0.14))) ** -2.4
+    return bent, webs, 1.16 * (journal_length + pin_length / pin**2) * 4.0 / np.pi
+
+
+def hand_value(found: Ratios) -> Any:
+    """Value e E D of the formula for ratios of one or more throws."""
+    bent, webs, tension = hand_parts(found)
+    return bent + webs + tension
 
 
 def hand_formula(throw: CrankThrow, *, youngs_modulus: float = 2.1e11) -> FormulaValue:

@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from geometry.throw_layout import COLLAR_MARGIN
+from regression.law.hand_formula import hand_parts
 from regression.law.ratios import FILLETS, REAL, Ratios
 
 Array = NDArray[np.float64]
@@ -25,7 +26,7 @@ def plain_inputs(found: Ratios) -> Array:
 
 
 def real_inputs(found: Ratios) -> Array:
-    """Inputs (24, ...) of the networks of real throws."""
+    """Inputs (29, ...) of the networks of real throws."""
     lengths = [found[name] for name in REAL]
     radius, pin, _, _, width, _ = lengths
     fillet, pin_fillet = (found[name] for name in FILLETS)
@@ -46,13 +47,23 @@ def real_inputs(found: Ratios) -> Array:
     begin = 0.5 + fillet + COLLAR_MARGIN
     far_begin = radius - (0.5 + COLLAR_MARGIN) * pin - pin_fillet
     step = 0.5 * np.log(found["thickness_step"])
+    tip_left = 2.0 * at_tip / width - pin_bore * pin / width
+    foot_left = 2.0 * at_foot / width - bore / width
+    pin_left = _inertia_left(pin_bore, pin_offset / pin)
+    bent, webs, tension = hand_parts(found)
+    bent, webs = bent / pin_left, webs * (tip_left * foot_left) ** -0.25
+    # How far each bore's edge lies within the other journal's outline, where force would go straight.
+    inner = radius + pin_offset - 0.5 * pin_bore * pin
+    outer = offset + 0.5 * bore
     rows = _rows(
         [
             *lengths,
-            2.0 * at_tip / width - pin_bore * pin / width,
-            2.0 * at_foot / width - bore / width,
-            _inertia_left(pin_bore, pin_offset / pin),
+            tip_left,
+            foot_left,
+            pin_left,
             _inertia_left(bore, offset),
+            bent + webs + tension,
+            bent / webs,
             _overlap(found),
             fillet,
             pin_fillet,
@@ -67,9 +78,12 @@ def real_inputs(found: Ratios) -> Array:
             foot,
             step * step,
             corner * rectangle,
+            inner - outer,
+            np.minimum(1.0, 5.0 * pin_bore * pin) * _within(0.5 - inner),
+            np.minimum(1.0, 5.0 * bore) * _within(outer - radius + 0.5 * pin),
         ]
     )
-    rows[:10] = np.log(rows[:10])
+    rows[:12] = np.log(rows[:12])
     return rows
 
 
@@ -84,6 +98,11 @@ def _inertia_left(bore: Any, offset: Any) -> Any:
     moved = bore * offset
     square = bore * bore
     return 1.0 - square * square - 16.0 * moved * moved / (1.0 - square)
+
+
+def _within(depth: Any) -> Any:
+    """A depth, or nothing where it is negative, without a kink."""
+    return 0.5 * (depth + np.sqrt(depth * depth + 0.01))
 
 
 def _between(share: Any) -> Any:

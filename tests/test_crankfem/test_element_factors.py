@@ -179,3 +179,34 @@ def test_what_is_not_meshed_has_no_factor():
 
 def test_nothing_is_unsafe_without_both():
     assert unsafe_formulas(None, ElementFactors(web=None, **FACTORS)) == {}
+
+
+def test_the_shear_factor_is_less_certain_than_the_stresses_it_is_taken_from():
+    """Of 2.4 and 2.0, 2 % each, what is left of the larger one is off by six times as much."""
+    own = ElementFactors(web=None, **FACTORS)
+    assert own.shear_error == close(0.12)
+    assert replace(own, beta_combined=None).shear_error is None
+    assert replace(own, beta_combined=own.beta_bending).shear_error == math.inf
+
+
+def test_an_unsafe_shear_factor_names_its_method_and_its_error():
+    web = cf.strength.CrankWeb(0.18, 0.22, 0.17, 0.068, 0.285, 0.012, 0.012)
+    formulas = cf.strength.ConcentrationFactors(web)
+    larger = 1.2 * formulas.beta_shear
+    elements = ElementFactors(web, **FACTORS | {"beta_shear": larger})
+    throw = engine_strength.ThrowStrength(
+        number=1,
+        places=(),
+        webs=(),
+        factors={"left web": formulas},
+        elements={"left web": elements},
+        torque=None,
+        fit=None,
+        left_out=(),
+    )
+    found = engine_strength.EngineStrength((throw,), (), False)
+    (said,) = [one for one in found.unsafe if "beta_Q" in one]
+    assert (
+        f"and {larger:.3f} by finite elements, method 1, 20 % more (estimated error 12 %)" in said
+    )
+    assert "beta_Q (up to 20 %, method 1)" in found.warning

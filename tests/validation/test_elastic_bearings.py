@@ -6,8 +6,8 @@ direction on each journal, and the whole matrix is inverted. A
 chain holds what the ends of each throw do under a pull and under a torque at the flywheel; both come from one
 linear system, so 1e-9 is round-off.
 
-The frequencies of 6ChN 25/34 with rigid sections (rigid bearings 86.97 Hz, 85.0 at 2.2e9 N/m, 82.2 at 2.2e8, free 80.8) come from an
-eigenproblem written down here with the chain's inertias.
+The frequencies of 6ChN 25/34 with rigid sections (rigid bearings 86.97 Hz, 85.0 at 2.2e9 N/m, 82.2 at 2.2e8,
+free 80.8) come from an eigenproblem written down here with the chain's inertias.
 """
 
 import math

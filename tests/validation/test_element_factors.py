@@ -2,9 +2,9 @@
 
 Source: the same throw on a finer mesh. Appendix III of IACS UR M53 (Rev.5) asks for elements of a quarter of
 the fillet's radius, layers of one, two and three times that below, and six across the web. Elements at the
-fillets, below them and at the oil hole are then half as large (1.8 to 2.2 times smaller as measured), and nine
-stand across the web. Three throws: pin and journals that overlap; such that do not; bored journals and an
-oil hole across the pin.
+fillets, below them and at the oil hole are then half as large (1.8 to 2.2 times smaller as measured), and
+nine stand across the web. Three throws: pin and journals that overlap; such that do not; bored journals
+and an oil hole across the pin.
 
 Tolerance: 3 %, as much as the factors are said to be good for; those that are read from one stress are
 within 1.2 %. beta_Q by method 1 has 7 %: it is (s_3P - s_N3P beta_B)/s_Q3P, where s_3P/(beta_Q s_Q3P) is

@@ -316,8 +316,8 @@ def _remarks(
     )
     if failing:
         yield (
-            f"besides normal firing, misfiring of {', '.join(named(case) for case in failing)} is followed: "
-            "those that twist some throw most"
+            f"besides normal firing, misfiring of {', '.join(named(case) for case in failing)} is followed, "
+            "which twists some throw most"
         )
     yield (
         "fatigue strength in bending is the rule's for the place; that in torsion is assumed as 1/√3 of it, "

@@ -150,10 +150,12 @@ class EngineStrength:
             for name, elements in own.elements.items():
                 smaller = unsafe_formulas(own.factors.get(name), elements)
                 for symbol, (formula, other) in smaller.items():
+                    error = elements.shear_error if symbol == "beta_Q" else elements.error
+                    assert error is not None
                     text = (
                         f"{symbol} is {formula:.3f} by the formula and {other:.3f} by finite elements"
                         f"{_method(symbol)}, "
-                        f"{_more(formula, other)} more (estimated error {100.0 * elements.error:.2g} %): the "
+                        f"{_more(formula, other)} more (estimated error {100.0 * error:.2g} %): the "
                         "formula is on the unsafe side"
                     )
                     webs.setdefault(text, []).append(name)
@@ -174,7 +176,7 @@ class EngineStrength:
                         most.get(symbol, both), both, key=lambda two: two[1] / two[0]
                     )
         named = ", ".join(
-            f"{symbol}{_method(symbol)} (up to {_more(*both)})" for symbol, both in most.items()
+            f"{symbol} (up to {_more(*both)}{_method(symbol)})" for symbol, both in most.items()
         )
         return named and (
             "By finite elements factors of stress concentration are larger than by the formulas of UR M53: "
@@ -261,7 +263,7 @@ def _of_throws(said: Iterable[tuple[int, str]]) -> tuple[str, ...]:
 
 def _method(symbol: str) -> str:
     """Of the two methods of Appendix III for the shear factor the one that is used."""
-    return " by method 1" if symbol == "beta_Q" else ""
+    return ", method 1" if symbol == "beta_Q" else ""
 
 
 def _more(one: float, other: float) -> str:

@@ -1,110 +1,37 @@
 """The torsional vibration document of an engine: its parts in order, with their tables and diagrams."""
 
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from collections.abc import Sequence
 from functools import partial
 from pathlib import Path
 
 from crankbase.drawing.diagram_style import figure
 from crankbase.drawing.legends import write_title
-from crankbase.errors import InputError
 from crankbase.tables.table import Column, Table
 from crankbase.units.quantity import format_quantity
 from crankfem.analyses.assumptions import assumed_values
-from crankfem.analyses.submission import mode_tables, pictures, plant_tables, stress_tables
+from crankfem.analyses.submission import (
+    machine_tables,
+    mode_tables,
+    pictures,
+    plant_tables,
+    stress_tables,
+)
+from crankfem.analyses.submission.document_parts import DocumentPart, DocumentPicture, DocumentTable
 from crankfem.analyses.submission.firing_cases import (
     HIGHEST_SHARE,
     MEANING,
     STRESS,
     FiringCases,
-    damper_places,
     firing_cases,
 )
+from crankfem.analyses.submission.submission_checks import check_damper_limits
 from crankfem.analyses.vibration.run import EngineVibration
-from crankfem.files.engine.engine_file import EngineFile
 from crankfem.files.sections.limits_sections import LimitsInput
 from dynamics.assessment.verdict import Verdict
 
 GEAR_HAMMER = "Gear hammer"
 # Of tables by the name of their first column, the column of the share that is used.
 JUDGED = {"gear": 4, "firing": 5, "part": 7}
-
-
-@dataclass(frozen=True)
-class DocumentTable:
-    """A table, and what its file is called."""
-
-    name: str
-    table: Table
-
-
-@dataclass(frozen=True)
-class DocumentPicture:
-    """A diagram: what its file is called, what stands below it, what draws it, whether two fit in a row."""
-
-    name: str
-    caption: str
-    draw: Callable[[Path], None]
-    half: bool = False
-
-
-@dataclass(frozen=True)
-class DocumentPart:
-    """A part of the document: title, sentences, then tables and diagrams in their order.
-
-    The name stands in addresses.
-    """
-
-    name: str
-    title: str
-    sentences: tuple[str, ...]
-    items: tuple[DocumentTable | DocumentPicture, ...] = ()
-
-    @property
-    def tables(self) -> tuple[DocumentTable, ...]:
-        """Its tables."""
-        return tuple(one for one in self.items if isinstance(one, DocumentTable))
-
-    @property
-    def pictures(self) -> tuple[DocumentPicture, ...]:
-        """Its diagrams."""
-        return tuple(one for one in self.items if isinstance(one, DocumentPicture))
-
-
-def check_submission(engine: EngineFile) -> None:
-    """Refuse an engine that no document can be made of, and permitted values of what it lacks.
-
-    Raises
-    ------
-    InputError
-    """
-    if engine.gas is None and engine.gas_map is None:
-        raise InputError(
-            f"{engine.path.name}: has no gas pressure; allowed is a file with a section [gas] or [gas_map], "
-            "because the document tells stresses."
-        )
-    limits = engine.limits or LimitsInput()
-    if limits.generator_angle is not None and engine.engine.generator_poles is None:
-        raise InputError(
-            "limits.generator_angle: given without engine.generator_poles; allowed are both, because the "
-            "poles make electrical degrees of mechanical ones."
-        )
-
-
-def check_damper_limits(run: EngineVibration) -> None:
-    """Refuse permitted values of a torsional damper that the chain does not have.
-
-    Raises
-    ------
-    InputError
-    """
-    limits = run.engine_file.limits or LimitsInput()
-    for name in ("damper_torque", "damper_heat"):
-        if getattr(limits, name) is not None and not damper_places(run.torsional_chain):
-            raise InputError(
-                f"limits.{name}: given for an engine without a torsional damper; allowed is a chain with a "
-                'node "damper ring", because the value is that of the damper.'
-            )
 
 
 def class_document(run: EngineVibration) -> tuple[DocumentPart, ...]:
@@ -148,9 +75,9 @@ def _findings(run: EngineVibration, cases: FiringCases, verdict: Verdict) -> Doc
     sentences += [_failing_sentence(cases, way) for way in cases.failing]
     sentences.append(mode_tables.major_sentences(run)[0])
     for what, table in (
-        (GEAR_HAMMER, stress_tables.gear_table(run, cases)),
-        ("Permitted angle of the generator", stress_tables.generator_table(run, cases)),
-        ("Permitted values of dampers and couplings", stress_tables.damper_table(run, cases)),
+        (GEAR_HAMMER, machine_tables.gear_table(run, cases)),
+        ("Permitted angle of the generator", machine_tables.generator_table(run, cases)),
+        ("Permitted values of dampers and couplings", machine_tables.damper_table(run, cases)),
     ):
         sentences += () if table is None else _kept_or_exceeded(what, table)
     return DocumentPart("findings", "Findings", tuple(sentences))
@@ -371,9 +298,9 @@ def _barred(run: EngineVibration, verdict: Verdict) -> DocumentPart:
 
 def _dampers(run: EngineVibration, cases: FiringCases) -> DocumentPart:
     found = {
-        "dampers": stress_tables.damper_table(run, cases),
-        "gears": stress_tables.gear_table(run, cases),
-        "generator": stress_tables.generator_table(run, cases),
+        "dampers": machine_tables.damper_table(run, cases),
+        "gears": machine_tables.gear_table(run, cases),
+        "generator": machine_tables.generator_table(run, cases),
     }
     missing = {
         "dampers": "Dampers and couplings: the torsional chain has none that turn vibration into heat.",

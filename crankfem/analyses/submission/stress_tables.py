@@ -1,32 +1,23 @@
-"""Stresses, dampers, couplings, gears and the generator in all ways of firing, as tables."""
+"""Stresses and torques of shafts in all ways of firing, what is permitted, and ranges to bar, as tables."""
 
 import math
-from collections.abc import Sequence
 from itertools import pairwise
 
 import numpy as np
 
 from crankbase.checks.arrays import FloatArray
-from crankbase.tables.output_units import OutputUnit
 from crankbase.tables.table import Cell, Column, Table
 from crankbase.units.number_formats import UNBOUNDED
 from crankfem.analyses.submission.firing_cases import (
-    GEARS,
-    GENERATOR,
     MEANING,
     STRESS,
     TORQUE,
     FiringCases,
-    damper_places,
-    heat_factors,
     limit_of,
 )
-from crankfem.analyses.vibration.engine_limits import COUPLING
 from crankfem.analyses.vibration.firing_check import Reached, permitted_at
 from crankfem.analyses.vibration.run import EngineVibration
-from crankfem.files.sections.limits_sections import LimitsInput
 from dynamics.assessment.verdict import Verdict
-from dynamics.running_limits import within
 
 SPEED = Column("at", "1/min", decimals=1)
 STRESSES = "MPa"
@@ -49,7 +40,7 @@ def normal_table(cases: FiringCases) -> Table:
             [
                 number,
                 name,
-                _value(largest),
+                found_value(largest),
                 largest.speed,
                 *_judged(kept),
                 *((None, None, None) if passed is None else _judged(passed)),
@@ -79,13 +70,14 @@ def normal_table(cases: FiringCases) -> Table:
     )
 
 
-def _value(found: Reached) -> float | str:
+def found_value(found: Reached) -> float | str:
+    """Return a value reached, in a word where it is unbounded."""
     return UNBOUNDED if math.isinf(found.value) else found.value
 
 
 def _judged(found: Reached) -> list[float | str | None]:
     stated = not math.isinf(found.permitted)
-    return [_value(found), found.speed, found.used if stated else None]
+    return [found_value(found), found.speed, found.used if stated else None]
 
 
 def permitted_table(run: EngineVibration, cases: FiringCases) -> Table:
@@ -171,11 +163,11 @@ def failing_table(cases: FiringCases, way: str) -> Table:
             [
                 number,
                 name,
-                _value(cases.firing.largest[STRESS, name]),
-                _value(largest),
+                found_value(cases.firing.largest[STRESS, name]),
+                found_value(largest),
                 largest.speed,
                 f"{worst}",
-                _value(found),
+                found_value(found),
                 found.speed,
                 permitted,
                 None if permitted is None else found.used,
@@ -234,11 +226,15 @@ def torque_table(cases: FiringCases) -> Table:
     ways = list(cases.failing)
     rows = []
     for name in cases.normal[TORQUE].names:
-        row = [name, _value(cases.firing.kept[TORQUE, name]), cases.firing.kept[TORQUE, name].speed]
+        row = [
+            name,
+            found_value(cases.firing.kept[TORQUE, name]),
+            cases.firing.kept[TORQUE, name].speed,
+        ]
         for way in ways:
             worst = cases.worst_cylinder(way, TORQUE, name)
             found = cases.failing[way][worst].kept[TORQUE, name]
-            row += [_value(found), found.speed]
+            row += [found_value(found), found.speed]
         rows.append(row)
     columns = [Column("shaft", words=True), Column("normal firing", "kN m"), SPEED]
     for way in ways:
@@ -249,74 +245,6 @@ def torque_table(cases: FiringCases) -> Table:
         rows,
         note="With a cylinder failing the worst of all cylinders.",
     )
-
-
-def damper_table(run: EngineVibration, cases: FiringCases) -> Table | None:
-    """Return torque and heat of dampers and couplings beside what is permitted; None without any."""
-    chain, limits = run.torsional_chain, run.engine_file.limits or LimitsInput()
-    dampers = damper_places(chain)
-    keys = dict.fromkeys([*dampers, *heat_factors(chain)])
-    if COUPLING in chain.elements:
-        keys[TORQUE, COUPLING] = None
-    rows, marks = [], []
-    for key, name in keys:
-        permitted = {
-            "torque": limits.damper_torque if (key, name) in dampers else None,
-            "heat": limits.damper_heat if (key, name) in dampers else None,
-        }
-        if name == COUPLING:
-            permitted = {"torque": limits.coupling_torque, "heat": limits.coupling_heat}
-        for way, found, heat in _each_way(cases, key, name):
-            used = [
-                value / limit
-                for value, limit in ((found.value, permitted["torque"]), (heat, permitted["heat"]))
-                if limit is not None and value is not None
-            ]
-            rows.append(
-                [
-                    name,
-                    way,
-                    _value(found),
-                    found.speed,
-                    permitted["torque"],
-                    heat,
-                    permitted["heat"],
-                    max(used, default=None),
-                ]
-            )
-            marks.append("over" if used and max(used) > 1.0 else "")
-    if not rows:
-        return None
-    return Table(
-        "Dampers, couplings and shafts with damping: vibratory torque and heat at running speeds",
-        [
-            Column("part", words=True),
-            Column("firing", words=True),
-            Column("torque", "kN m"),
-            SPEED,
-            Column("permitted", "kN m", missing="not given"),
-            Column("heat", "kW", missing="none"),
-            Column("permitted", "kW", missing="not given"),
-            Column("used", "%", 3, missing="-"),
-        ],
-        rows,
-        note="Outside of ranges to be barred; torque with all orders together, heat the mean of the cycle. "
-        "Permitted values are the maker's: damper_torque, damper_heat, coupling_torque, coupling_heat of "
-        "[limits].",
-        marks=marks,
-    )
-
-
-def _each_way(
-    cases: FiringCases, key: str, name: str
-) -> Sequence[tuple[str, Reached, float | None]]:
-    heat = cases.firing.heat.get(name)
-    ways = [("normal", cases.firing.kept[key, name], None if heat is None else heat[0])]
-    for way, failing in cases.failing.items():
-        worst = cases.worst_cylinder(way, key, name)
-        own = [one.heat[name][0] for one in failing.values() if name in one.heat]
-        ways.append((way, failing[worst].kept[key, name], max(own, default=None)))
-    return ways
 
 
 def barred_table(verdict: Verdict) -> Table:
@@ -340,96 +268,6 @@ def barred_table(verdict: Verdict) -> Table:
             for one in ranges
         ],
         marks=["" if one.allowed else "over" for one in ranges],
-    )
-
-
-def gear_table(run: EngineVibration, cases: FiringCases) -> Table | None:
-    """Return vibratory beside mean torque of each gear; None without gears."""
-    if GEARS not in cases.normal:
-        return None
-    engine, chain = run.engine_file.engine, run.torsional_chain
-    series, speeds = cases.normal[GEARS], cases.speeds
-    running = within(speeds, engine.lowest_speed, engine.highest_speed)
-    rows: list[list[Cell]] = []
-    marks = []
-    for place, name in enumerate(series.names):
-        # One gear passes all of the mean torque on; of several the file does not tell which share.
-        mean = np.abs(cases.mean_torque / chain.gears[0].ratio) if len(chain.gears) == 1 else None
-        amplitude = series.synthesis.amplitude[:, place]
-        if mean is None:
-            found = cases.firing.kept[GEARS, name]
-            rows.append([name, found.speed, None, _value(found), None, "mean torque not known"])
-            marks.append("")
-            continue
-        share = np.where(running, amplitude / mean, 0.0)
-        worst = int(np.argmax(share))
-        hammers = share[worst] > 1.0
-        rows.append(
-            [
-                name,
-                float(speeds[worst]),
-                float(mean[worst]),
-                float(amplitude[worst]),
-                float(share[worst]),
-                "teeth part" if hammers else "teeth stay in contact",
-            ]
-        )
-        marks.append("over" if hammers else "")
-    return Table(
-        "Gears in normal firing: worst running speed",
-        [
-            Column("gear", words=True),
-            SPEED,
-            Column("mean torque", "kN m", missing="-"),
-            Column("vibratory torque", "kN m"),
-            Column("share", "%", 3, missing="-"),
-            Column("gear hammer", words=True),
-        ],
-        rows,
-        note="Torques on the driven wheel, the mean one that of the gas, without friction. Teeth part where "
-        "the vibratory torque exceeds the mean one.",
-        marks=marks,
-    )
-
-
-def generator_table(run: EngineVibration, cases: FiringCases) -> Table | None:
-    """Return the electrical angle of the generator's rotor; None where its poles are not given."""
-    if GENERATOR not in cases.normal:
-        return None
-    engine = run.engine_file.engine
-    assert engine.generator_poles is not None
-    limit = (run.engine_file.limits or LimitsInput()).generator_angle
-    (node,) = cases.normal[GENERATOR].names
-    at_rated = int(np.argmin(np.abs(cases.speeds - engine.rated_speed)))
-    rated = float(cases.normal[GENERATOR].synthesis.amplitude[at_rated, 0])
-    ways = [("normal, at rated speed", rated, float(cases.speeds[at_rated]))]
-    for way, found, _ in _each_way(cases, GENERATOR, node):
-        ways.append((f"{way}, at running speeds", found.value, found.speed))
-    degrees = OutputUnit("deg", math.pi / 180.0)
-    return Table(
-        f"Oscillation of the generator's rotor ({node})",
-        [
-            Column("firing", words=True),
-            SPEED,
-            Column("mechanical amplitude", degrees),
-            Column("electrical angle", degrees),
-            Column("permitted", degrees, missing="not given"),
-            Column("used", "%", 3, missing="-"),
-        ],
-        [
-            [
-                way,
-                speed,
-                2.0 * angle / engine.generator_poles,
-                UNBOUNDED if math.isinf(angle) else angle,
-                limit,
-                None if limit is None else angle / limit,
-            ]
-            for way, angle, speed in ways
-        ],
-        note=f"{engine.generator_poles} poles: an electrical degree is {2.0 / engine.generator_poles:.4g} "
-        "mechanical ones; the whole motion counts, that of the rotor as one with the shaft included.",
-        marks=["over" if limit is not None and angle > limit else "" for _, angle, _ in ways],
     )
 
 
