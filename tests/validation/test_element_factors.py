@@ -61,7 +61,7 @@ def on_both_meshes(name):
         wished = rule_mesh.WISHED_SIZE / FINER
         for module in (rule_mesh, fillet_stress):
             patched.setattr(module, "WISHED_SIZE", wished)
-        patched.setattr(rule_mesh, "ACROSS_WEB", ACROSS_WEB)
+        patched.setattr(rule_mesh, "WISHED_ACROSS", ACROSS_WEB)
         patched.setattr(fillet_stress, "RULE_FINE", 0.5 * math.pi / wished)
         patched.setattr(fillet_stress, "MOST_RULE_UNKNOWNS", 1_500_000)
         patched.setattr(fillet_stress, "MOST_MESHES", 2)

@@ -144,7 +144,8 @@ def _modes(run: EngineVibration) -> DocumentPart:
         items.append(
             DocumentPicture(
                 f"modes_{numbers[0]}",
-                f"Shapes of modes {', '.join(map(str, numbers))}; crosses mark the nodes.",
+                f"{'Shapes of modes' if len(numbers) > 1 else 'Shape of mode'} "
+                f"{', '.join(map(str, numbers))}; crosses mark the nodes.",
                 partial(pictures.draw_modes, run=run, first=first),
             )
         )
