@@ -14,3 +14,5 @@ from regression.law.throw_law import AxialLaw as AxialLaw
 from regression.law.throw_law import TorsionalLaw as TorsionalLaw
 from regression.law.throw_law import axial_laws as axial_laws
 from regression.law.throw_law import torsional_laws as torsional_laws
+from regression.law.throw_mass import MassLaw as MassLaw
+from regression.law.throw_mass import mass_law as mass_law

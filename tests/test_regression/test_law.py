@@ -12,6 +12,7 @@ from geometry.throw_dimensions import OilHole, Web
 from regression.law.hand_formula import hand_formula
 from regression.law.superelement import law_reactions
 from regression.law.throw_law import axial_law, axial_laws, torsional_law, torsional_laws
+from regression.law.throw_mass import mass_law
 
 DIMENSIONS = {
     "crank_radius": 0.170,
@@ -155,6 +156,23 @@ def test_the_hand_formula_is_near_the_law_and_knows_where_it_ends():
     outside = hand_formula(THROW.changed(crank_radius=0.4))
     assert not outside.valid
     assert "not a plain one" in outside.remarks[0]
+
+
+def test_the_mass_follows_size_and_density_and_knows_no_counterweights():
+    found = mass_law(THROW)
+    assert found.band[0] < found.mass < found.band[1]
+    doubled = CrankThrow(**{name: 2.0 * value for name, value in DIMENSIONS.items()})
+    assert mass_law(doubled, density=2700.0).mass == close(found.mass * 8.0 * 2700.0 / 7850.0)
+    for density in (0.0, float("nan"), "steel"):
+        with pytest.raises(InputError, match="density: given"):
+            mass_law(THROW, density=density)
+    sector = {"outer_radius": 0.3, "inner_radius": 0.15, "angle": 2.0}
+    for weighted, message in (
+        ({"counterweight": sector}, r"throw\.counterweight: given one"),
+        ({"left_web": {"counterweight": sector}}, r"throw\.left_web\.counterweight: given one"),
+    ):
+        with pytest.raises(InputError, match=message):
+            mass_law(CrankThrow(**DIMENSIONS, **weighted))
 
 
 def test_the_law_loads_no_mesher_and_no_solver():

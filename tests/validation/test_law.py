@@ -26,7 +26,7 @@ from regression.law.throw_law import LawAnswers, axial_law
 DATA = Path(__file__).parents[2] / "data"
 TABLES, ENGINES = DATA / "tables", DATA / "engines"
 LAW = ("axial_pinned", "axial_guided", "tilt_ratio", "influence_pinned", "influence_guided",
-       "torsional_pinned", "torsional_guided")  # fmt: skip
+       "torsional_pinned", "torsional_guided", "volume")  # fmt: skip
 # Axial compliances of the shipped engines' throws, ends pinned [m/N]: analyze_throw(throw, material, 0.01).
 SHIPPED = {
     "12chn18-20": 4.1716e-09,
