@@ -166,7 +166,7 @@ def test_the_mass_follows_size_and_density_and_knows_no_counterweights():
     for density in (0.0, float("nan"), "steel"):
         with pytest.raises(InputError, match="density: given"):
             mass_law(THROW, density=density)
-    sector = {"outer_radius": 0.3, "inner_radius": 0.15, "angle": 2.0}
+    sector = {"outer_radius": 0.3, "inner_radius": 0.12, "angle": 2.0}
     for weighted, message in (
         ({"counterweight": sector}, r"throw\.counterweight: given one"),
         ({"left_web": {"counterweight": sector}}, r"throw\.left_web\.counterweight: given one"),

@@ -1,17 +1,16 @@
 """Factors of stress concentration by finite elements, on the rule's mesh and on one twice as fine.
 
 Source: the same throw on a finer mesh. Appendix III of IACS UR M53 (Rev.5) asks for elements of a quarter of
-the fillet's radius, layers of one, two and three times that below, and six across the web. Sizes asked
-for at the fillets, below them and at the oil hole are then halved (the largest element and the first layer
-come out 1.4 to 1.8 times smaller, for the program may refine its own mesh further where elements differ), and
-nine stand across the web. Three throws: pin and journals that overlap; such that do not; bored journals
+the fillet's radius, layers of one, two and three times that below, and six across the web. Sizes asked for
+at the fillets, below them and at the oil hole are then halved, and nine elements stand across the web: 2.6
+times the nodes, largest elements and first layers 1.3 to 1.8 times smaller (the program refines its own mesh
+further where elements differ). Three throws: pin and journals that overlap; such that do not; bored journals
 and an oil hole across the pin.
 
 Tolerance: 3 %, as much as the factors are said to be good for; those that are read from one stress are
-within 1.2 %. beta_Q by method 1 has 7 %: it is (s_3P - s_N3P beta_B)/s_Q3P, where s_3P/(beta_Q s_Q3P) is
-10 to 14, and largest stresses that differ by 0.5 % change it by that much. Method 2, s_3P/s_N3P, has 3 %,
-and so has the stress that the assessment puts together, beta_B s_N + beta_Q s_Q: with one rod in the
-middle of the pin it is that of method 2.
+within 0.4 %. beta_Q by method 1 is (s_3P - s_N3P beta_B)/s_Q3P, where s_3P/(beta_Q s_Q3P) is 10 to 14, so
+that largest stresses that differ by 0.2 % change it by 2 %. With method 2, s_3P/s_N3P, the assessment's
+beta_B s_N + beta_Q s_Q is the same stress, with one rod in the middle of the pin.
 """
 
 import math
@@ -38,7 +37,6 @@ THROWS = {
     | {"pin_diameter": 0.19, "main_journal_length": 0.14, "main_journal_bore": 0.08}
     | {"oil_holes": (HOLE,)},
 }
-BY_METHOD_1 = 0.07
 FINER, ACROSS_WEB = 2.0, 9.0
 
 
@@ -74,14 +72,15 @@ def test_factors_on_a_mesh_twice_as_fine(name, figure):
     (stresses, ruled), (fine_stresses, finer) = on_both_meshes(name)
     assert ruled.as_ruled
     for own, fine in zip(stresses.meshings, fine_stresses.meshings, strict=True):
-        assert fine.layers[0] < 0.75 * own.layers[0]
-        assert fine.size_share < 0.75 * own.size_share
+        assert fine.layers[0] < 0.85 * own.layers[0]
+        assert fine.size_share < 0.85 * own.size_share
+    assert fine_stresses.loaded.mesh.points.size > 2.5 * stresses.loaded.mesh.points.size
     for factor, symbol in {**SYMBOLS, "beta_combined": "beta_Q by method 2"}.items():
         found, reference = getattr(ruled, factor), getattr(finer, factor)
         if found is None:
             assert factor.startswith("gamma")
             assert not throw(name).oil_holes
         elif factor == "beta_shear":
-            figure(f"{name}: {symbol} by method 1", found, reference, BY_METHOD_1, "1")
+            figure(f"{name}: {symbol} by method 1", found, reference, 0.03, "1")
         else:
             figure(f"{name}: {symbol}", found, reference, 0.03, "1")
