@@ -76,6 +76,7 @@ DEPICTED_ELSEWHERE = {
     "ShaftEnds": "a part of a crankshaft, which draws it",
     "SolveError": "an error",
     "TorsionalLaw": "a few numbers, as an AxialLaw",
+    "MassLaw": "a few numbers, as an AxialLaw",
     "ThrowStrength": "a part of EngineStrength",
     "FatiguePlace": "a part of EngineFatigue",
     "Unbalance": "two vectors",
