@@ -51,7 +51,7 @@ BULK = 1.2
 COARSE, COARSEST, FINE = 3.0, 2.0, 6.0
 # Later ones are so much finer; less than the smaller factor is not worth another mesh.
 REFINEMENT, LEAST_REFINEMENT = 1.5, 1.25
-MOST_MESHES = 4
+MOST_MESHES, MOST_RULE_MESHES = 4, 5
 # Fillets are meshed finely where their stress under any load is above this share of their largest.
 STRESSED = 0.8
 # Errors fall with the square of the element size; what two meshes say of them is multiplied by SAFETY.
@@ -152,7 +152,7 @@ def fillet_stresses(
     level = solved(*_first_sizes(usual, sites))
     errors = np.full((len(sites), len(loads)), np.inf)
     wanted = max(RULE_FINE if webs else FINE, (1.0 + 1e-9) * SCATTER / accuracy)
-    for _ in range(MOST_MESHES - 1):
+    for _ in range((MOST_RULE_MESHES if webs else MOST_MESHES) - 1):
         unsettled = errors > accuracy
         if webs and np.all(np.isfinite(errors)):
             unsettled |= level.badly_read(sites)

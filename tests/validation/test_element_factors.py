@@ -62,7 +62,7 @@ def on_both_meshes(name):
         patched.setattr(rule_mesh, "WISHED_ACROSS", ACROSS_WEB)
         patched.setattr(fillet_stress, "RULE_FINE", 0.5 * math.pi / wished)
         patched.setattr(fillet_stress, "MOST_RULE_UNKNOWNS", 1_500_000)
-        patched.setattr(fillet_stress, "MOST_MESHES", 2)
+        patched.setattr(fillet_stress, "MOST_RULE_MESHES", 2)
         finer = factors(name, 0.2)
     return ruled, finer
 
