@@ -31,16 +31,6 @@ async def nothing():
     return None
 uvicorn.run(app, port=int(sys.argv[1]), log_level="error", access_log=False)
 """
-THROW = {
-    "crank_radius": 0.170,
-    "main_journal_diameter": 0.220,
-    "pin_diameter": 0.180,
-    "main_journal_length": 0.120,
-    "pin_length": 0.139,
-    "web_width": 0.285,
-    "web_thickness": 0.068,
-    "fillet_radius": 0.012,
-}
 EMPTY_PORT = 8799
 
 
@@ -52,6 +42,8 @@ def request(path: str, question: Any = None) -> bytes:
 
 
 def law() -> bytes:
+    from serving import THROW
+
     throw = THROW | {
         "web_width": random.uniform(0.27, 0.33),
         "pin_length": random.uniform(0.12, 0.15),
@@ -190,17 +182,12 @@ def main() -> None:
     options.add_argument("--page", action="store_true")
     given = options.parse_args()
     sys.path.insert(0, str(Path(__file__).parents[1] / "tests"))
-    from crankfem import STEEL, CrankThrow
-    from fitted_models import known_model
-    from serving import Served
+    from serving import Served, save_model
 
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
         (folder / "models").mkdir()
-        compliances = {"axial_compliance": 1.3e-9, "torsional_compliance": 4e-8}
-        known_model(CrankThrow(**THROW), STEEL, compliances, 0.01).save(
-            folder / "models" / "six.json"
-        )
+        save_model(folder / "models")
         service = Served(folder, "--models", str(folder / "models"))
         empty = subprocess.Popen([sys.executable, "-c", EMPTY, str(EMPTY_PORT)])
         try:

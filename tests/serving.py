@@ -111,17 +111,20 @@ def serve():
             service.process.wait()
 
 
-@pytest.fixture(scope="session")
-def models(tmp_path_factory):
-    """A folder with one model."""
+def save_model(folder):
+    """Keep a model of a throw in a folder, six.json."""
     from crankfem import STEEL, CrankThrow
     from fitted_models import known_model
 
+    compliances = {"axial_compliance": 1.3e-9, "torsional_compliance": 4e-8}
+    known_model(CrankThrow(**THROW), STEEL, compliances, 0.01).save(folder / "six.json")
+
+
+@pytest.fixture(scope="session")
+def models(tmp_path_factory):
+    """A folder with one model."""
     folder = tmp_path_factory.mktemp("models")
-    throw = CrankThrow(**THROW)
-    known_model(
-        throw, STEEL, {"axial_compliance": 1.3e-9, "torsional_compliance": 4e-8}, 0.01
-    ).save(folder / "six.json")
+    save_model(folder)
     return folder
 
 

@@ -23,6 +23,7 @@ from numpy.typing import ArrayLike, NDArray
 from crankbase.checks.arrays import finite_array
 from crankbase.errors import InputError, quoted
 from geometry.throw import CrankThrow
+from regression.law.networks import OUTPUTS
 from regression.law.throw_law import POISSON_RATIO, LawAnswers
 
 if TYPE_CHECKING:
@@ -31,19 +32,8 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 UX, UY, UZ, RX, RY, RZ = range(6)
-NUMBERS = (
-    "axial_pinned",
-    "axial_guided",
-    "tilt_ratio",
-    "influence_pinned",
-    "influence_guided",
-    "torsional_pinned",
-    "torsional_guided",
-    "tilt_in_plane",
-    "tilt_alike",
-    "tilt_across",
-    "tilt_by_force",
-)
+# All that the law answers but the volume.
+NUMBERS = tuple(name for name in OUTPUTS if name != "volume")
 
 
 def law_reactions(

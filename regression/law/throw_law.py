@@ -264,10 +264,15 @@ class LawAnswers:
         """Answers of one throw; errors as of `axial_law`."""
         return cls(throw_dimensions(throw), youngs_modulus, poisson_ratio)
 
+    @property
+    def tier(self) -> Any:
+        """Which networks answer: "plain" or "real", an array of these for many throws."""
+        return np.where(self.plain, *TIERS) if self.shape else TIERS[not self.plain]
+
     def values(self, names: tuple[str, ...]) -> tuple[Array, Array]:
         """Dimensionless answers (k, ...) by the names of `OUTPUTS`, and relative half widths."""
         if not self.shape:
-            return self._of_tier("plain" if self.plain else "real", names, self.ratios, 1)
+            return self._of_tier(self.tier, names, self.ratios, 1)
         plain = np.broadcast_to(self.plain, self.shape).ravel()
         found = np.empty((2, len(names), plain.size))
         for tier, where in zip(TIERS, (plain, ~plain), strict=True):
@@ -303,10 +308,9 @@ class LawAnswers:
         found: dict[str, Any] = {}
         for (name, (_, power)), answer in zip(kinds.items(), answers, strict=True):
             found[name] = answer / (self.modulus * self.diameter**power) if power else answer
-        tier = np.where(self.plain, *TIERS) if self.shape else TIERS[not self.plain]
         errors = dict(zip(kinds, widths, strict=True))
         nearest = "" if self.shape else _nearest(self.ratios)
-        return found | {"errors": errors, "tier": tier, "nearest_limit": nearest}
+        return found | {"errors": errors, "tier": self.tier, "nearest_limit": nearest}
 
 
 def check_material(youngs_modulus: float, poisson_ratio: float) -> None:

@@ -2,9 +2,9 @@
 
 from dataclasses import dataclass
 
-from crankbase.checks.scalars import is_number
-from crankbase.errors import InputError, quoted
+from crankbase.errors import InputError
 from crankbase.summaries import summarized
+from geometry.mass import check_density
 from geometry.throw import CrankThrow
 from regression.law.throw_law import POISSON_RATIO, LawAnswers
 
@@ -59,10 +59,7 @@ def mass_law(throw: CrankThrow, *, density: float = 7850.0) -> MassLaw:
     >>> print(f"{mass_law(throw).mass:.1f} kg")
     194.1 kg
     """
-    if not (is_number(density) and density > 0.0):
-        raise InputError(
-            f"density: given {quoted(density)}; allowed is a positive number of kg/m^3."
-        )
+    check_density(density)
     webs = {"left_web.": throw.left_web, "right_web.": throw.right_web}
     for name, own in {"": throw, **webs}.items():
         if own is not None and own.counterweight is not None:
@@ -73,4 +70,4 @@ def mass_law(throw: CrankThrow, *, density: float = 7850.0) -> MassLaw:
     found = LawAnswers.of_throw(throw, 1.0, POISSON_RATIO)
     values, widths = found.values(("volume",))
     volume = float(values[0, 0]) * throw.main_journal_diameter**3
-    return MassLaw(density * volume, float(widths[0, 0]), "plain" if found.plain else "real")
+    return MassLaw(density * volume, float(widths[0, 0]), found.tier)

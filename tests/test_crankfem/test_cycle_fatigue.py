@@ -179,7 +179,7 @@ def test_bending_is_that_of_the_whole_shaft_far_below_its_bending_modes(vibratio
     assert coupled.speeds[place] == close(own.speeds[0])
     motion = coupled.tangential.motion[:, place] + coupled.radial.motion[:, place]
     forces = forced.forces
-    angles = np.degrees(np.radians(file.throw_angles_deg)).tolist()
+    angles = [float(angle) for angle in file.throw_angles_deg]
     throws = [vibration.analysis.superelement.joined.turned(angle_deg=one) for one in angles]
     parts = [shaft_unknowns(place, 6, throws[0].sections.bending) for place in range(6)]
     stiffness = assemble_shaft(throws)

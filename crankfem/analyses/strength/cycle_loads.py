@@ -25,7 +25,7 @@ from dynamics.response.order_excitation import at_angles
 from dynamics.response.series import OrderSeries
 from dynamics.response.synthesis import common_order
 from fem.shaft import shaft_unknowns, sharing_sections, solve_shaft
-from fem.superelement import RZ, UZ, Superelement
+from fem.superelement import RZ, UZ, Superelement, section_rotation
 
 # Samples over the cycle are so far apart or a little less [deg].
 STEP_DEG = 2.0
@@ -121,15 +121,9 @@ class ShaftUnderForces:
         for place, throw in enumerate(turned):
             own = throw.stiffness[:12] @ motions[parts[place]]
             own[:, 6 * place : 6 * place + 6] -= throw.pin_loads[0][:12]
-            back = self._turn_back(place)
+            back = np.kron(np.eye(2), section_rotation(-self.angles[place]))
             found[place] = back @ own @ acting
         return np.moveaxis(found, 1, -1).reshape(count, *shape, 12)
-
-    def _turn_back(self, place: int) -> FloatArray:
-        """Return the matrix (12, 12) from loads in the shaft's frame to those in the throw's."""
-        cosine, sine = np.cos(self.angles[place]), np.sin(self.angles[place])
-        turn = np.array([[cosine, sine, 0.0], [-sine, cosine, 0.0], [0.0, 0.0, 1.0]])
-        return np.kron(np.eye(4), turn)
 
 
 def cycle_loads(

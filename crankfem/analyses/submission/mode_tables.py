@@ -172,7 +172,9 @@ def mass_table(chain: Chain, own: HolzerTable, number: int) -> Table:
 def _sums(torques: FloatArray) -> list[float]:
     """Return sums from the first on, with zero for what differs from it by round-off."""
     sums = np.cumsum(torques)
-    return np.where(np.abs(sums) < ROUND_OFF * np.max(np.abs(torques)), 0.0, sums).tolist()  # type: ignore[no-any-return]
+    small = np.abs(sums) < ROUND_OFF * np.max(np.abs(torques))
+    found: list[float] = np.where(small, 0.0, sums).tolist()
+    return found
 
 
 def shaft_table(chain: Chain, own: HolzerTable, number: int) -> Table:
