@@ -7,6 +7,7 @@ from importlib.resources import files
 from typing import Any
 
 from fastapi import APIRouter, FastAPI
+from fastapi.routing import APIRoute
 from starlette.exceptions import HTTPException
 from starlette.middleware import Middleware
 from starlette.requests import Request
@@ -23,9 +24,12 @@ from crankfem.service.job_routes import job_routes
 from crankfem.service.job_runner import JobRunner
 from crankfem.service.job_store import JobStore
 from crankfem.service.model_routes import Models, model_routes
+from crankfem.service.quick_routes import QuickRoutes
 from crankfem.service.responses import answer, described, record_schemas
 from crankfem.service.throw_routes import routes as throw_routes
 
+# Functions of routes, called most often.
+QUICK = ("evaluate_law", "look_up")
 SCRIPT = "text/javascript; charset=utf-8"
 
 
@@ -52,11 +56,17 @@ def make_app(settings: Settings) -> FastAPI:
         store.close()
 
     handlers: dict[Any, Any] = {
-        problems.ProblemError: problems.answer_refusal,
-        InputError: problems.answer_input_error,
+        problems.ProblemError: problems.answer_error,
+        InputError: problems.answer_error,
         HTTPException: problems.answer_http_error,
         Exception: problems.answer_fault,
     }
+    models = model_routes(Models(settings.models, store), settings.bounds)
+    quick = [
+        route
+        for route in [*throw_routes.routes, *models.routes]
+        if isinstance(route, APIRoute) and route.name in QUICK
+    ]
     app = FastAPI(
         title="crankfem",
         version=program_version(),
@@ -65,13 +75,15 @@ def make_app(settings: Settings) -> FastAPI:
         docs_url=None,
         redoc_url=None,
         lifespan=living,
-        middleware=[Middleware(Guard, settings=settings)],
+        middleware=[
+            Middleware(Guard, settings=settings),
+            Middleware(QuickRoutes, routes=quick),
+        ],
         exception_handlers=handlers,
     )
     app.state.runner, app.state.store = runner, store
-    # Those that are asked most often come first: routes are looked through in this order.
     app.include_router(throw_routes)
-    app.include_router(model_routes(Models(settings.models, store), settings.bounds))
+    app.include_router(models)
     app.include_router(_service_routes(settings))
     app.include_router(job_routes(store, runner, settings.bounds))
     app.include_router(_page_routes())
