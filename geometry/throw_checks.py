@@ -42,6 +42,8 @@ THINNEST_END = 0.3
 SHORTEST_SLOPE = 0.05
 # No part may be thinner than this share of the largest dimension.
 THINNEST_PART = 1.0 / 25.0
+# All that describes an ordinary throw.
+FIRST_EIGHT = frozenset(tuple(ThrowDimensions.model_fields)[:8])
 # The halves of a split pin without a web: distance of their axes beside the sum of their radii.
 SPLIT_PIN_STEP = (0.02, 0.7)
 
@@ -88,6 +90,38 @@ def check_throw(throw: ThrowDimensions, parts: ThrowParts) -> None:
     for cylinder in parts.cylinders:
         _check_bore(throw, parts, cylinder)
     check_drillings(parts)
+
+
+def fits_plainly(throw: ThrowDimensions) -> bool:
+    """Whether a throw of the first eight dimensions alone passes `check_throw`, told without its parts.
+
+    Parameters
+    ----------
+    throw : ThrowDimensions
+
+    Returns
+    -------
+    bool
+        False where only `check_throw` can tell.
+    """
+    if not throw.model_fields_set <= FIRST_EIGHT:
+        return False
+    journal, pin, fillet = throw.main_journal_diameter, throw.pin_diameter, throw.fillet_radius
+    larger, radius = max(journal, pin), throw.crank_radius
+    length = min(throw.main_journal_length, throw.pin_length)
+    # Both axes are half a width from an obround's outline; a percent for round-off, and more.
+    room = 0.5 * (throw.web_width - 1.01 * larger)
+    return (
+        1.01 * THINNEST_PART * max(larger, radius) < min(length, throw.web_thickness)
+        and radius > 1.01 * SMALLEST_PIN_STEP * larger
+        and room > 0.0
+        and (
+            fillet == 0.0
+            or 1.01 * SMALLEST_FILLET_SHARE * larger
+            < fillet
+            < 0.99 * min(room, FILLET_SHARE_OF_LENGTH * length)
+        )
+    )
 
 
 def throw_remarks(parts: ThrowParts) -> tuple[str, ...]:

@@ -250,12 +250,13 @@ class LawAnswers:
     ) -> None:
         check_material(youngs_modulus, poisson_ratio)
         self.ratios = ratios(dimensions)
-        check_range(self.ratios)
+        self.plain = is_plain(self.ratios)
+        if self.plain is not True:  # a plain throw is within the range
+            check_range(self.ratios)
         self.modulus, self.beside = youngs_modulus, poisson_ratio - POISSON_RATIO
         self.diameter = dimensions["main_journal_diameter"]
-        self.plain = is_plain(self.ratios)
         shapes = {value.shape for value in self.ratios.values() if isinstance(value, np.ndarray)}
-        self.shape = np.broadcast_shapes(*shapes)
+        self.shape = np.broadcast_shapes(*shapes) if shapes else ()
 
     @classmethod
     def of_throw(
@@ -293,7 +294,7 @@ class LawAnswers:
         inputs = INPUTS[tier](found).reshape(len(some.low), -1)
         if inputs.shape[1] != count:
             inputs = np.repeat(inputs, count, axis=1)
-        answers, widths = some.answers(inputs), some.half_widths(inputs)
+        answers, widths = some.evaluate(inputs)
         if self.beside:
             mean, spread = some.poisson.T[:, :, None]
             answers = answers * np.exp(mean * self.beside)
