@@ -9,9 +9,9 @@ from typing import Any
 from fastapi import APIRouter, FastAPI
 from fastapi.routing import APIRoute
 from starlette.exceptions import HTTPException
-from starlette.middleware import Middleware
 from starlette.requests import Request
 from starlette.responses import Response
+from starlette.types import ASGIApp
 
 from crankbase.errors import InputError
 from crankfem.analyses.provenance import program_version
@@ -33,8 +33,8 @@ QUICK = ("evaluate_law", "look_up")
 SCRIPT = "text/javascript; charset=utf-8"
 
 
-def make_app(settings: Settings) -> FastAPI:
-    """Make the application.
+def make_app(settings: Settings) -> tuple[ASGIApp, JobRunner]:
+    """Make the application, guarded, and what runs its jobs.
 
     Parameters
     ----------
@@ -75,20 +75,15 @@ def make_app(settings: Settings) -> FastAPI:
         docs_url=None,
         redoc_url=None,
         lifespan=living,
-        middleware=[
-            Middleware(Guard, settings=settings),
-            Middleware(QuickRoutes, routes=quick),
-        ],
         exception_handlers=handlers,
     )
-    app.state.runner, app.state.store = runner, store
     app.include_router(throw_routes)
     app.include_router(models)
     app.include_router(_service_routes(settings))
     app.include_router(job_routes(store, runner, settings.bounds))
     app.include_router(_page_routes())
     _describe(app)
-    return app
+    return Guard(QuickRoutes(app, quick), settings), runner
 
 
 def _describe(app: FastAPI) -> None:
@@ -105,19 +100,17 @@ def _describe(app: FastAPI) -> None:
 
 def _service_routes(settings: Settings) -> APIRouter:
     routes = APIRouter(prefix="/api", tags=["service"])
+    about = {
+        "program": "crankfem",
+        "version": program_version(),
+        "rows": settings.bounds.rows,
+        "body": settings.bounds.body,
+    }
 
     @routes.get("", **described(Service))
     async def read_service() -> Response:
         """Tell what serves, and its limits."""
-        bounds = settings.bounds
-        return answer(
-            {
-                "program": "crankfem",
-                "version": program_version(),
-                "rows": bounds.rows,
-                "body": bounds.body,
-            }
-        )
+        return answer(about)
 
     @routes.post(SESSION.removeprefix("/api"), **described(Service, KeyQuestion))
     async def begin_session(request: Request) -> Response:

@@ -7,6 +7,7 @@ from http.cookies import CookieError, SimpleCookie
 from urllib.parse import urlsplit
 
 from pydantic_core import to_json
+from starlette.requests import ClientDisconnect
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 from crankfem.service.bounds import LOOPBACK, Settings
@@ -14,6 +15,8 @@ from crankfem.service.problems import ProblemError, problem, problem_response
 
 COOKIE = "crankfem_key"
 API, SESSION = "/api/", "/api/session"
+# Where the server notes the status of what it refused itself.
+REFUSED = "crankfem.refused"
 # The page takes nothing from elsewhere; plotly writes styles and makes pictures of what it draws.
 POLICY_NAME = b"content-security-policy"
 POLICY = (
@@ -21,6 +24,8 @@ POLICY = (
     b"default-src 'none'; script-src 'self'; style-src 'self' 'unsafe-inline'; img-src 'self' data: blob:; "
     b"connect-src 'self'; font-src 'self'; base-uri 'none'; form-action 'self'; frame-ancestors 'none'",
 )
+# An answer of the API is no page.
+API_POLICY = (POLICY_NAME, b"default-src 'none'; style-src 'unsafe-inline'")
 HEADERS = [
     (b"x-content-type-options", b"nosniff"),
     (b"referrer-policy", b"no-referrer"),
@@ -29,7 +34,7 @@ HEADERS = [
 
 
 class Guard:
-    """Middleware around the whole application.
+    """An application around the whole one.
 
     Parameters
     ----------
@@ -54,7 +59,7 @@ class Guard:
                 status = message["status"]
                 headers = message["headers"]
                 if all(name != POLICY_NAME for name, _ in headers):
-                    headers.append(POLICY)
+                    headers.append(API_POLICY if scope["path"].startswith(API) else POLICY)
                 headers.extend(HEADERS)
             else:
                 size += len(message.get("body", b""))
@@ -70,6 +75,8 @@ class Guard:
             # A body of a length that is told is no longer than that.
             whole = b"content-length" in headers
             await self._app(scope, receive if whole else self._bounded(receive), sending)
+        except ClientDisconnect:
+            status = scope.get(REFUSED, 0)  # the server answered, or nobody did
         finally:
             # What was asked for in a path stays out: the route tells which kind of request it was.
             route = getattr(scope.get("route"), "path", None)

@@ -3,15 +3,15 @@
 from collections.abc import Sequence
 
 from fastapi.routing import APIRoute
-from starlette.requests import Request
+from starlette.requests import ClientDisconnect, Request
 from starlette.types import ASGIApp, Receive, Scope, Send
 
 from crankbase.errors import InputError
-from crankfem.service.problems import ProblemError, answer_error
+from crankfem.service.problems import ProblemError, answer_error, answer_fault
 
 
 class QuickRoutes:
-    """Middleware that calls the functions of some routes itself; everything else goes on.
+    """Calls the functions of some routes itself; an application answers everything else.
 
     Parameters
     ----------
@@ -37,6 +37,12 @@ class QuickRoutes:
                         response = await function(request, **found.groupdict())
                     except (InputError, ProblemError) as error:
                         response = await answer_error(request, error)
+                    except ClientDisconnect:
+                        raise
+                    except Exception as error:
+                        response = await answer_fault(request, error)
+                        await response(scope, receive, send)
+                        raise  # for the log
                     await response(scope, receive, send)
                     return
         await self._app(scope, receive, send)

@@ -5,6 +5,7 @@ import socket
 import subprocess
 import sys
 import time
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import pytest
@@ -129,10 +130,18 @@ def test_large_bodies_are_refused_before_they_are_read(service):
 @pytest.mark.slow
 def test_slow_heads_and_bodies_are_refused(service):
     start = time.monotonic()
-    assert raw(service, b"POST /api/throws/validate HTTP/1.1\r\nHost: loc") == b""
+    heads = [b"POST /api/throws/law HTTP/1.1\r\nHost: localhost\r\nContent-Type: application/json\r\n"]
+    heads.append(heads[0].replace(b"law", b"validate"))
+    slow = [(heads[0], b"")]
+    slow += [(head + b"Content-Length: 100\r\n\r\n", b'{"throw"') for head in heads]
+    with ThreadPoolExecutor() as pool:
+        answers = list(pool.map(lambda parts: raw(service, *parts), slow))
     assert time.monotonic() - start < 30.0
-    head = b"POST /api/throws/validate HTTP/1.1\r\nHost: localhost\r\nContent-Type: application/json\r\n"
-    assert raw(service, head + b"Content-Length: 100\r\n\r\n", b'{"throw"') == b""
+    for told in answers:
+        assert told.startswith(b"HTTP/1.1 408 Request Timeout\r\nContent-Type: application/problem+json")
+        assert json.loads(told.partition(b"\r\n\r\n")[2])["status"] == 408
+    lines = service.log.read_text().splitlines()
+    assert [json.loads(line)["status"] for line in lines[-2:]] == [408, 408]
     assert "Traceback" not in service.log.read_text()
 
 
