@@ -60,10 +60,7 @@ def law_answer(
         except InputError as error:  # the compliances are known all the same
             remarks.append(f"No reactions: {error}")
     return {
-        "values": {
-            name: {key: own[key] for key in ("value", "lower", "upper", "unit")}
-            for name, own in values.items()
-        },
+        "values": values,
         "ratio": axial.ratio,
         "reactions": reactions,
         "tier": axial.tier,
