@@ -333,9 +333,7 @@ def _check_bore(throw: ThrowDimensions, parts: ThrowParts, cylinder: Cylinder) -
             if bore > highest
             else f"because a smaller bore does not matter to the {label(cylinder)} (give 0)"
         )
-        raise dimension_error(
-            cylinder_field(throw, parts, cylinder, "bore"), bore, allowed, reason
-        )
+        raise dimension_error(cylinder_field(throw, parts, cylinder, "bore"), bore, allowed, reason)
 
 
 def _check_wall_between(web: WebPlate, before: Cylinder, after: Cylinder) -> None:

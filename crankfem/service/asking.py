@@ -158,7 +158,9 @@ async def read_question(request: Request, kind: type[Asked]) -> Asked:
     InputError
         If the object is none of its kind.
     """
-    media = next((value for name, value in request.scope["headers"] if name == b"content-type"), b"")
+    media = next(
+        (value for name, value in request.scope["headers"] if name == b"content-type"), b""
+    )
     if media != JSON and media.partition(b";")[0].strip().lower() != JSON:
         raise ProblemError(415, "The body of the request must be application/json.")
     try:

@@ -299,7 +299,9 @@ class LawAnswers:
     def results(self, *kinds: Mapping[str, tuple[str, int]]) -> list[dict[str, Any]]:
         """Fields of each law: answers in SI units, errors, tier and the nearest limit."""
         values, widths = self.values(tuple([name for kind in kinds for name, _ in kind.values()]))
-        every, errors = (iter(one if self.shape else one[:, 0].tolist()) for one in (values, widths))
+        every, errors = (
+            iter(one if self.shape else one[:, 0].tolist()) for one in (values, widths)
+        )
         nearest = "" if self.shape else _nearest(self.ratios)
         shared = {"tier": self.tier, "nearest_limit": nearest}
         return [

@@ -131,7 +131,9 @@ def test_large_bodies_are_refused_before_they_are_read(service):
 def test_slow_heads_and_bodies_are_refused(serve, tmp_path):
     service = serve(tmp_path, seconds=0.5)
     start = time.monotonic()
-    heads = [b"POST /api/throws/law HTTP/1.1\r\nHost: localhost\r\nContent-Type: application/json\r\n"]
+    heads = [
+        b"POST /api/throws/law HTTP/1.1\r\nHost: localhost\r\nContent-Type: application/json\r\n"
+    ]
     heads.append(heads[0].replace(b"law", b"validate"))
     slow = [(heads[0], b"")]
     slow += [(head + b"Content-Length: 100\r\n\r\n", b'{"throw"') for head in heads]
@@ -139,7 +141,9 @@ def test_slow_heads_and_bodies_are_refused(serve, tmp_path):
         answers = list(pool.map(lambda parts: raw(service, *parts), slow))
     assert time.monotonic() - start < 10.0
     for told in answers:
-        assert told.startswith(b"HTTP/1.1 408 Request Timeout\r\nContent-Type: application/problem+json")
+        assert told.startswith(
+            b"HTTP/1.1 408 Request Timeout\r\nContent-Type: application/problem+json"
+        )
         assert json.loads(told.partition(b"\r\n\r\n")[2])["status"] == 408
     lines = service.log.read_text().splitlines()
     assert [json.loads(line)["status"] for line in lines[-2:]] == [408, 408]
