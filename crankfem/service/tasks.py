@@ -93,7 +93,11 @@ def _analysis(question: Mapping[str, Any], folder: Path, _: int, told: ToldProgr
     record: dict[str, Any] = {
         "about": provenance_record(),
         "throw": throw_record(
-            analysis, UNIT_FORCE, pin_force=asked.pin_force, gamma_deg=asked.gamma_deg
+            analysis,
+            UNIT_FORCE,
+            pin_force=asked.pin_force,
+            gamma_deg=asked.gamma_deg,
+            left_gamma_deg=asked.left_gamma_deg,
         ),
         "formulas": formula_records(
             throw, material, 180.0 if asked.gamma_deg is None else asked.gamma_deg
