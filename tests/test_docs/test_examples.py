@@ -40,3 +40,15 @@ def test_an_example_is_one_question_and_short(script):
     assert len(lines) < 60
     assert lines[0].startswith('"""')
     assert lines[0].endswith('?"""')
+
+
+@pytest.mark.further
+def test_the_lecture_runs(tmp_path, monkeypatch):
+    nbformat, nbclient = (
+        pytest.importorskip(name, reason="needs crankfem[dev]") for name in ("nbformat", "nbclient")
+    )
+    monkeypatch.setenv("PYTHONPATH", str(EXAMPLES.parent))
+    notebook = nbformat.read(EXAMPLES / "lecture.ipynb", as_version=4)
+    assert not any(cell.get("outputs") for cell in notebook.cells)
+    nbclient.NotebookClient(notebook, resources={"metadata": {"path": str(tmp_path)}}).execute()
+    assert any(cell.get("outputs") for cell in notebook.cells)
