@@ -12,16 +12,12 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from crankfem.analyses.record import Record
+from dynamics.response.power import LARGEST_POWER_ERROR
+from dynamics.torque.torque import LARGEST_ENERGY_ERROR
 from fem.angle_law import SYMMETRIC
 from fem.solution_checks import LARGEST_ROUND_OFF, rigid_body_residual
 
 Array = NDArray[np.float64]
-
-# Torque and work of the gas are sums over the same some thousand angles of a cycle, each of them true to
-# 1e-16 of its terms; those of the masses, whose sum is zero, are up to a hundred times those of the gas.
-LARGEST_ENERGY_ERROR = 1e-10
-# Sums over a working cycle of some hundred angles and orders.
-LARGEST_POWER_ERROR = 1e-6
 
 
 def unbalanced_share(
