@@ -2,10 +2,10 @@
 
 from collections.abc import Sequence
 
-from crankfem.analyses.checks import asymmetry
 from crankfem.analyses.record import Record, attributes
 from fem.answer_errors import axial_correction
 from fem.modes import ThrowModes
+from fem.solution_checks import asymmetry
 from fem.superelement import superelement_of_end_forces
 from fem.supports import Neighbors, Support, reactions
 from fem.throw_analysis import ThrowAnalysis
