@@ -246,7 +246,8 @@ class _Copy:
             return "stopped"
         if done.returncode in (0, 5):  # 5: no test has such a mark
             return ""
-        found = re.search(r"^(?:FAILED|ERROR) (\S+?)(?: - .*)?$", done.stdout, re.MULTILINE)
+        pattern = r"^(?:FAILED|ERROR) (\S+?(?:\[.*?\])?)(?: - .*)?$"
+        found = re.search(pattern, done.stdout, re.MULTILINE)
         if not found:
             raise SystemExit(f"pytest did not run:\n{done.stdout[-2000:]}{done.stderr[-2000:]}")
         return found[1]
