@@ -9,8 +9,9 @@ from crankfem.files.engine.field_tables import section_tables
 
 INTRODUCTION = """# Engine files
 
-This page lists every field of an engine file. The file is TOML. A quantity is text with any unit of its kind ("254 mm" and "10 in" are
-the same; "500 1/min" means revolutions), alone or in a table with its source:
+This page lists every field of an engine file. The file is TOML. A quantity is text with any unit of its
+kind ("254 mm" and "10 in" are the same; "500 1/min" means revolutions), alone or in a table with its
+source:
 
 ```toml
 crank_radius = "170 mm"
@@ -18,15 +19,16 @@ pin_diameter = { value = "180 mm", source = "drawing 12.3" }
 fillet_radius = { value = "12 mm", assumed = "usual for this size" }
 ```
 
-The report lists `assumed` values. `[sources]` explains short names of sources: `name = "full citation"`. Unknown sections and fields
-are refused. `crankfem new MY.toml --from 6chn25-34` copies a complete file; `crankfem fields throw` prints a section of this page.
+The report lists `assumed` values. `[sources]` explains short names of sources: `name = "full citation"`.
+Unknown sections and fields are refused. `crankfem new MY.toml --from 6chn25-34` copies a complete file;
+`crankfem fields throw` prints a section of this page.
 
 | sections | serve |
 |---|---|
 | `[throw]`, or several `[throws.NAME]` | `throw`, `stress`, `formulas`, `draw`, `export` |
-| and `[study]` | `doe`, `fit` (`throw = "NAME"` selects one of several; default the one at the free end) |
 | and `[engine]`, `[rod]`, `[piston]`, usually `[gas]` | also `mechanism`, `harmonics` |
 | and `[flywheel]`, `[thrust_bearing]` | also `run`, `vibration` |
+| `[throw]` and `[study]` | `doe`, `fit` (`throw = "NAME"` selects one of several; default the one at the free end) |
 
 V engines give `bank_angles`, counted as `crank_angles` are. Here a V6 of 90 deg with pins split by 30 deg
 (`data/engines/buick-3800.toml`):
@@ -48,8 +50,8 @@ web_thickness = "0 mm"               # the halves of the pin touch
 throw_angles = ["0 deg", "240 deg", "120 deg"]
 ```
 
-`[hinged_rods]` describes rods hinged to other rods (`data/engines/8chn26-26.toml`). The firing order gives the sense of rotation.
-[Unequal throws](throws.md#unequal-throws-in-a-shaft) have names.
+`[hinged_rods]` describes rods hinged to other rods (`data/engines/8chn26-26.toml`). The firing order gives
+the sense of rotation. [Unequal throws](throws.md#unequal-throws-in-a-shaft) have names.
 
 ## Changed in Python
 
@@ -64,13 +66,13 @@ throw = engine.throw.changed(pin_fillet_radius=0.010)
 ```
 
 Each section takes its changed fields in SI units, a whole section, or None to be left out; named throws as
-`throws={"heavy": {"web_thickness": 0.03}}`. Changes are checked as a file is. `cf.engine_vibration(damped)` calculates the changed engine;
-`cf.engines.mechanism_of(engine)` is its mechanism, for `cf.run_mechanism`.
+`throws={"heavy": {"web_thickness": 0.03}}`. Changes are checked as a file is. `cf.engine_vibration(damped)`
+calculates the changed engine; `cf.engines.mechanism_of(engine)` is its mechanism, for `cf.run_mechanism`.
 """
 
 STUDY = """
-`[study.factors]` gives what varies, `[study.relations]` what follows from it ([studies.md](studies.md); designs have their own fields
-`resolution`, `generators`, `face`, `file`):
+`[study.factors]` gives what varies, `[study.relations]` what follows from it ([studies.md](studies.md);
+designs have their own fields `resolution`, `generators`, `face`, `file`):
 
 ```toml
 [study.factors]
