@@ -1,4 +1,4 @@
-"""Pages for developers name files that there are, and the code overview shows the packages as they are.
+"""Pages for developers name files that there are, and the code overview shows the packages."""
 
 import importlib.util
 import re
