@@ -305,6 +305,7 @@ def test_report_writes_the_report_again(finished_run, call, tmp_path):
     assert Page(report_of(copy)).loaded == []
 
 
+@pytest.mark.further
 def test_another_choice_of_sources_repeats_no_design(
     finished_run, unseen, quick_six, edit, call, tmp_path
 ):
