@@ -30,7 +30,7 @@ class SolvedThrow:
     accuracy : float
         The accuracy that was asked for.
     seconds : mapping
-        Where the time went, by name.
+        Time of each step, by name.
     """
 
     throw: Throw

@@ -27,9 +27,7 @@ def parse_gamma(text: str, quiet: bool = False) -> float:
             f'--gamma: given {text}; allowed is a finite angle, like "120 deg", because it stands '
             "between neighboring cranks."
         )
-    console.print_note(
-        f'Note: --gamma {text} is taken as "{text} deg"; write the unit with it.', quiet
-    )
+    console.print_note(f'Note: --gamma {text} is read as "{text} deg"; write the unit.', quiet)
     return degrees
 
 

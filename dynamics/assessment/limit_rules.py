@@ -19,8 +19,9 @@ M68_SOURCE = (
 CRANKSHAFT_SOURCE = "Korean Register, Rules for Steel Ships 2025, Part 5, Chapter 4, 201"
 GENERATOR_SOURCE = "Korean Register, Rules for Steel Ships 2025, Part 5, Chapter 4, 203"
 GENERATOR_READING = (
-    "below 0.9 of the rated speed a set only passes, with the rule's limit for passing; values and speeds "
-    "are read from the 2025 edition alone, no second text confirms them: see the rule before relying on them"
+    "below 0.9 of the rated speed a generating set only passes, with the rule's limit for passing; values "
+    "and speeds come from the 2025 edition alone, and no second source confirms them: check the rule before "
+    "relying on them"
 )
 
 SHAFT_FEATURES: dict[str, tuple[float, bool]] = {

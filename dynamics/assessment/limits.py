@@ -170,8 +170,8 @@ def given_limit(
         passed = positive_number(field, passing, unit, "every engine vibrates")
     if passed is not None and passed < kept:
         raise InputError(
-            f"{field}: given {passed:g} {unit} while a barred range is passed; allowed are finite "
-            f"numbers of {kept:g} {unit} or more, because what may be kept may be passed."
+            f"{field}: given {passed:g} {unit} while a barred range is passed; allowed are finite numbers of "
+            f"{kept:g} {unit} or more, because a permitted continuous vibration may also be passed."
         )
     return VibrationLimit(
         quantity=quantity,

@@ -35,7 +35,7 @@ class BestPressure:
     fluctuation : float
         Coefficient of speed fluctuation with it.
     unchanged : float or None
-        With the pressure of the design; None if the crank does not come round with it.
+        With the pressure of the design; None if the crank does not complete a revolution with it.
     moment_residual : float
         Root mean square of what the hinge's moment then lacks of the one for constant speed, by the
         root mean square of that one.

@@ -140,7 +140,7 @@ _FORMULAS: Mapping[str, tuple[Reading, str]] = {
         "W. Ker Wilson, Practical Solution of Torsional Vibration Problems",
     ),
     "Geiger": (
-        Reading(_geiger, lambda _: [Remark("The webs count as slender beams of length R.")]),
+        Reading(_geiger, lambda _: [Remark("The webs are treated as slender beams of length R.")]),
         "J. Geiger",
     ),
     "Timoshenko (free)": (
@@ -148,7 +148,7 @@ _FORMULAS: Mapping[str, tuple[Reading, str]] = {
             _timoshenko_free,
             lambda _: [
                 Remark(
-                    "For journals free to shift in their bearings; the webs count as slender beams."
+                    "For journals free to shift in their bearings; the webs are treated as slender beams."
                 )
             ],
         ),

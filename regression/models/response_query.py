@@ -234,7 +234,7 @@ class ResponseQuery:
             beyond = "far outside the range of the fit" if found else "small or large"
             raise InputError(
                 f"dimensions: given ones so {beyond} that its equation has no finite value; allowed are "
-                "those near the range, for beyond it the equation says nothing."
+                "those near the range, because beyond it the equation is meaningless."
             )
         if not np.min(values) > self.lower_limit:
             raise InputError(

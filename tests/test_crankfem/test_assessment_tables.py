@@ -80,5 +80,5 @@ def test_a_verdict_that_only_its_barred_ranges_hang_on_says_so(record, capsys):
     print_assessment(record)
     assert capsys.readouterr().out.splitlines()[-2:] == [
         "Verdict: Fine.",
-        "It hangs on what is assumed or uncertain: no speeds need be barred with this.",
+        "It depends on assumed or uncertain values: no speeds need be barred with this.",
     ]

@@ -451,7 +451,7 @@ def test_measured_values_are_compared(tmp_path, capsys):
     assert "crank_radius: given 175 mm" in found[2]["reason"]
     print_comparisons(found)
     text = capsys.readouterr().out
-    assert "Measured values beside the equations" in text
+    assert "Measured values compared with the equations" in text
     assert "Not compared: B" in text
     print_comparisons([])
     assert capsys.readouterr().out == ""

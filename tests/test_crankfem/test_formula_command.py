@@ -39,7 +39,7 @@ def test_remarks_stand_below_the_table_once(call):
     assert [cell.strip() for cell in row.strip("│").split("│")][1:] == ["2.976", "yes", "4, 5"]
     assert answer.out.count("the formula's shear term is negative there") == 1
     assert "  5. The angle factor k_phi = 0.8 (1 - cos gamma)" in answer.out
-    assert "beside FE" not in answer.out
+    assert "ratio to FE" not in answer.out
 
 
 def test_printed_says_what_is_left_out(call):

@@ -162,7 +162,7 @@ def test_a_constant_load_is_what_no_section_says(engine):
     assert [one.law for one in found] == ["constant", "constant"]
     assert found[0].mean_pressure == close(found[1].mean_pressure)
     assert "the file gives no section [load]" in found[0].sentence
-    assert "as [load] says" in found[1].sentence
+    assert "as given in [load]" in found[1].sentence
     assert "intake_pressure" not in load_record(found[0])["speeds"][0]
 
 

@@ -459,7 +459,7 @@ AS_STORED = [
     ("verdict", "en 1.29e-9 m/N"),
     # A record of a release that did not correct its answers.
     ("verdict", "too small by about 0.96 %"),
-    ("verdict", "First axial frequency 76.8 Hz 76.5 to 76.8 Hz with what is uncertain"),
+    ("verdict", "First axial frequency 76.8 Hz 76.5 to 76.8 Hz uncertainty range"),
     ("verdict", "crankshaft in its bearings: 81.1 Hz"),
     ("verdict", "cylinder 4 - cylinder 5, 498 1/min 24.5 MPa 21.2 MPa 115 %"),
     ("inputs", "Crank radius R 170 mm Main journal diameter 220 mm Crankpin diameter 180 mm"),
@@ -503,12 +503,12 @@ AS_STORED = [
         "formulas",
         "finite elements, pinned 41.3 1.00 80.8 finite elements, mean in the shaft 35.7 0.86",
     ),
-    ("formulas", "its largest error at designs held out is 1.5 %"),
+    ("formulas", "its largest error at held-out designs is 1.5 %"),
     ("formulas", "e0 = 0.258e-9 m/N, e180 = 1.29e-9 m/N and ρ = 2.73,"),
     ("study", "27 designs (full factorial) were fitted; 8 further ones"),
     ("study", "Largest estimated error of the finite elements: 1.8 %."),
     ("study", "web width 270 mm, 300 mm, 330 mm web thickness 38 mm, 68 mm, 98 mm"),
-    ("study", "6 coefficients; largest error at designs held out 1.5 %."),
+    ("study", "6 coefficients; largest error at held-out designs 1.5 %."),
     ("study", "web width -0.22 0.002 0.002 web thickness -1.08 0.994 0.994"),
     (
         "study",
@@ -571,7 +571,7 @@ AS_STORED = [
     ("checks", "Error of the axial compliance 0.96 % at most 1 % yes Estimated"),
     ("checks", "Symmetry of the stiffness 4e-15 at most 1e-8 yes"),
     ("checks", "Elements mended 5 elements not bounded not judged"),
-    ("checks", "axial chain beside the whole crankshaft -5.4 % by its criteria no First"),
+    ("checks", "axial chain compared with the whole crankshaft -5.4 % by its criteria no First"),
     ("repeat", "Made 21 November 2026, 22:26 UTC Time taken 1 min 9 s Equation solver pardiso"),
     ("repeat", "Analyzing the throw 5.5 s Calculating stresses at the fillets 32 s"),
 ]
@@ -597,7 +597,7 @@ CHANGED = [
         "throw",
         "0.96 % (asked for: 1 %, not met), after a correction by 1.7 %: the true error is smaller",
     ),
-    ("verdict", "within 0.96 % of the exact solution, in 95 of 100 throws"),
+    ("verdict", "within 0.96 % of the exact solution, for 95 % of throws"),
     ("fillets", "at most 27 % (asked for: 10 %, not met): enough"),
     ("verdict", "2450 MPa at 498 1/min, 11545 % of the permitted 21.2 MPa"),
     (

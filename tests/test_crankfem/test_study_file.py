@@ -437,7 +437,7 @@ def test_a_plan_is_shown(read, capsys, monkeypatch):
     assert "web_width [mm]" in shown
     assert "rectangle" in shown
     assert "pin_fillet_radius = 0.07 * pin_diameter" in shown
-    assert "Excluded before any finite elements: 7 designs." in shown  # one held out among them
+    assert "Excluded before any finite-element run: 7 designs." in shown  # one held out among them
     assert "38 mm is not > 40 mm" in " ".join(shown.split())
     record = plan_record(planned)
     assert json.loads(json.dumps(record)) == record

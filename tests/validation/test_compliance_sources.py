@@ -130,7 +130,7 @@ def test_the_verdict_is_undecided_where_the_band_decides(judged):
         assert own.status == judged(factor, limit, highest).verdict.status
         assert own.taken == (factor == 1.0)
     told = found.decision.sentence
-    assert "torsional compliance beside that by the regression of" in told
+    assert "torsional compliance, ratio to that by the regression of" in told
     assert "within the error of its source, set by vibration.torsional_source" in told
 
 

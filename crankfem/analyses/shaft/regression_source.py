@@ -67,7 +67,7 @@ def throw_lookups(
             found[throw] = throw_lookup(model, response, throw, engine_file.material)
         except InputError as error:
             own = f"throw {name}" if engine_file.throws_by_name else "this throw"
-            raise InputError(f"says nothing of {own}: {str(error).rstrip('.')}") from None
+            raise InputError(f"does not apply to {own}: {str(error).rstrip('.')}") from None
     return found
 
 

@@ -68,7 +68,8 @@ def whole_shaft_remark(comparison: ShaftComparison) -> tuple[str, ...]:
     if not differing:
         return ()
     return (
-        f"Judged with chains; lumped model inadequate, the whole crankshaft differs: {'; '.join(differing)}.",
+        "The verdict uses lumped models (chains), which are inadequate here; the whole crankshaft differs: "
+        f"{'; '.join(differing)}.",
     )
 
 

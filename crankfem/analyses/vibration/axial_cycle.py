@@ -146,14 +146,14 @@ def _sentences(record: Record, left_out: str) -> list[str]:
     ]
     if largest:
         found.append(
-            f"Its largest amplitude at running speeds, for which the bearing is to be checked: "
+            "Its largest amplitude at running speeds, for which the bearing is to be checked: "
             f"{'; '.join(largest)}."
         )
     return [
         *found,
-        "To compare with static formulas only: were both ends of the crankshaft held and without vibration, "
-        f"these would take {_range(record['held'])} over the cycle at {record['speed_rpm']:.4g} 1/min, "
-        "positive where it presses them apart. One thrust bearing alone takes nothing of this force.",
+        "For comparison with static formulas only: with both ends of the crankshaft held and no vibration, "
+        f"the ends would carry {_range(record['held'])} over the cycle at {record['speed_rpm']:.4g} 1/min, "
+        "positive where the shaft pushes them apart. A single thrust bearing carries none of this force.",
     ]
 
 

@@ -144,7 +144,7 @@ class BearingSweep:
             said = (
                 f"the verdict changes within this range: {self.status_by_stiffness}"
                 if self.flips
-                else f'the verdict, all else as taken, is "{self.statuses[0]}" over the whole range'
+                else f'with all else unchanged, the verdict is "{self.statuses[0]}" over the whole range'
             )
             found.append(f"Over that range {uses} are used, and {said}.")
         return tuple(found)

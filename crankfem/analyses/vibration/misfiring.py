@@ -106,9 +106,9 @@ class Misfiring:
         still = "compression stays" if self.compression else "compression is missing as well"
         return (
             f"misfiring of {which}: {share:.3g} % of the combustion is missing, {still}; the others fire as "
-            "before, so that the mean torque is less",
-            "while misfiring the limit for passing holds at speeds for which it is stated, elsewhere that "
-            "for continuous running; running speeds alone are judged",
+            "before, so the mean torque is lower",
+            "while misfiring, the limit for passing applies at speeds where it is stated, elsewhere the "
+            "continuous limit; only running speeds are judged",
         )
 
     def to_pandas(self) -> Any:

@@ -29,14 +29,14 @@ def optimum(
         typer.Option(
             "--limit",
             metavar='"NAME <= VALUE"',
-            help="Bound on a response or dimension; once for each.",
+            help="Bound on a response or dimension; may be repeated.",
         ),
     ] = None,
     engine: Annotated[
         str | None,
         typer.Option(
             metavar="ENGINE.toml",
-            help="Engine whose frequencies are limited; takes seconds.",
+            help="Engine whose frequencies are limited; takes some seconds.",
             autocompletion=completion.engines,
         ),
     ] = None,
@@ -54,11 +54,13 @@ def optimum(
     ] = None,
     fixed: Annotated[
         list[str] | None,
-        typer.Option(metavar="NAME=VALUE", help="Factor that shall not vary; once for each."),
+        typer.Option(metavar="NAME=VALUE", help="Factor to keep fixed; may be repeated."),
     ] = None,
     no_margin: Annotated[
         bool,
-        typer.Option("--no-margin", help="Keep limits by the equations alone, not their bands."),
+        typer.Option(
+            "--no-margin", help="Apply limits to the equations' values, without their bands."
+        ),
     ] = False,
     *,
     out: Output,

@@ -42,13 +42,14 @@ def throw(
         str | None,
         typer.Option(
             metavar='"100 kN"',
-            help='On the first pin: Z towards the shaft, or x, y, z in its frame ("40, -100, 0 kN").',
+            help='Force on the first pin: Z towards the shaft, or x, y, z in its frame ("40, -100, 0 kN").',
             show_default="100 kN",
         ),
     ] = None,
     pins: PinsOption = None,
     end_sections: Annotated[
-        str, typer.Option(help="rigid, or averaged (free to warp); the two bound the truth.")
+        str,
+        typer.Option(help="rigid, or averaged (free to warp); the true value is between the two."),
     ] = "rigid",
     sections: Annotated[
         str,
@@ -58,9 +59,11 @@ def throw(
     ] = "2",
     solver: Annotated[str, typer.Option(help="pardiso, superlu, or auto.")] = "auto",
     modes: Annotated[
-        int, typer.Option(help="Also find so many natural modes of the free throw.")
+        int, typer.Option(help="Also compute this many natural modes of the free throw.")
     ] = 0,
-    profile: Annotated[bool, typer.Option("--profile", help="Print where the time goes.")] = False,
+    profile: Annotated[
+        bool, typer.Option("--profile", help="Print the time of each step.")
+    ] = False,
     *,
     out: Output,
 ) -> None:

@@ -49,7 +49,7 @@ def input_path(given: str | Path, kind: InputKind = "engine") -> Path:
             return shipped
         fault = f"{given}: {'is a folder, not a file' if path.is_dir() else 'does not exist'}"
     except OSError as error:
-        fault = f"{given}: cannot be looked for, because the system says: {error.strerror}"
+        fault = f"{given}: cannot be searched for; the system reports: {error.strerror}"
     if not str(given).strip():
         fault = '"": names no file'
     raise InputError(

@@ -206,7 +206,7 @@ def read_toml(path: Path) -> TomlFile:
     """
     if path.suffix.lower() in (".step", ".stp"):
         raise InputError(
-            f"{path}: is a STEP file; allowed is a TOML file here, for only `crankfem throw` takes STEP."
+            f"{path}: is a STEP file; allowed is a TOML file here, because only `crankfem throw` reads STEP."
         )
     text = read_text(path, "a file of dimensions", "a TOML file")
     check_keys(path.name, text)

@@ -48,9 +48,9 @@ def _of_kind(kind: Kind) -> tuple[Plot[EngineVibration], ...]:
         Plot(
             f"{kind}_campbell",
             f"Campbell diagram, {kind}",
-            f"{kind.capitalize()}: running range shaded; dots mark resonances. Where gas pressure is known "
-            "they grow with their amplitude, and frequencies are those with damping; a mode so damped that "
-            "it does not vibrate stands where it would be without.",
+            f"{kind.capitalize()}: running range shaded; dots mark resonances. If gas pressure is given, "
+            "larger dots have larger amplitudes and frequencies include damping; an overdamped mode is "
+            "shown at its undamped frequency.",
             picture(lambda axes, run: run.plot(axes, kind=kind), itself, height=4.8),
             lambda run: _campbell(run, own(run), itself(run)),
         ),
@@ -248,8 +248,8 @@ VIBRATION: Plots[EngineVibration] = Plots(
         plot_of_curves(
             "axial_force",
             "Axial force over the cycle, on the thrust bearing and on held ends",
-            "Axial force at rated speed: on the thrust bearing as the shaft vibrates, and with which the "
-            "shaft would press on its ends, were both held.",
+            "Axial force at rated speed: on the thrust bearing with vibration, and on the ends if both were "
+            "held without vibration.",
             _axial_force,
             lambda run: at_speed(run.engine_file.engine.name, run.engine_file.engine.rated_speed),
             needs="forced",
