@@ -1,8 +1,7 @@
 """The self-checks of a run: what was checked, how well it holds, and what it has to hold to.
 
-Every check is a record: its name, the figure found, the unit of the figure ("1" for a share that is
-round-off where all is well, "%" for a share shown in per cent, else a word), what is allowed or None,
-whether the check holds or None, and a sentence that says what the figure means.
+Every check is a record: its name, the figure found, the unit of the figure ("1" for a share, else a
+word), the unit to show it in ("%" for a share that is more than round-off), what is allowed or None, whether the check holds or None, and a sentence that says what the figure means.
 """
 
 from collections.abc import Mapping, Sequence
@@ -133,6 +132,7 @@ def _check(
     sentence: str,
     *,
     unit: str = "1",
+    shown_unit: str | None = None,
     allowed: float | None = None,
     met: bool | None = None,
 ) -> Record:
@@ -143,6 +143,7 @@ def _check(
         "name": name,
         "figure": figure,
         "unit": unit,
+        "shown_unit": shown_unit or unit,
         "allowed": allowed,
         "met": met,
         "sentence": sentence,
@@ -174,7 +175,7 @@ def throw_checks(
             if throw.get("axial_correction")
             else "Estimated from the finite-element stresses; the true compliance is larger by about this "
             "much.",
-            unit="%",
+            shown_unit="%",
             allowed=throw["accuracy"],
             met=throw["accuracy_met"],
         ),
@@ -242,7 +243,7 @@ def _fillet_checks(fillets: Mapping[str, Any] | None) -> list[Record]:
             "Error of the fillet stresses",
             fillets["error_estimate"],
             "Largest estimate from successive meshes.",
-            unit="%",
+            shown_unit="%",
             allowed=fillets["accuracy"],
             met=fillets["accuracy_met"],
         )
@@ -261,7 +262,7 @@ def _study_checks(study: Mapping[str, Any] | None) -> list[Record]:
                 f"Error of the {name} regression",
                 chosen["largest_error_held_out"],
                 f"Largest error of the chosen form ({fits['chosen']}) at designs that it was not fitted to.",
-                unit="%",
+                shown_unit="%",
             )
         )
     return found
@@ -309,7 +310,7 @@ def _chain_checks(whole: Mapping[str, Any] | None) -> list[Record]:
                     if chain["suffices"]
                     else f"Lumped model inadequate: {' '.join(chain['reasons'])}"
                 ),
-                unit="%",
+                shown_unit="%",
                 # Frequencies, shares of the energy and amplitudes decide together.
                 met=chain["suffices"],
             )

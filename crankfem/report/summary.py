@@ -140,7 +140,7 @@ def _frequency(vibration: Mapping[str, Any], kind: str) -> Record:
     assessment, whole = vibration["assessment"], vibration["whole"]
     if assessment is not None and shown is not None:
         bounds = assessment["uncertainty"][kind]["frequencies"][shown["number"] - 1]
-        details[0] = f"{_hertz(bounds['low'])} to {_hertz(bounds['high'])} Hz uncertainty range"
+        details[0] = f"uncertainty range {_hertz(bounds['low'])} to {_hertz(bounds['high'])} Hz"
     if whole is not None and whole["chains"].get(kind, {}).get("modes"):
         shaft = whole["chains"][kind]["modes"][0]["shaft_frequency"]
         details.append(f"whole crankshaft in its bearings: {_hertz(shaft)} Hz")

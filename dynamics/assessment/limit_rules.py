@@ -263,7 +263,7 @@ def generator_set_limit(
 def _has_limits_of_engines_in_line(strokes: int, kind: str, interval: float | None) -> bool:
     if strokes not in (2, 4):
         raise InputError(f"strokes: given {strokes}; allowed are 2 and 4.")
-    check_choice("kind", kind, get_args(Kind), "the rule knows these")
+    check_choice("kind", kind, get_args(Kind), "the rule covers these")
     return strokes == 4 and (kind == "in line" or interval in (45.0, 60.0))
 
 

@@ -271,7 +271,7 @@ def _from_top(energy: TurnEnergy, flywheel: float, top_speed: float) -> SteadyHi
         needed = math.sqrt(2.0 * lacking / float(inertia[0]))
         raise InputError(
             f"top_speed: given {top_speed:.4g} rad/s; allowed is more than {needed:.4g} rad/s, because "
-            f"over a turn the crank loses {lacking / 1e3:.4g} kJ and must come round."
+            f"over a turn the crank loses {lacking / 1e3:.4g} kJ and must complete a revolution."
         )
     return _turn(energy, inertia, at_top, flywheel)
 

@@ -170,8 +170,8 @@ def best_pressure(
     )
     if not found.fun < STANDING:
         raise InputError(
-            f"bounds: given {low:g} to {high:g}; allowed are bounds between which the crank comes round "
-            f"at {point.speed:g} rad/s, because there is nothing to compare otherwise."
+            f"bounds: given {low:g} to {high:g}; allowed are bounds between which the crank completes "
+            f"revolutions at {point.speed:g} rad/s, because there is nothing to compare otherwise."
         )
     unchanged = fluctuation(0.0)
     ratio = math.exp(float(found.x))

@@ -152,7 +152,7 @@ fillet_radius = "4 mm"
 
 # What is changed in the file of two throws, and what the refusal must say.
 REFUSED = {
-    "both": ([("[rod]", f"[throw]\n{FULL}\n[rod]")], r"throws: given beside the section \[throw\]"),
+    "both": ([("[rod]", f"[throw]\n{FULL}\n[rod]")], r"throws: given together with the section \[throw\]"),
     "unknown": ([(SHAFT, 'throws = ["heavy", "plane", "plain"]')], r"shaft\.throws: given 'plane'; all"),
     "unused": ([(SHAFT, 'throws = ["plain", "plain", "plain"]')], r"throws\.heavy: given, but no crank"),
     "few": ([(SHAFT, 'throws = ["heavy", "plain"]')], r"shaft\.throws: given 2 names; allowed is 3"),
@@ -160,7 +160,7 @@ REFUSED = {
     "empty": ([(SHAFT, "")], r"shaft\.throw_angles: missing; allowed are throw_angles, throws or both"),
     "plain": (
         [("[throws.plain]", "[throw]"), ('like = "plain"\n', "")],
-        r"throws: given beside the section \[throw\]",
+        r"throws: given together with the section \[throw\]",
     ),
     "radius": (
         [('pin_length = "38 mm"\n', 'pin_length = "38 mm"\ncrank_radius = "64.01 mm"\n')],
@@ -226,7 +226,9 @@ def test_names_beside_one_throw_are_refused(tmp_path):
     path = tmp_path / "one.toml"
     shaft = '[shaft]\nthrows = ["a", "a", "a", "a"]\n'
     path.write_text(text[: text.index("[torque]")] + shaft, encoding="utf-8")
-    with pytest.raises(InputError, match=r"^shaft\.throws: given beside the section \[throw\]"):
+    with pytest.raises(
+        InputError, match=r"^shaft\.throws: given together with the section \[throw\]"
+    ):
         load_engine(path)
 
 

@@ -70,7 +70,9 @@ def test_sections_that_do_not_fit_each_other(engine):
     with pytest.raises(InputError, match=r"load: given without the section \[gas\]"):
         engine.changed(gas=None, load=propeller)
     table = {"pressure_table": "p.csv", "peak_pressure": None}
-    with pytest.raises(InputError, match=r"load: given beside gas.pressure_table; allowed are"):
+    with pytest.raises(
+        InputError, match=r"load: given together with gas.pressure_table; allowed are"
+    ):
         engine.changed(gas=table, load=propeller)
     short = LoadSection.from_text({"points": [POINTS[0], POINTS[1] | {"speed": "450 1/min"}]})
     with pytest.raises(InputError, match=r"load.points: given speeds from 200 1/min to 450 1/min"):
@@ -78,7 +80,7 @@ def test_sections_that_do_not_fit_each_other(engine):
     mapped = {
         "points": [{"speed": 20.0, "pressure_table": "a"}, {"speed": 60.0, "pressure_table": "b"}]
     }
-    with pytest.raises(InputError, match=r"load: given beside the section \[gas_map\]"):
+    with pytest.raises(InputError, match=r"load: given together with the section \[gas_map\]"):
         engine.changed(gas_map=mapped, load=propeller)
 
 

@@ -209,7 +209,7 @@ ERRORS = [
     (study('design = "box-behnken"\nface = "faced"'), "study.face: given 'faced' with the design"),
     (
         study('design = "fractional factorial"\nresolution = "IV"\ngenerators = "a b c ab"'),
-        "study.generators: given beside study.resolution",
+        "study.generators: given together with study.resolution",
     ),
     (study('design = "file"'), "study.file: missing; the design 'file' needs the CSV file"),
     (study('design = "sobol"'), "study.runs: missing; the design 'sobol' needs the number"),
@@ -383,7 +383,7 @@ def test_ratios_in_a_file(read, tmp_path):
         (
             "web_width [mm],web_width [mm]\n270,3\n",
             "",
-            "study.file: web_width stands twice in runs.csv",
+            "study.file: web_width is twice in runs.csv",
         ),
         (
             "web_width [mm]\n270\n300\n",

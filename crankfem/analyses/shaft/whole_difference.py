@@ -100,6 +100,6 @@ def _difference(verdict: ChainVerdict, causes: dict[tuple[str, int], FrequencyDi
             return f"{said} ({own.shown_causes})" if own and own.shown_causes else said
     mixed = min(verdict.modes, key=lambda match: match.share)
     return (
-        f"its {verdict.kind} mode at {mixed.shaft_frequency:.1f} Hz is {verdict.kind} by "
-        f"{100.0 * mixed.share:.0f} % only"
+        f"its {verdict.kind} mode at {mixed.shaft_frequency:.1f} Hz is only {100.0 * mixed.share:.0f} % "
+        f"{verdict.kind}"
     )

@@ -176,8 +176,8 @@ def _engine_harmonics(source: str, asked: _Request) -> dict[str, Any]:
     speed = mechanism.rated_speed if turning is None else turning
     if strokes is not None and strokes != engine.strokes:
         raise InputError(
-            f"--strokes: given {strokes}; allowed is {engine.strokes} or nothing, because the engine "
-            "file says so."
+            f"--strokes: given {strokes}; allowed is {engine.strokes} or nothing, because the engine file "
+            "defines it."
         )
     if cylinder is not None and not 1 <= cylinder <= len(engine.cylinders):
         raise InputError(

@@ -43,13 +43,15 @@ def optimum(
     first_axial_frequency: Annotated[
         str | None,
         typer.Option(
-            metavar='">= 40 Hz"', help="Lower bound for the crankshaft's own, with --engine."
+            metavar='">= 40 Hz"',
+            help="Lower bound on the crankshaft's own frequency, with --engine.",
         ),
     ] = None,
     first_torsional_frequency: Annotated[
         str | None,
         typer.Option(
-            metavar='">= 40 Hz"', help="Lower bound for the crankshaft's own, with --engine."
+            metavar='">= 40 Hz"',
+            help="Lower bound on the crankshaft's own frequency, with --engine.",
         ),
     ] = None,
     fixed: Annotated[
@@ -119,8 +121,8 @@ def _frequency_limits(
     for kind in given:
         if f"{kind}_compliance" not in model.responses:
             raise InputError(
-                f"--first-{kind}-frequency: given for a model without {kind}_compliance; allowed is a "
-                "model that holds it, because the frequency follows from it."
+                f"--first-{kind}-frequency: given for a model without {kind}_compliance; allowed is a model "
+                "with it, because the frequency follows from it."
             )
     from crankfem.analyses.study.frequency_limits import engine_frequencies, frequency_limit
     from crankfem.files.engine.engine_file import load_engine

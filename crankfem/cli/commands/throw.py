@@ -81,6 +81,7 @@ def throw(
     from crankfem.jobs.run_records import UNIT_RADIAL_FORCE
     from fem.analysis import analyze_throw
     from fem.class_modes import MOST_MODES
+    from fem.section_motions import degree_of
     from geometry.throw import CrankThrow
 
     angle = None if gamma is None else parse_gamma(gamma, out.quiet)
@@ -90,6 +91,7 @@ def throw(
     part, material = select_part(engine, name, pins, out.quiet)
     shared: Any = int(sections) if sections in ("1", "2", "4") else sections
     COMPLIANCE_ACCURACY.checked("accuracy", accuracy)  # before anything is printed
+    degree_of(shared)
     law = law_record(part, material) if isinstance(part, CrankThrow) else None
     if law is not None and not out.json:
         print_line(law_sentence(law, out.units))
@@ -128,7 +130,7 @@ def stress(
     end_sections: Annotated[str, typer.Option(help="rigid, or averaged (free to warp).")] = "rigid",
     pins: PinsOption = None,
     mesh: Annotated[
-        str, typer.Option(help="adaptive, or m53: fillets as IACS UR M53, Appendix III, asks for.")
+        str, typer.Option(help="adaptive, or m53: fillets as IACS UR M53, Appendix III, requires.")
     ] = "adaptive",
     pictures: Annotated[
         Path | None, typer.Option(metavar="FOLDER", help="Folder for a picture of each load.")

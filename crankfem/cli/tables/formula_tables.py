@@ -179,8 +179,7 @@ def print_published(values: Sequence[PublishedValue]) -> None:
     for value in values:
         if value.mark == "*" and value.repaired is not None and value.formula != FINITE_ELEMENTS:
             print_line(
-                f"    {value.engine}, {value.formula}: {value.digits}, taken as "
-                f"{value.repaired * 1e9:.6g}"
+                f"    {value.engine}, {value.formula}: {value.digits}, read as {value.repaired * 1e9:.6g}"
             )
     print_line("? as printed, doubtful:")
     for value in values:

@@ -170,7 +170,7 @@ def _sentences(record: Record) -> list[str]:
         for peak in (*load["fillets"], *load.get("oil_holes", ()))
     ]
     met = (
-        "" if record["accuracy_met"] else f", not the {100.0 * record['accuracy']:.2g} % asked for"
+        "" if record["accuracy_met"] else f", not the {100.0 * record['accuracy']:.2g} % requested"
     )
     found.append(
         f"Estimated errors of the stresses: {100.0 * min(errors):.2g} to {100.0 * max(errors):.2g} %{met}."

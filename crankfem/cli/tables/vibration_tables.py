@@ -137,7 +137,7 @@ def print_assessment(record: Record, units: OutputUnits = SI) -> None:
         assumed = ", assumed" if limit["assumed"] else ""
         end = limit["judged_to_rpm"]
         beyond = (
-            f", for it holds above the highest running speed of {highest:.4g} 1/min too"
+            f", because it also applies above the highest running speed of {highest:.4g} 1/min"
             if end > highest
             else ""
         )

@@ -138,8 +138,8 @@ def _nodes(section: Section) -> dict[str, Node]:
         for beside in ("names", *GROUND_FIELDS):
             if getattr(section, beside) is not None:
                 raise InputError(
-                    f"chain.{beside}: given beside [[chain.nodes]]; allowed is one of the two, because "
-                    "each node has its own there."
+                    f"chain.{beside}: given together with [[chain.nodes]]; allowed is one of the two, "
+                    "because each node has its own there."
                 )
         tables: Sequence[Node] = section.nodes
         found: dict[str, Node] = {}
@@ -282,8 +282,8 @@ def _check_shape(number: int, element: Element, shape: str) -> None:
 def _link_error(number: int, element: Element, name: str, beside: str) -> None:
     if getattr(element, name) != type(element).model_fields[name].default:
         raise InputError(
-            f"chain.elements[{number}].{name}: given beside {beside}; allowed is one of the two, because "
-            "the element is a spring or a piece of shaft of one shape."
+            f"chain.elements[{number}].{name}: given together with {beside}; allowed is one of the two, "
+            "because the element is a spring or a piece of shaft of one shape."
         )
 
 

@@ -236,7 +236,7 @@ def _positions(
             if abs(math.remainder(turned - throw_angles[number], 2.0 * math.pi)) > IN_LINE:
                 raise InputError(
                     f"engine.crank_angles: given {format_quantity(engine.crank_angles[place], 'rad')} for "
-                    f"cylinder {place + 1}, whose pin on throw {number + 1} stands at "
+                    f"cylinder {place + 1}, whose pin on throw {number + 1} is at "
                     f"{format_quantity(engine.crank_angles[place] - turned + throw_angles[number], 'rad')}; "
                     "allowed is the angle of its pin, because the rod is on it (engine.throws defines which "
                     "cylinder is on which throw, [[throw.further_pins]] gives a throw more pins)."

@@ -138,8 +138,8 @@ class RunningPoint(InputModel):
     )
     gas_force_table: str | None = Field(
         None,
-        description="gas force on the piston over the crank angle, in place of the three pressures: CSV file "
-        "beside the hinge file",
+        description="gas force on the piston over the crank angle, in place of the three pressures: CSV "
+        "file in the folder of the hinge file",
     )
 
     @property
@@ -154,7 +154,7 @@ class RunningPoint(InputModel):
         given = [name for name in names if getattr(self, name) is not None]
         if self.gas_force_table is not None and given:
             raise InputError(
-                f"{given[0]}: given beside gas_force_table; allowed is one of the two, "
+                f"{given[0]}: given together with gas_force_table; allowed is one of the two, "
                 "because each defines the gas force."
             )
         missing = [name for name in names if name not in given]

@@ -94,5 +94,5 @@ def find_table(field: str, beside: Path, name: str) -> Path:
         if path.is_file():
             return path
     raise InputError(
-        f"{field}: given {name!r}, which is neither beside {beside.name} nor a shipped table."
+        f"{field}: given {name!r}, which is neither in the folder of {beside.name} nor a shipped table."
     )

@@ -284,7 +284,7 @@ def _split(
     extra = set(value) - {"value", "source", "assumed"}
     if extra or {"source", "assumed"} <= set(value):
         raise InputError(
-            f"{field_name}: given {value!r}; allowed beside value is either source or assumed."
+            f"{field_name}: given {value!r}; allowed with value is either source or assumed."
         )
     if "assumed" in value:
         return value["value"], (_cite(str(value["assumed"]), sources), True)

@@ -64,8 +64,8 @@ def throw_names(throws: Throws, layout: ShaftLayout | None, count: int) -> tuple
     if PLAIN in throws:
         if names is not None:
             raise InputError(
-                "shaft.throws: given beside the section [throw]; allowed is it with sections like "
-                "[throws.a], because every crank is the one throw otherwise."
+                "shaft.throws: given together with the section [throw]; allowed only with sections like "
+                "[throws.a], because otherwise all cranks have the one throw."
             )
         return (PLAIN,) * count
     if names is None:

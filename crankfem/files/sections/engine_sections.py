@@ -254,8 +254,8 @@ class NamedThrow(InputModel):
     def _turned_from_another(self) -> Self:
         if self.reversed and self.like is None:
             raise InputError(
-                f"{self.section}.reversed: given without like; allowed are both, because a throw that is "
-                "like no other is described as it stands in the shaft."
+                f"{self.section}.reversed: given without like; allowed are both, because a throw without "
+                "like is described as it is in the shaft."
             )
         return self
 
@@ -366,7 +366,8 @@ class VibrationSettings(InputModel):
     )
     model: str | None = Field(
         None,
-        description="saved compliance model for the source regression, a file beside the engine file",
+        description="saved compliance model for the source regression, a file in the folder of the engine "
+        "file",
     )
     reciprocating: Literal["half", "mean"] = Field(
         "half",
@@ -383,7 +384,7 @@ class TorqueTable(InputModel):
 
     section: ClassVar[str] = "torque"
 
-    table: str = Field(description="CSV file beside the engine file, or a shipped table")
+    table: str = Field(description="CSV file in the folder of the engine file, or a shipped table")
 
 
 class TwoMassInput(InputModel):

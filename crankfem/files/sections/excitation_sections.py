@@ -34,7 +34,8 @@ class GasMapPoint(InputModel):
     )
     load: float = quantity_field("load there, in the measure of the map", "", 0.0, 1e9, default=1.0)
     pressure_table: str = Field(
-        description="CSV file of the pressure over the crank angle, beside the engine file or shipped"
+        description="CSV file of the pressure over the crank angle, in the folder of the engine file, or "
+        "shipped"
     )
 
 

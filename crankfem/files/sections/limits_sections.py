@@ -200,7 +200,7 @@ class LimitsInput(InputModel):
             check_choice("limits.crankshaft_rule", self.crankshaft_rule, CRANKSHAFT_RULES, why)
         if self.crankshaft_rule and self.crankshaft_stress is not None:
             raise InputError(
-                f"limits.crankshaft_rule: given {self.crankshaft_rule!r} beside crankshaft_stress; "
+                f"limits.crankshaft_rule: given {self.crankshaft_rule!r} together with crankshaft_stress; "
                 "allowed is one of them, because the maker's value replaces the rule's."
             )
         if self.crankshaft_rule and (self.tensile_strength is None or self.yield_strength is None):

@@ -113,7 +113,7 @@ class HingedRods(InputModel):
         if len(self.cylinders) != len(self.main_cylinders):
             raise InputError(
                 f"hinged_rods.main_cylinders: given {len(self.main_cylinders)} for {len(self.cylinders)} "
-                "cylinders; allowed is one for each, because each rod hangs on one."
+                "cylinders; allowed is one for each, because each rod is hinged to one."
             )
         if len(set(self.cylinders)) != len(self.cylinders):
             raise InputError(
@@ -137,7 +137,8 @@ class Gas(InputModel):
     )
     pressure_table: str | None = Field(
         None,
-        description="CSV file of the pressure over the crank angle, beside the engine file or shipped",
+        description="CSV file of the pressure over the crank angle, in the folder of the engine file, or "
+        "shipped",
     )
     compression_ratio: float = quantity_field(
         "compression ratio of the cycle", "", 2.0, 40.0, default=14.0
@@ -186,7 +187,7 @@ class Gas(InputModel):
         ]
         if self.pressure_table is not None and beside:
             raise InputError(
-                f"gas.{beside[0]}: given beside pressure_table; allowed is one of the two, because the table "
-                "defines the whole pressure."
+                f"gas.{beside[0]}: given together with pressure_table; allowed is one of the two, because "
+                "the table defines the whole pressure."
             )
         return self

@@ -37,7 +37,7 @@ class HardeningInput(InputModel):
         if unknown or not self.places:
             raise InputError(
                 f"strength.hardening.places: given {', '.join(unknown) or 'none'}; allowed are "
-                f"{', '.join(TREATED)}, because the formulas at hand are for these."
+                f"{', '.join(TREATED)}, because the available formulas are for these."
             )
         try:
             self.treatment()
@@ -63,7 +63,7 @@ class ShrinkFitInput(InputModel):
         symbol="D_A",
     )
     fillet_radius: float = length_field(
-        "radius of the journal's fillet beside the fit", (1e-4, 0.3), symbol="R_G"
+        "radius of the journal's fillet next to the fit", (1e-4, 0.3), symbol="R_G"
     )
     web_yield: float = quantity_field("yield strength of the web", "Pa", 1e8, 2e9, symbol="s_SW")
     journal_yield: float = quantity_field(

@@ -36,7 +36,9 @@ class StudySection(InputModel):
     face: Literal["faced", "inscribed", "circumscribed"] | None = Field(
         None, description="position of the star points of a central composite"
     )
-    file: str | None = Field(None, description="CSV file of your own runs, beside the study file")
+    file: str | None = Field(
+        None, description="CSV file of your own runs, in the folder of the study file"
+    )
     held_out: int = quantity_field(
         "number of further designs that judge the fits",
         "",
@@ -99,7 +101,7 @@ class StudySection(InputModel):
                 )
         if self.resolution is not None and self.generators is not None:
             raise InputError(
-                "study.generators: given beside study.resolution; allowed is one of the two, because "
+                "study.generators: given together with study.resolution; allowed is one of the two, because "
                 "generators fix the resolution."
             )
         return self

@@ -102,10 +102,11 @@ class ShaftLineFiles(InputModel):
     section: ClassVar[str] = "shaft_line"
 
     torsional: str | None = Field(
-        None, description="chain file of kind torsional, beside the engine file or shipped"
+        None,
+        description="chain file of kind torsional, in the folder of the engine file, or shipped",
     )
     axial: str | None = Field(
-        None, description="chain file of kind axial, beside the engine file or shipped"
+        None, description="chain file of kind axial, in the folder of the engine file, or shipped"
     )
     plant: str | None = Field(
         None,
@@ -123,7 +124,7 @@ class ShaftLineFiles(InputModel):
             )
         if self.torsional and self.plant:
             raise InputError(
-                "shaft_line.plant: given beside torsional; allowed is one of the two, because the chain of "
-                "the whole plant has what follows the flywheel."
+                "shaft_line.plant: given together with torsional; allowed is one of the two, because the "
+                "chain of the whole plant has what follows the flywheel."
             )
         return self

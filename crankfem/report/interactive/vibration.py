@@ -266,7 +266,7 @@ VIBRATION: Plots[EngineVibration] = Plots(
             "misfiring_stress",
             "Nominal torsional stress over the speed, all cylinders firing and one misfiring",
             "Nominal torsional stress at running speeds, all orders over the cycle: all cylinders firing and "
-            "the worst case of misfiring, at its worst place.",
+            "the worst case of misfiring, at its worst location.",
             _misfiring_stress,
             lambda run: _title(f"misfiring, {_stress_check(run).misfiring.place}")(run),
             needs="misfiring",
