@@ -1,7 +1,8 @@
 """The self-checks of a run: what was checked, how well it holds, and what it has to hold to.
 
 Every check is a record: its name, the figure found, the unit of the figure ("1" for a share, else a
-word), the unit to show it in ("%" for a share that is more than round-off), what is allowed or None, whether the check holds or None, and a sentence that says what the figure means.
+word), the unit to show it in ("%" for a share that is more than round-off), what is allowed or None, whether
+the check holds or None, and a sentence that says what the figure means.
 """
 
 from collections.abc import Mapping, Sequence

@@ -210,15 +210,15 @@ def _advice(assessment: Record) -> str:
     fall = f"{worst['limit'].capitalize()} must fall by {format_usage(1.0 - 1.0 / worst['used'])}"
     if left["value"] > worst["permitted"]:
         return (
-            f"{fall}; more damping alone is not sufficient: the non-resonant orders together make {rest} "
-            f"there, and {permitted} is permitted. Reduce their excitation, or strengthen the shaft."
+            f"{fall}; more damping alone is not sufficient: the non-resonant orders together contribute "
+            f"{rest} there, and {permitted} is permitted. Reduce their excitation, or strengthen the shaft."
         )
     least = LEAST_SHARE * made
     modes = sorted({(one["kind"], one["mode"]) for one in resonant if one["contribution"] > least})
     named = " and ".join(f"{kind} mode {mode}" for kind, mode in modes)
     return (
-        f"{fall}; the non-resonant orders together make {rest} there, and {permitted} is permitted: more "
-        f"damping, or another frequency of {named}, may be sufficient at this speed."
+        f"{fall}; the non-resonant orders together contribute {rest} there, and {permitted} is permitted: "
+        f"more damping, or another frequency of {named}, may be sufficient at this speed."
     )
 
 

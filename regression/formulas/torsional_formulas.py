@@ -120,7 +120,7 @@ def _zimanenko_remarks(case: ThrowCase) -> list[Remark]:
         other = _zimanenko_with(case, case.throw.pin_diameter)
         remarks.append(
             Remark(
-                "Reprints differ in the diameter that stands beside 0.2 B/R: here it is the main "
+                "Reprints differ in the diameter of the term with 0.2 B/R: here it is the main "
                 f"journal's; with the crankpin's the value is {other * 1e9:.4g}e-9 rad/(N m)."
             )
         )

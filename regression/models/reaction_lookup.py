@@ -102,7 +102,7 @@ def look_reactions_up(
     if missing:
         raise InputError(
             f"support: given {support_words(kind, gamma)}, but the model has no {missing[0]}; reactions "
-            f"there need {', '.join(NEEDED[kind])}: run and fit its study again, for this release has "
+            f"there need {', '.join(NEEDED[kind])}: run and fit its study again, because this release has "
             "studies keep them."
         )
     found = {name: lookups(name, strict=strict, **dimensions) for name in NEEDED[kind]}

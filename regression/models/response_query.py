@@ -359,7 +359,7 @@ def _check_ratio(ratio: Ratio, values: Any) -> None:
     share = f", {100.0 * (given / ratio.value - 1.0):+.3g} %" if ratio.value else ""
     raise InputError(
         f"{ratio.name}: given {given:.6g}{share}; allowed is {ratio.value:.6g}, because this ratio did "
-        "not vary in the study, so that the equation does not know what it does."
+        "not vary in the study, so the equation does not contain its effect."
     )
 
 

@@ -88,7 +88,7 @@ def test_the_title_tells_the_angle_and_the_constants(call):
     assert out.splitlines()[0].strip().endswith("gamma = 240 deg (counts as 120), k_n = 0.3, C = 2")
     # No remark is written in the syntax of Python.
     assert "unless the constant k_or is given." in out
-    assert "the constant k_gorbunov = 0.5 meets the frame." in out
+    assert "the constant k_gorbunov = 0.5 matches the frame." in out
     assert "constants=" not in out
     assert call(*given, "--json").json()["constants"] == {"k_n": 0.3, "C": 2.0}
 

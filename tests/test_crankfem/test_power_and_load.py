@@ -109,7 +109,7 @@ def test_without_rated_power_nothing_checks(engine):
     assert power.mechanical_efficiency is power.mean_effective_pressure is None
     assert power.sentence == (
         "indicated power 570.2 kW at 500 1/min, mean indicated pressure 1.367 MPa; engine.rated_power is "
-        "not given, so that nothing checks the gas pressure"
+        "not given, so the gas pressure is not checked"
     )
 
 

@@ -123,7 +123,7 @@ def engine_limits(
     if engine_file.ranges is not None:
         remarks.append(NOT_SAMPLED)
     remarks.append(
-        f"orders above {engine_file.vibration.highest_order:g} are not calculated, nor judged "
+        f"orders above {engine_file.vibration.highest_order:g} are neither calculated nor judged "
         "(vibration.highest_order)"
     )
     return found, tuple(remarks)
