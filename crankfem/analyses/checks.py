@@ -262,7 +262,7 @@ def _study_checks(study: Mapping[str, Any] | None) -> list[Record]:
             _check(
                 f"Error of the {name} regression",
                 chosen["largest_error_held_out"],
-                f"Largest error of the chosen form ({fits['chosen']}) at designs that it was not fitted to.",
+                f"Largest error of the chosen form ({fits['chosen']}) at held-out designs.",
                 shown_unit="%",
             )
         )

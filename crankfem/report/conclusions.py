@@ -126,7 +126,7 @@ def _reached(assessment: Record) -> str:
 def _cause(assessment: Record) -> str:
     worst = assessment["checks"][0]
     return sentence(
-        f"at {significant(worst['speed_rpm'], DIGITS)} 1/min {worst['cause']['sentence']}"
+        f"at {significant(worst['speed_rpm'], DIGITS)} 1/min, {worst['cause']['sentence']}"
     )
 
 

@@ -102,8 +102,8 @@ def axial_cycle_record(
 def axial_cycle_columns(found: AxialForceOverCycle) -> tuple[dict[str, FloatArray], str]:
     """Return all forces over the shaft angle, and what they are."""
     return found.columns(), (
-        f"axial forces over the cycle at {found.speed * RPM:.10g} 1/min: on the thrust bearing as the shaft "
-        "vibrates, on held ends without vibration, pressing each throw's ends apart"
+        f"axial forces over the cycle at {found.speed * RPM:.10g} 1/min: on the thrust bearing with "
+        "vibration, on held ends without vibration, pressing each throw's ends apart"
     )
 
 
@@ -134,7 +134,7 @@ def _sentences(record: Record, left_out: str) -> list[str]:
     found = []
     if record["thrust_bearing"] is not None:
         found.append(
-            f"Axial force on the thrust bearing at {record['speed_rpm']:.4g} 1/min, as the shaft vibrates: "
+            f"Axial force on the thrust bearing at {record['speed_rpm']:.4g} 1/min, with vibration: "
             f"{_range(record['thrust_bearing'])} over the cycle by the axial chain, positive towards the "
             f"flywheel{left_out}."
         )

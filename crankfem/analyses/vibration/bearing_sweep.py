@@ -146,7 +146,7 @@ class BearingSweep:
                 if self.flips
                 else f'with all else unchanged, the verdict is "{self.statuses[0]}" over the whole range'
             )
-            found.append(f"Over that range {uses} is used; {said}.")
+            found.append(f"Over that range, {uses} is used; {said}.")
         return tuple(found)
 
     @property

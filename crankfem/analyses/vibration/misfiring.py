@@ -95,7 +95,7 @@ class Misfiring:
             return self.worst.sentence
         ranges = ", ".join(shown_range(*one) for one in self.exceeded)
         who = named(self.cases[0]) if len(self.cases) == 1 else "a cylinder"
-        return f"{self.worst.sentence} While {who} misfires limits are exceeded from {ranges}."
+        return f"{self.worst.sentence} While {who} misfires, limits are exceeded from {ranges}."
 
     @property
     def remarks(self) -> tuple[str, ...]:
