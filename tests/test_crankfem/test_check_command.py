@@ -27,7 +27,7 @@ def test_an_engine_is_shown_as_understood(call):
     assert "gas" in record["sections"]
     words = " ".join(call("check", "6chn25-34").out.split())
     for said in (
-        "it serves run, vibration",
+        "use it with: run, vibration",
         "runs from 200 to 515 1/min",
         "firing order 1-5-3-6-2-4",
         "web_thickness │ h │ 68",

@@ -166,7 +166,7 @@ def test_strict_refuses_at_once_what_cannot_be_judged(
 
 def test_quiet_leaves_only_results(call, monkeypatch):
     plain = call("formulas", "6chn25-34", "--no-fe", "--gamma", "120")
-    assert plain.err == 'Note: --gamma 120 is taken as "120 deg"; write the unit with it.\n'
+    assert plain.err == 'Note: --gamma 120 is read as "120 deg"; write the unit.\n'
     quiet = call("formulas", "6chn25-34", "--no-fe", "--gamma", "120", "-q")
     assert (quiet.err, quiet.out) == ("", plain.out)
     assert call("formulas", "6chn25-34", "--no-fe", "--gamma", "120 deg").out == plain.out
@@ -334,7 +334,7 @@ def test_check_of_a_mechanism(call):
     assert (answer.code, answer.err) == (0, "")
     words = " ".join(answer.out.split())
     assert "valid mechanism file" in words
-    assert "it serves mechanism, harmonics" in words
+    assert "use it with: mechanism, harmonics" in words
     content = call("check", "buick-3800", "--json").json()
     assert (content["kind"], content["engine"]) == ("mechanism", "Buick 3800")
     fields = {record["field"]: record for record in content["inputs"]}

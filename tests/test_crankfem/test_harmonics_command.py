@@ -176,7 +176,7 @@ def test_partial_sums_against_the_samples(call):
         left = torque - basis @ np.linalg.lstsq(basis, torque, rcond=None)[0]
         assert record["residual_rms"][place] == close(np.sqrt(np.mean(left**2)))
         assert record["residual_largest"][place] == close(np.max(np.abs(left)))
-    assert "meets every sample" in call("harmonics", TABLE).out
+    assert "matches every sample" in call("harmonics", TABLE).out
     told = call("harmonics", TABLE, "--orders", "2").out
     assert "The sum up to order 2 differs from the samples by at most 1530.2 N m." in told
 

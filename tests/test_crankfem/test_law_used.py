@@ -190,6 +190,6 @@ def test_engines_whose_throws_the_law_does_not_cover_refuse_it(tmp_path, call):
     )
     path.write_text(bored, encoding="utf-8")
     with pytest.raises(
-        InputError, match=r"vibration.axial_source: given 'law', which says nothing of"
+        InputError, match=r"vibration.axial_source: given 'law', which does not apply to"
     ):
         refuse_law(load_engine(path))

@@ -104,7 +104,7 @@ def test_values_with_bands(run, path):
     )
     assert len(lines) == len(SIZES) + 1
     assert lines[-1] == (
-        "Bands: error that 95 % of throws keep to at designs not used in the fit (0.5 %) and the "
+        "Bands: error not exceeded by 95 % of throws at designs not used in the fit (0.5 %) and the "
         "finite elements' own estimate (1 %); --json lists them by response."
     )
     assert out.count("inside the range") == len(SIZES)

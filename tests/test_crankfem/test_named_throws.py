@@ -273,7 +273,7 @@ def test_one_of_several_throws_is_changed(write):
             "throw: given for an engine with throws",
         ),
         ({"throws": {"plain": 3}}, r"throws\.plain: given 3; allowed are fields"),
-        ({"throws": {"third": engine.throw}}, r"throws\.third: given, but no crank is it"),
+        ({"throws": {"third": engine.throw}}, r"throws\.third: given, but no crank uses it"),
         ({"throws": 3}, "throws: given 3; allowed are names with changes"),
         ({"shaft": None}, r"shaft\.throws: missing"),
     ):
@@ -404,7 +404,9 @@ def test_a_regression_that_does_not_know_a_throw_is_left_out():
     plain = Model([engine.named_throws["plain"]])
     unknown = axial_vibration(engine, analyses, shaft, plain)
     assert "regression" not in [own.source for own in unknown.others]
-    assert unknown.unusable[0].startswith("regression: says nothing of throw heavy: counterweight")
+    assert unknown.unusable[0].startswith(
+        "regression: does not apply to throw heavy: counterweight"
+    )
     formulas = next(own for own in unknown.others if own.source == "Dorey").compliances
     assert formulas[0] != close(formulas[1], rel=1e-3)
 
@@ -435,7 +437,7 @@ def test_check_shows_each_throw(call):
 
 def test_commands_take_the_throw_they_are_told(call):
     first, told = call("formulas", UNEQUAL, "--no-fe", "--json"), []
-    assert "throw heavy is taken; the file has plain too" in first.err
+    assert "throw heavy is used; the file has plain too" in first.err
     for name in ("heavy", "plain"):
         answer = call("formulas", UNEQUAL, "--throw", name, "--no-fe", "--json")
         assert answer.err == ""
@@ -503,4 +505,4 @@ def test_an_engine_of_two_throws_runs_to_a_report(coarsely, call, tmp_path):
 def test_help_says_which_sections_throws_are(call):
     """Square brackets would be read as markup, and vanish."""
     answer = call("throw", "--help")
-    assert "each a section throws.NAME;" in " ".join(answer.out.replace("│", " ").split())
+    assert "(sections throws.NAME);" in " ".join(answer.out.replace("│", " ").split())

@@ -291,7 +291,7 @@ ERRORS = [
     ),
     (
         study('constraints = ["web_width > 1 m"]'),
-        "study.factors: none of the 3 designs can be used; the first is excluded because of this",
+        "study.factors: none of the 3 designs can be used; reason for the first excluded design",
     ),
 ]
 

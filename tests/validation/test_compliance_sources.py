@@ -182,7 +182,7 @@ def test_as_no_source_it_is_left_out(plain, analysis, make_model):
     assert [own.source for own in found.torsional.others if own.source == "regression"]
     assert not [own.source for own in found.axial.others if own.source == "regression"]
     assert found.axial.unusable[0] == (
-        "regression: says nothing of this throw: the model holds torsional_compliance and no "
+        "regression: says nothing of this throw: the model has torsional_compliance and no "
         "axial_compliance"
     )
 
