@@ -33,7 +33,7 @@ def test_an_engine_is_shown_as_understood(call):
         "web_thickness │ h │ 68",
         "a quarter is solved",
         "thrust bearing at main bearing 7 of 7, counted from 1 at the free end",
-        "a rule of a classification society",
+        "a classification society's rule",
         "the rule 'KR generator set', because the engine drives a generator (engine.drives)",
     ):
         assert said in words

@@ -135,7 +135,7 @@ def test_damping_is_advised_only_where_it_can_help(results):
     )
     text = " ".join(conclusions(none))
     assert (
-        "more damping alone cannot do that: the non-resonant orders together contribute 22 MPa"
+        "more damping alone is not sufficient: the non-resonant orders together contribute 22 MPa"
         in text
     )
     fine = with_parts(copy.deepcopy(results), part(6.0, 10e6, "at resonance"))
