@@ -48,7 +48,7 @@ def law_answer(
         for name, own in neighbor_answers(axial, gamma_deg).items():
             values[f"{name}_neighbors"] = own
     remarks = [
-        "A band holds the true value of 95 in 100 throws, their end sections rigid. Nearest to an end of the "
+        "A band contains the true value for 95 % of throws with rigid end sections. Nearest to an end of the "
         f"law's range: {axial.nearest_limit}."
     ]
     reactions = None

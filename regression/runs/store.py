@@ -99,7 +99,7 @@ class ResultStore:
     def _stopped(self, error: Exception) -> StudyStoppedError:
         return StudyStoppedError(
             f"store: {self.path} cannot be used now ({error_cause(error) or error}); finished designs are "
-            "kept, and the same command continues when that is mended."
+            "kept, and the same command continues when that is corrected."
         )
 
     @contextmanager

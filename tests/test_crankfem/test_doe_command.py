@@ -169,8 +169,8 @@ def test_doe_takes_earlier_and_measured_results_over(call, study, tmp_path):
     taken = ("--import", "a.sqlite", "--import", "bench.csv")
     answer = call("doe", study, "--store", "b.sqlite", *taken, "--export", "b.csv")
     assert answer.code == 0
-    assert "a.sqlite: 12 finished designs and 0 further rows taken over." in answer.err
-    assert "bench.csv: 0 finished designs and 1 further rows taken over." in answer.err
+    assert "a.sqlite: 12 finished designs and 0 further rows imported." in answer.err
+    assert "bench.csv: 0 finished designs and 1 further rows imported." in answer.err
     assert "0 computed now, 0 without a result, 1 imported rows." in answer.out
     assert rows(tmp_path / "b.csv")[:12] == rows(tmp_path / "a.csv")
     assert [row["role"] for row in rows(tmp_path / "b.csv")[12:]] == ["measured"]
