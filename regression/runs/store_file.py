@@ -100,6 +100,8 @@ def open_store(path: Path, readonly: bool) -> sqlite3.Connection:
     try:
         connection.text_factory = _text
         connection.execute(f"PRAGMA journal_mode={'DELETE' if _on_network(path) else 'WAL'}")
+        # Each design goes on from the log to the file at once: a copy of the file alone has all of them.
+        connection.execute("PRAGMA wal_autocheckpoint=1")
         with transaction(connection):
             prepare(connection)
     except BaseException:
