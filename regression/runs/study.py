@@ -146,7 +146,9 @@ def run_plan(
             nonlocal shared
             if not claims.take(key):
                 if not shared and note is not None:
-                    note(f"another program computes designs of this study in {store}: they are shared.")
+                    note(
+                        f"another program computes designs of this study in {store}: they are shared."
+                    )
                 shared = True
                 return False
             found = results.outcomes([key]).get(key)
@@ -192,6 +194,17 @@ def _run_on_dask(
 
 def _silent(_: str) -> None:
     """Tell nobody."""
+
+
+def current_plans(store: str | Path) -> tuple[StudyPlan, ...]:
+    """Return the plans in a store that are sound and of this version of the finite element model."""
+    with ResultStore(store, readonly=True) as results:
+        recorded = results.studies()
+    return tuple(
+        StudyPlan.from_record(plan)
+        for key, plan in recorded.items()
+        if plan is not None and content_key(plan) == key and plan["model_version"] == MODEL_VERSION
+    )
 
 
 def read_study(store: str | Path, study: str | None = None) -> StudyTable:
