@@ -111,7 +111,7 @@ def _print(
             f"{rebuilt.original}."
         )
     if repaired:
-        console.print_line(f"{computed} designs computed now.")
+        console.print_line(f"{computed} {'design' if computed == 1 else 'designs'} computed now.")
     if found.file:
         console.print_line(f"SQLite cannot trust the file: {found.file}.")
         return
@@ -129,6 +129,10 @@ def _print(
         console.print_line(f"... and {len(found.damaged) - MOST_ROWS} more; --json has them all.")
     for study in found.studies:
         console.print_line(_study_text(study))
+    if not found.studies:
+        console.print_line(
+            f"It holds no study: run one from its file, crankfem doe STUDY.toml --store {found.path}."
+        )
 
 
 def _study_text(study: "StudyCheck") -> str:
