@@ -18,11 +18,11 @@ from importlib import import_module
 from queue import Empty, SimpleQueue
 from typing import Any, BinaryIO, NoReturn
 
-from crankbase.errors import InputError, MeshError, MissingLibraryError
+from crankbase.errors import InputError, MeshError, MissingLibraryError, SolveError
 from crankbase.processes import end_child, signal_name
 
 ERRORS: dict[str, type[Exception]] = {
-    kind.__name__: kind for kind in (InputError, MeshError, MissingLibraryError)
+    kind.__name__: kind for kind in (InputError, MeshError, MissingLibraryError, SolveError)
 }
 REMARK, RESULT = "remark", "result"
 # Seconds between two looks at a process's time and memory.
@@ -209,7 +209,7 @@ def answered(kind: str, content: Any) -> Any:
 
     Raises
     ------
-    InputError, MeshError, MissingLibraryError
+    InputError, MeshError, MissingLibraryError, SolveError
         As raised by the function.
     RuntimeError
         For any other error of the function.

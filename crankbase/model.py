@@ -131,7 +131,7 @@ class InputModel(BaseModel, metaclass=_ShowsFields):
                 what = "a number in deg, as the field's name says"
                 if not name.endswith("_deg"):
                     kind = f"in {unit}" if unit else "without a unit"
-                    what = f"a number {kind}, for in Python quantities are SI numbers"
+                    what = f"a number {kind}, because in Python quantities are SI numbers"
                 raise InputError(f"{prefix}{name}: given {quoted(value)}; allowed is {what}.")
         try:
             super().__init__(**values)

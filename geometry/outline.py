@@ -272,7 +272,7 @@ def rectangle(
     largest = min(half, 0.5 * (high - low))
     if corner_radius > 0.0 and corner_chamfer > 0.0:
         raise InputError(
-            "the corners have a radius and a chamfer; allowed is one of them, for a corner is either "
+            "the corners have a radius and a chamfer; allowed is one of them, because a corner is either "
             "rounded or cut."
         )
     if cut > largest * (1.0 + 1e-9):

@@ -76,7 +76,7 @@ def check_throw(throw: ThrowDimensions, parts: ThrowParts) -> None:
         if 1e-9 * web.outline.width < web.distance < SMALLEST_PIN_STEP * 2.0 * after.radius:
             raise InputError(
                 f"throw.further_pins: given pins whose axes are {in_mm(web.distance)} apart; allowed is 0 or "
-                f"{in_mm(SMALLEST_PIN_STEP * 2.0 * after.radius)} or more, for a smaller step cannot be "
+                f"{in_mm(SMALLEST_PIN_STEP * 2.0 * after.radius)} or more, because a smaller step cannot be "
                 "meshed."
             )
         _check_wall_between(web, before, after)
@@ -309,8 +309,8 @@ def _too_short(cylinder: Cylinder, length: float) -> str:
 
 def _too_narrow(throw: ThrowDimensions, web: WebPlate, cylinder: Cylinder) -> str:
     return (
-        f"the {web_label(throw, web)} of {in_mm(web.outline.width)} is too narrow for a larger one round the "
-        f"{label(cylinder)} of {in_mm(2.0 * cylinder.radius)}"
+        f"the {web_label(throw, web)} of {in_mm(web.outline.width)} is too narrow for a larger one around "
+        f"the {label(cylinder)} of {in_mm(2.0 * cylinder.radius)}"
     )
 
 
@@ -384,9 +384,9 @@ def _check_split_pin(web: WebPlate, before: Cylinder, after: Cylinder) -> None:
     low, high = (share * together for share in SPLIT_PIN_STEP)
     if not low <= web.distance <= high:
         raise InputError(
-            f"throw.further_pins: given a split pin without a web whose axes are "
-            f"{in_mm(web.distance)} apart; allowed is {in_mm(low)} to {in_mm(high)} with these diameters, "
-            "because its halves must hold together and differ (else give web_thickness or one longer pin)."
+            f"throw.further_pins: given a split pin without a web whose axes are {in_mm(web.distance)} "
+            f"apart; allowed is {in_mm(low)} to {in_mm(high)} with these diameters, because its halves must "
+            "hold together and differ (else give web_thickness or one longer pin)."
         )
     for first, second in ((before, after), (after, before)):
         if first.bore_radius > 0.0:

@@ -160,7 +160,7 @@ class LookupQuestion(ReactionsQuestion):
         {}, description="value or list of values by name; these change the throw's"
     )
     responses: list[str] | None = Field(None, description="which; all of the model by default")
-    strict: bool = Field(False, description="refuse what lies outside the range of the model")
+    strict: bool = Field(False, description="refuse throws outside the range of the model")
 
 
 class FileQuestion(InputModel):

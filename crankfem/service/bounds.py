@@ -64,7 +64,7 @@ class Settings:
         Folder of compliance models.
     host : str
     port : int
-        0 for any that is free.
+        Port; 0 for any free one.
     key : str or None
         That every request to the API must bring; always there where others than this machine can ask.
     bounds : Bounds

@@ -74,5 +74,5 @@ async def answer_http_error(_: Request, error: Exception) -> Response:
 async def answer_fault(_: Request, error: Exception) -> Response:
     """Answer a fault of the service without telling its inside."""
     return problem_response(
-        problem(500, f"The service met {type(error).__name__}, which nobody expected.")
+        problem(500, f"The service met {type(error).__name__}, an unexpected error.")
     )

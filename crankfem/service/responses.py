@@ -26,7 +26,7 @@ REFUSALS = {
     "413": "too large",
     "415": "another media type",
     "422": "input that cannot be used, with a sentence for each wrong field",
-    "429": "the queue is full; Retry-After tells when to ask again",
+    "429": "the queue is full; Retry-After gives the time to wait",
     "500": "a fault of the service",
     "503": "busy",
 }

@@ -149,7 +149,7 @@ def axial_law(
     Raises
     ------
     InputError
-        If a ratio of the throw is outside the range of the throws that the law was trained by, or the
+        If a ratio of the throw is outside the range of the law's training throws, or the
         throw has what they have not.
 
     Examples
@@ -331,7 +331,7 @@ def check_material(youngs_modulus: float, poisson_ratio: float) -> None:
     if not (is_number(poisson_ratio) and low <= poisson_ratio <= high):
         raise InputError(
             f"poisson_ratio: given {quoted(poisson_ratio)}; allowed for the law is {low:g} to {high:g}, "
-            "because the throws that it was trained by have 0.3."
+            "because its training throws have 0.3."
         )
 
 
@@ -340,9 +340,7 @@ def _given(dimensions: Mapping[str, ArrayLike]) -> dict[str, Any]:
     known = (*PLAIN_FIELDS, *MORE_FIELDS)
     for name in dimensions:
         if name not in known:
-            raise InputError(
-                f"{name}: no dimension that the law knows; allowed are {', '.join(known)}."
-            )
+            raise InputError(f"{name}: not a dimension of the law; allowed are {', '.join(known)}.")
     for name in PLAIN_FIELDS:
         if name not in dimensions and name != "fillet_radius":
             raise InputError(f"{name}: missing; it must be given, because the law needs its ratio.")
