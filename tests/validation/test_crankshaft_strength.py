@@ -1,4 +1,4 @@
-"""Crankshaft strength by UR M53: factors, fatigue strength and nominal stresses worked out by hand.
+"""Crankshaft strength by UR M53: factors, fatigue strength, nominal stresses.
 
 Source of the formulas: Korean Register, Rules for the Classification of Steel Ships 2025, Part 5 Guidance,
 Annex 5-3 (IACS unified requirement M53 Rev.5). The factors of three cranks were worked out from the printed
