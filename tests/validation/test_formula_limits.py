@@ -1,15 +1,12 @@
 """Published axial formulas in the limit of slender beams.
 
-The source is the theory of plane frames: an Euler-Bernoulli frame of journal halves, webs and pin,
-clamped nowhere, solved here by its own small stiffness method, which shares nothing with the
-formulas. With the journal ends free to tilt (gamma = 180 deg between neighboring cranks) the
-throw's compliance is pin + 2/3 web, with them blocked (gamma = 0) it tends to 1/2 pin + 1/6 web as
-the webs become flexible.
+Source: the theory of plane frames. An Euler-Bernoulli frame of journal halves, webs and pin is solved here by
+its own small stiffness method. With journal ends free to tilt (gamma = 180 deg) the compliance is
+pin + 2/3 web, with blocked ones (gamma = 0) it tends to 1/2 pin + 1/6 web as the webs become flexible.
 
-Where a formula is compared with its own terms the tolerance is round-off (1e-9 and less). Where it is
-compared with the frame, the tolerance is what the formula has besides: 0.167 for 1/6 and 0.667 for 2/3
-(1e-3), 4.72 x 1.7 = 8.024 for 8 (3e-3), journals and pin that bend while the webs' tilt is blocked
-(2e-2), shares of h added to lengths (1e-2 and more, said at the test).
+Tolerances: round-off (1e-9 and less) against a formula's own terms. Against the frame, the formula's further
+terms: 0.167 for 1/6 and 0.667 for 2/3 (1e-3), 4.72 x 1.7 = 8.024 for 8 (3e-3), journals and pin that bend
+while the webs' tilt is blocked (2e-2), shares of h added to lengths (1e-2 and more, stated at the test).
 """
 
 import math

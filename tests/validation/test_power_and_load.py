@@ -1,10 +1,9 @@
 """Power of the gas and load over the speed.
 
-The work of a cylinder is integrated here over the volume of a slider crank, Simpson's rule over the
-pressure's own samples and the volume's derivative written out, numpy alone. A propeller takes power with
-the cube of the speed: at half speed a quarter of the mean pressure and an eighth of the power, told, in the
-forces that excite, and in the torque of the mechanism. The published engine is MAN B&W 6S50MC-C: 9480 kW
-at 127 1/min with a mean effective pressure of 19.0 bar (project guide, figure 1.02, layout point L1).
+Sources: the work of a cylinder by Simpson's rule over the volume of a slider-crank, numpy alone. A propeller
+takes power with the cube of the speed: at half speed a quarter of the mean pressure and an eighth of the
+power. MAN B&W 6S50MC-C: 9480 kW at 127 1/min with a mean effective pressure of 19.0 bar (project guide,
+figure 1.02, layout point L1).
 """
 
 from pathlib import Path
