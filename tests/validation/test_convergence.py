@@ -121,7 +121,7 @@ def test_nested_meshes(exponents, fillet_radius, corner, highest, figure):
     limit = values[2] + steps[1] ** 2 / (steps[0] - steps[1])
     own = {0.0: 1.416e-9, 0.012: 1.281e-9}[fillet_radius]
     corners = "filleted" if fillet_radius else "sharp"
-    figure(f"e_n to which nested meshes lead, {corners}", limit, own, 5e-3, "m/N")
+    figure(f"e_n, limit of nested meshes, {corners}", limit, own, 5e-3, "m/N")
 
 
 @pytest.mark.slow

@@ -89,7 +89,7 @@ def test_plain_throws(throws, figure):
     figure("error of e_n pinned, rms", rms(found[0]), 0.0, 0.002, kind="absolute")
     figure("error of e_n pinned, largest", np.abs(found[0]).max(), 0.0, 0.01, kind="absolute")
     for error in rms(found[1:]):
-        figure("errors of its other answers, rms", error, 0.0, 0.005, kind="absolute")
+        figure("errors of its other results, rms", error, 0.0, 0.005, kind="absolute")
 
 
 def test_real_throws(throws, figure):
@@ -104,7 +104,7 @@ def test_real_throws(throws, figure):
         kind="absolute",
     )
     for error in rms(found[1:]):
-        figure("errors of real throws' other answers, rms", error, 0.0, 0.01, kind="absolute")
+        figure("errors of real throws' other results, rms", error, 0.0, 0.01, kind="absolute")
 
 
 def test_shipped_engines():

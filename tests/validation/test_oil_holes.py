@@ -125,7 +125,7 @@ def test_solid_and_mesh_lose_what_the_hole_takes(hole, dimensions, figure):
     copies = {"quarter": 4.0, "half": 2.0}[throw.symmetry]
     solid = copies * throw_solid(throw).volume
     figure("volume of a throw with a hole", solid, throw.volume, 1e-3, "m^3")
-    figure("volume that the hole takes", plain.volume - solid, taken, 1e-3, "m^3")
+    figure("volume of the hole in the throw", plain.volume - solid, taken, 1e-3, "m^3")
     meshed = mesh_mass_properties(mesh_throw(throw), 1.0).mass
     figure("volume of its mesh", meshed, throw.volume, 1e-3, "m^3")
 

@@ -77,9 +77,9 @@ def test_a_propeller_takes_the_cube_of_the_speed(name, figure):
     full, _ = own_power(engine, mechanism.pressure[0], rated)
     told = engine_load(engine, mechanism)
     place = int(np.argmin(np.abs(told.speeds - 0.5 * rated)))
-    figure("told power at half speed", told.power[place], full / 8.0, 1e-4, "W")
+    figure("reported power at half speed", told.power[place], full / 8.0, 1e-4, "W")
     mean = mechanism.power.mean_indicated_pressure
-    figure("told mean pressure", told.mean_pressure[place], mean / 4.0, 1e-4, "Pa")
+    figure("reported mean pressure", told.mean_pressure[place], mean / 4.0, 1e-4, "Pa")
     turned = cf.run_mechanism(mechanism, 0.5 * rated)
     figure("power of the torque at half speed", turned.torque.power, full / 8.0, 1e-4, "W")
     speeds = np.array([0.45, 0.5, 0.7, 1.0, 1.1]) * rated

@@ -168,7 +168,7 @@ def test_column_of_tsniimf_with_a_plain_web(table, figure):
     throw = throw_25_34(0.290)
     printed = table["ChN 25/34", "TsNIIMF"].printed
     plain = axial_formula("TsNIIMF", throw, variant="plain").value
-    figure("TsNIIMF with a plain web beside its column", plain, printed, 1e-4, "m/N")
+    figure("TsNIIMF with a plain web against its column", plain, printed, 1e-4, "m/N")
     # Neither the printed nor the corrected reading gives it for this web.
     for variant in ("printed", "corrected"):
         value = axial_formula("TsNIIMF", throw, variant=variant).value

@@ -213,7 +213,7 @@ def test_equilibrium_5_to_10_of_the_three_mass_model(figure):
     assert off(printed["Y_A"], wanted["Y_A"]) < 1e-12
     wrong = [off(printed[name], wanted[name]) for name in ("X_A", "t", "z")]
     wanted = [0.0504, 0.0087, 0.0041]
-    figure("what the printed sign in X_A, t, z costs", wrong, wanted, 5e-5, "", "absolute")
+    figure("error by the printed sign in X_A, t, z", wrong, wanted, 5e-5, "", "absolute")
 
 
 def test_inertia_force_2_has_the_sign_that_5_does_not_take():
@@ -321,7 +321,7 @@ def test_static_and_dynamic_model_differ_by_5_to_8_percent(
     found = np.array(
         [largest_change(length, ratio, motored=motored) for length, motored in CASES]
     ).T
-    what = "static beside dynamic model, at the same angle"
+    what = "difference of static and dynamic model, at the same angle"
     figure(what, found[0], same_angle, 0.06, "%", "absolute")
     np.testing.assert_allclose(found[1], of_mean, rtol=0.0, atol=0.06)
     np.testing.assert_allclose(found[2], of_maximum, rtol=0.0, atol=0.06)

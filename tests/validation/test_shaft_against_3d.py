@@ -98,7 +98,7 @@ def test_free_shaft(superelement, throw, cranks, solid, figure):
     assert above.min() > -1e-4
     assert above.max() < MESH
     assert above[first] < MESH_TORSION
-    what = f"free, {shape}: beside the solid meshed for the test"
+    what = f"free, {shape}: against the solid meshed for the test"
     figure(what, ours.frequencies[6:11], frequencies[6:11], PROMISED, "Hz")
     for mode in range(6, 11):
         # The same motion, in the same order; modes five and six of the flat shaft lie 0.3 % apart.
@@ -131,7 +131,7 @@ def test_shaft_in_bearings(superelement, throw, figure):
     assert first == 2
     assert ours.shares[1, first] > 0.9
     torsional, wanted = ours.frequencies[first], frequencies[first]
-    what = "in bearings: torsional, beside the solid meshed for the test"
+    what = "in bearings: torsional, against the solid meshed for the test"
     figure(what, torsional, wanted, PROMISED_TORSION, "Hz")
     for mode in range(1, 4):
         assert likeness(motions[:, :, mode], ours.motions[:5, :, mode]) > 0.99

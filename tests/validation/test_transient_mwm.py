@@ -58,7 +58,7 @@ def test_steady_motion_is_the_harmonic_solution(failing, figure):
         for place in (0, 3, 8):
             found = steady_motion(chain, acting, float(SPEEDS[place])).phasors(ORDERS)
             largest = np.max(np.abs(wanted[:, place]))
-            what = f"steady motion beside the harmonic one, {method}"
+            what = f"steady motion against the harmonic one, {method}"
             figure(what, found, wanted[:, place], 1e-9, "rad", scale=largest)
 
 
