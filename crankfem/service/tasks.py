@@ -1,12 +1,12 @@
 """What jobs do, each in a worker process: from what was asked to files in the job's folder."""
 
-import json
 from collections.abc import Callable, Mapping
 from importlib import import_module
 from pathlib import Path
 from typing import Any
 
 from crankbase.outputs import write_text
+from crankfem.analyses.record import json_text
 from crankfem.service.asking import UNIT_FORCE, AnalysisQuestion, FileQuestion, StressQuestion
 from crankfem.service.uploads import write_upload
 from regression.records import Outcome
@@ -150,7 +150,7 @@ def _engine(question: Mapping[str, Any], folder: Path, workers: int, told: ToldP
 
 
 def _write(folder: Path, record: Mapping[str, Any]) -> None:
-    write_text(folder / RESULT, json.dumps(record, allow_nan=False) + "\n", "results")
+    write_text(folder / RESULT, json_text(record), "results")
 
 
 _JOBS: dict[str, Callable[[Mapping[str, Any], Path, int, ToldProgress], None]] = {

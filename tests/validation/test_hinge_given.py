@@ -88,7 +88,7 @@ def test_the_gas_force_is_given_once_and_whole(given, tmp_path):
         ),
         (
             'gas_force_table = "force.csv"\nmean_pressure = "1 MPa"',
-            "mean_pressure: given beside gas_force",
+            "mean_pressure: given together with gas_force",
         ),
         (
             'mean_pressure = "1 MPa"',

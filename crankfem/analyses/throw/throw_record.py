@@ -2,10 +2,10 @@
 
 from collections.abc import Sequence
 
-from crankfem.analyses.checks import asymmetry
 from crankfem.analyses.record import Record, attributes
 from fem.answer_errors import axial_correction
 from fem.modes import ThrowModes
+from fem.solution_checks import asymmetry
 from fem.superelement import superelement_of_end_forces
 from fem.supports import Neighbors, Support, reactions
 from fem.throw_analysis import ThrowAnalysis
@@ -15,8 +15,8 @@ from geometry.throw import CrankThrow
 
 SUPPORTS: tuple[Support, ...] = ("pinned", "guided")
 NOT_CORRECTED = (
-    "Not all answers are corrected for discretization: on so coarse a mesh it takes too much of them to be "
-    "told. Ask for a better accuracy."
+    "Not all results are corrected for discretization: on this coarse mesh its error is too large to be "
+    "estimated. Give a better accuracy."
 )
 
 
