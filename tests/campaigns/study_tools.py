@@ -6,6 +6,7 @@ import sqlite3
 import subprocess
 import sys
 import time
+from collections.abc import Iterable
 from pathlib import Path
 
 from geometry.throw import CrankThrow
@@ -49,17 +50,25 @@ with clear_errors():
 """
 
 
-def study(designs: int, accuracy: float) -> StudyPlan:
-    """Ten factors in a Latin hypercube, a tenth of the designs held out."""
+def study(
+    designs: int, accuracy: float, names: Iterable[str] = RANGES, throw: CrankThrow = THROW
+) -> StudyPlan:
+    """Factors, by default ten, in a Latin hypercube, a tenth of the designs held out."""
     held_out = max(1, designs // 10)
-    factors = tuple(Factor(name, "m", *ends) for name, ends in RANGES.items())
+    factors = tuple(Factor(name, "m", *RANGES[name]) for name in names)
     choice = DesignChoice("latin hypercube", runs=designs - held_out)
-    return StudyPlan(THROW, factors, choice, held_out=held_out, accuracy=accuracy)
+    return StudyPlan(throw, factors, choice, held_out=held_out, accuracy=accuracy)
 
 
-def study_file(path: Path, designs: int, accuracy: float) -> Path:
+def study_file(
+    path: Path,
+    designs: int,
+    accuracy: float,
+    names: Iterable[str] = RANGES,
+    throw: CrankThrow = THROW,
+) -> Path:
     """Write the same study as a file for the command line."""
-    fields = THROW.model_dump(mode="json", exclude_defaults=True)
+    fields = throw.model_dump(mode="json", exclude_defaults=True)
     held_out = max(1, designs // 10)
     lines = ["[throw]", *(f'{name} = "{1e3 * value:g} mm"' for name, value in fields.items())]
     lines += [
@@ -72,7 +81,8 @@ def study_file(path: Path, designs: int, accuracy: float) -> Path:
         "",
         "[study.factors]",
     ]
-    for name, (low, high) in RANGES.items():
+    for name in names:
+        low, high = RANGES[name]
         lines.append(f'{name} = {{ from = "{1e3 * low:g} mm", to = "{1e3 * high:g} mm" }}')
     path.write_text("\n".join(lines) + "\n", encoding="utf-8")
     return path
