@@ -6,7 +6,7 @@ from typing import Any
 
 from crankbase.calls import GIGABYTE, CallProcess, Limits, Message, Messages, answered
 from crankbase.checks.scalars import is_number
-from crankbase.errors import InputError
+from crankbase.errors import InputError, MissingLibraryError
 from crankbase.processes import start_child
 
 # Seconds that a design may take at 1 % accuracy before its worker counts as hanging.
@@ -77,7 +77,12 @@ class SupervisedProcess(CallProcess):
     def take(self, message: Message) -> tuple[str, Any]:
         """Return the answer to a design; it is lost, too, if the machine could not compute it."""
         kind, content = super().take(message)
-        answer = answered(kind, content)
+        try:
+            answer = answered(kind, content)
+        except MissingLibraryError:
+            raise
+        except RuntimeError as error:  # it could not even load what designs need
+            self.lose(str(error))
         if "lost" in answer:  # memory or disk ran out: the next design gets a fresh process
             self.lose(answer["lost"])
         return kind, answer
