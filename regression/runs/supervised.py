@@ -6,7 +6,7 @@ from typing import Any
 
 from crankbase.calls import GIGABYTE, CallProcess, Limits, Message, Messages, answered
 from crankbase.checks.scalars import is_number
-from crankbase.errors import InputError, MissingLibraryError
+from crankbase.errors import InputError
 from crankbase.processes import start_child
 
 # Seconds that a design may take at 1 % accuracy before its worker counts as hanging.
@@ -79,8 +79,6 @@ class SupervisedProcess(CallProcess):
         kind, content = super().take(message)
         try:
             answer = answered(kind, content)
-        except MissingLibraryError:
-            raise
         except RuntimeError as error:  # it could not even load what designs need
             self.lose(str(error))
         if "lost" in answer:  # memory or disk ran out: the next design gets a fresh process

@@ -39,7 +39,7 @@ ATTACKS: dict[str, tuple[Attack, int]] = {
     "disk for temporary files full": (fault_disk.full_scratch, 3),
     "files limited in size": (fault_disk.file_limit, 4),
     "folder read-only": (fault_disk.read_only, 3),
-    "results folder half written or cut": (fault_disk.results_folder, 4),
+    "results folder half written or cut": (fault_disk.results_folder, 3),
 }
 COLUMNS = ("inputs", "lost", "silent", "tracebacks", "hangs")
 BEGIN, END = "<!-- table: begin -->", "<!-- table: end -->"
