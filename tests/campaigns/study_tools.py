@@ -1,10 +1,8 @@
-"""What the campaigns about studies share: a study of ten factors, its coordinator, its store."""
+"""What the campaigns about studies share: a study of ten factors, and its store."""
 
-import json
 import os
 import sqlite3
 import subprocess
-import sys
 import time
 from collections.abc import Iterable
 from pathlib import Path
@@ -40,14 +38,6 @@ RANGES = {
     "main_journal_bore": (0.030, 0.060),
     "pin_bore": (0.040, 0.070),
 }
-COORDINATOR = """
-import json, sys
-from crankfem.cli.console import clear_errors
-from regression.runs.study import StudyPlan, run_plan
-with clear_errors():
-    plan = StudyPlan.from_record(json.loads(sys.argv[1]))
-    run_plan(plan, sys.argv[2], int(sys.argv[3]))
-"""
 
 
 def study(
@@ -92,18 +82,6 @@ def environment() -> dict[str, str]:
     """Environment in which a new Python finds the packages of this checkout."""
     paths = [str(ROOT), *filter(None, [os.environ.get("PYTHONPATH")])]
     return os.environ | {"PYTHONPATH": os.pathsep.join(paths)}
-
-
-def coordinator(plan: StudyPlan, store: Path, workers: int = 2) -> "subprocess.Popen[str]":
-    """Start a process that runs the study."""
-    record = json.dumps(plan.as_record())
-    return subprocess.Popen(
-        [sys.executable, "-P", "-c", COORDINATOR, record, str(store), str(workers)],
-        env=environment(),
-        stdout=subprocess.DEVNULL,
-        stderr=subprocess.PIPE,
-        text=True,
-    )
 
 
 def rows(store: Path) -> list[tuple[object, ...]]:
