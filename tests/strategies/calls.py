@@ -18,12 +18,30 @@ from strategies.recording import Call, public_callables
 
 DEEPEST = 4
 HUGE = 200_000
-FLOATS = (0.0, -0.0, 1.0, -1.0, np.nan, np.inf, -np.inf, 1e300, -1e300, 1e-300, 5e-324, 1e12, 1e-12, 0.5, 3.0)
+FLOATS = (
+    0.0,
+    -0.0,
+    1.0,
+    -1.0,
+    np.nan,
+    np.inf,
+    -np.inf,
+    1e300,
+    -1e300,
+    1e-300,
+    5e-324,
+    1e12,
+    1e-12,
+    0.5,
+    3.0,
+)
 INTEGERS = (0, 1, -1, 2, 3, 7, 1000, 10**6, 10**9, 2**31, 2**63, 10**30, -(10**9))
 # These mesh, start processes or write; what they check first is tried through commands and the service.
 LONG = (
-    "run_engine", "run_study", "analyze_", "mesh_throw", "import_throw", "fillet_stresses", "write_", "picture_", "save",
-    "engine_stresses", "shaft_throws", "engine_vibration", "whole_shaft", "replacing_files", "export", "plot",
+    "run_engine", "run_study", "analyze_", "mesh_throw", "import_throw", "fillet_stresses", "write_",
+    "picture_", "save",
+    "engine_stresses", "shaft_throws", "engine_vibration", "whole_shaft", "replacing_files", "export",
+    "plot",
 )  # fmt: skip
 
 
@@ -34,7 +52,7 @@ def is_quick(name: str) -> bool:
 
 
 def is_checked(kind: type) -> bool:
-    """Whether a dataclass is one that people make: results, which check nothing, are made by functions alone."""
+    """Whether a dataclass is one that people make; results check nothing, for functions alone make them."""
     return dataclasses.is_dataclass(kind) and hasattr(kind, "__post_init__")
 
 
@@ -48,16 +66,38 @@ def _moved(draw: st.DrawFn, value: Any) -> Any:
     if isinstance(value, bool | np.bool_):
         return not value
     if isinstance(value, int | np.integer):
-        return draw(st.one_of(st.sampled_from(INTEGERS), st.integers(-3, 3).map(lambda step: int(value) + step)))
+        return draw(
+            st.one_of(
+                st.sampled_from(INTEGERS), st.integers(-3, 3).map(lambda step: int(value) + step)
+            )
+        )
     if isinstance(value, float | np.floating):
-        return draw(st.one_of(st.sampled_from(FLOATS), factors.map(lambda factor: float(value) * factor)))
+        return draw(
+            st.one_of(st.sampled_from(FLOATS), factors.map(lambda factor: float(value) * factor))
+        )
     return complex(value) * draw(factors)
 
 
 def _array(draw: st.DrawFn, value: np.ndarray) -> np.ndarray:
     """Change an array as a whole, or one of its values."""
     kind = draw(
-        st.sampled_from(("one", "one", "one", "all", "empty", "longer", "shorter", "deeper", "flat", "huge", "order", "equal", "whole"))
+        st.sampled_from(
+            (
+                "one",
+                "one",
+                "one",
+                "all",
+                "empty",
+                "longer",
+                "shorter",
+                "deeper",
+                "flat",
+                "huge",
+                "order",
+                "equal",
+                "whole",
+            )
+        )
     )
     if value.dtype.kind not in "iufc" or kind == "empty":
         return value[:0] if value.ndim else value
@@ -65,7 +105,9 @@ def _array(draw: st.DrawFn, value: np.ndarray) -> np.ndarray:
         changed = np.array(value, dtype=float if value.dtype.kind in "iu" else value.dtype)
         place = int(draw(positions) * value.size)
         own = changed.flat[place]
-        changed.flat[place] = draw(st.one_of(st.sampled_from(FLOATS), factors.map(lambda factor: own * factor)))
+        changed.flat[place] = draw(
+            st.one_of(st.sampled_from(FLOATS), factors.map(lambda factor: own * factor))
+        )
         return changed
     if kind == "all":
         return value * draw(factors)
@@ -110,21 +152,44 @@ def changed_value(draw: st.DrawFn, value: Any, depth: int = 0) -> Any:
         key = draw(st.sampled_from(sorted(value, key=str)))
         kept = {one: own for one, own in value.items() if one != key}
         kind = draw(st.integers(0, 5))
-        return kept if kind == 0 else kept | {(draw(st.sampled_from(WORDS)) if kind == 1 else key): changed_value(draw, value[key], depth + 1)}
+        return (
+            kept
+            if kind == 0
+            else kept
+            | {
+                (draw(st.sampled_from(WORDS)) if kind == 1 else key): changed_value(
+                    draw, value[key], depth + 1
+                )
+            }
+        )
     if isinstance(value, InputModel):
         given = {name: getattr(value, name) for name in value.model_fields_set}
         return type(value)(**changed_options(draw, given, depth + 1)) if given else value
     if is_checked(type(value)):
-        given = {one.name: getattr(value, one.name) for one in dataclasses.fields(value) if one.init}
-        return dataclasses.replace(value, **changed_options(draw, given, depth + 1)) if given else value
+        given = {
+            one.name: getattr(value, one.name) for one in dataclasses.fields(value) if one.init
+        }
+        return (
+            dataclasses.replace(value, **changed_options(draw, given, depth + 1))
+            if given
+            else value
+        )
     if inspect.isroutine(value) or isinstance(value, partial):
         wrong = draw(st.sampled_from((np.nan, np.inf, 0.0, -1.0, 1e300, 1e-300)))
-        return lambda *a, **k: value(*a, **k) * wrong
+        return partial(_wrongly, value, wrong)
     return value
 
 
+def _wrongly(function: Callable[..., Any], factor: float, *arguments: Any, **options: Any) -> Any:
+    """Call a function of numbers, and return others; what it returns else stays as it is."""
+    found = function(*arguments, **options)
+    return found * factor if isinstance(found, float | np.ndarray | np.number) else found
+
+
 def _sequence(draw: st.DrawFn, items: list[Any], depth: int) -> list[Any]:
-    kind = draw(st.sampled_from(("one", "one", "one", "one", "empty", "longer", "shorter", "order", "many")))
+    kind = draw(
+        st.sampled_from(("one", "one", "one", "one", "empty", "longer", "shorter", "order", "many"))
+    )
     if not items or kind == "empty":
         return []
     if kind == "one":
@@ -187,11 +252,15 @@ class Attempted:
         """Make the call, and tell what came of it."""
         if self.call is None:
             return dataclasses.replace(self.before, text=f"{self.name}: {self.before.text}")
-        found = outcome_of(lambda: made(self.call), lambda field: without_end(f"{self.name}{field}"))
+        found = outcome_of(
+            lambda: made(self.call), lambda field: without_end(f"{self.name}{field}")
+        )
         if found.kind == NOT_FINITE and list(not_finite((self.call.arguments, self.call.options))):
             # What was no number in went in and out again, in a record that checks nothing.
             return Outcome(NOT_FINITE, f"{self.name}: {found.text}, as given")
-        return found if found.good else dataclasses.replace(found, text=f"{self.name}: {found.text}")
+        return (
+            found if found.good else dataclasses.replace(found, text=f"{self.name}: {found.text}")
+        )
 
     def __repr__(self) -> str:
         return f"{self.name}: {_shown(self.call)}"
@@ -206,6 +275,9 @@ def _shown(call: Call | None) -> str:
     if call is None:
         return ""
     with np.printoptions(threshold=12, edgeitems=3), contextlib.suppress(Exception):
-        parts = [*map(repr, call.arguments), *(f"{name}={value!r}" for name, value in call.options.items())]
+        parts = [
+            *map(repr, call.arguments),
+            *(f"{name}={value!r}" for name, value in call.options.items()),
+        ]
         return ", ".join(part[:300] for part in parts)
     return "cannot be shown"

@@ -54,7 +54,10 @@ def patience() -> Iterator[None]:
     def end(*_: object) -> None:
         raise HangError
 
-    clocks = ((signal.SIGPROF, signal.ITIMER_PROF, PATIENCE), (signal.SIGALRM, signal.ITIMER_REAL, WAITING))
+    clocks = (
+        (signal.SIGPROF, signal.ITIMER_PROF, PATIENCE),
+        (signal.SIGALRM, signal.ITIMER_REAL, WAITING),
+    )
     before = [signal.signal(number, end) for number, _, _ in clocks]
     for _, clock, seconds in clocks:
         signal.setitimer(clock, seconds)
@@ -66,7 +69,9 @@ def patience() -> Iterator[None]:
             signal.signal(number, handler)
 
 
-def outcome_of(call: Callable[[], Any], allowed: Callable[[str], bool] = lambda _: False) -> Outcome:
+def outcome_of(
+    call: Callable[[], Any], allowed: Callable[[str], bool] = lambda _: False
+) -> Outcome:
     """Make a call, and tell what came of it.
 
     Parameters
@@ -88,7 +93,11 @@ def outcome_of(call: Callable[[], Any], allowed: Callable[[str], bool] = lambda 
         return Outcome(HANG, "took too long")
     except (Exception, SystemExit) as error:
         return Outcome(TRACEBACK, where_raised(error))
-    return Outcome(NOT_FINITE, f"{type(result).__name__}: {', '.join(found[:4])}") if found else Outcome(ACCEPTED)
+    return (
+        Outcome(NOT_FINITE, f"{type(result).__name__}: {', '.join(found[:4])}")
+        if found
+        else Outcome(ACCEPTED)
+    )
 
 
 def bad_sentence(message: str) -> str:
@@ -102,7 +111,11 @@ def bad_sentence(message: str) -> str:
 def where_raised(error: BaseException) -> str:
     """Say which error it is and where it was raised, the last place within the project."""
     frames = traceback.extract_tb(error.__traceback__)
-    own = [one for one in frames if "site-packages" not in one.filename and "/lib/python" not in one.filename]
+    own = [
+        one
+        for one in frames
+        if "site-packages" not in one.filename and "/lib/python" not in one.filename
+    ]
     at = " < ".join(f"{'/'.join(one.filename.split('/')[-2:])}:{one.lineno}" for one in own[:-5:-1])
     return f"{type(error).__name__}: {' '.join(str(error).split())[:120]} at {at}"
 

@@ -1,4 +1,4 @@
-"""Calls of the public functions as they happen: what tests and examples give them, to be given again, wrongly.
+"""Calls of the public functions as tests and examples make them, to be made again with wrong arguments.
 
 As a plugin of pytest (``-p strategies.recording --calls FILE``) it keeps the calls of a whole run of tests.
 """
@@ -74,7 +74,7 @@ class Recorder:
         for name, one in named.items():
             if inspect.isclass(one):
                 if "__init__" in vars(one):
-                    self._put(one, "__init__", self._constructor(name, one))
+                    self._put(one, "__init__", self._constructor(one))
             elif name.rpartition(".")[0] in named:  # a method
                 self._put(named[name.rpartition(".")[0]], one.__name__, self._wrapper(name, one))
             else:
@@ -82,7 +82,7 @@ class Recorder:
                 for module in list(sys.modules.values()):
                     if vars(module).get(one.__name__) is one:
                         self._put(module, one.__name__, wrapper)
-        self._put(InputModel, "__init__", self._constructor("", InputModel))
+        self._put(InputModel, "__init__", self._constructor(InputModel))
         return self
 
     def __exit__(self, *_: object) -> None:
@@ -102,7 +102,7 @@ class Recorder:
 
         return call
 
-    def _constructor(self, name: str, kind: type) -> Callable[..., None]:
+    def _constructor(self, kind: type) -> Callable[..., None]:
         made = vars(kind)["__init__"]
         names = {one: own for own, one in public_objects().items() if inspect.isclass(one)}
 

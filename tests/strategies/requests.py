@@ -1,4 +1,4 @@
-"""Wrong command lines, and wrong requests to the service, each in this process; nothing is meshed or started."""
+"""Wrong command lines and requests to the service, tried in this process; nothing is meshed or started."""
 
 import contextlib
 import io
@@ -51,12 +51,14 @@ def nothing_started() -> Iterator[None]:
     """Let no mesher, no worker and no server start: what is read and checked before is tried alone."""
 
     def call(_: Any, function: str, *arguments: Any, **__: Any) -> Any:
-        return tasks.check_upload(*arguments) if function.endswith(":check_upload") else _no_process()
+        return (
+            tasks.check_upload(*arguments) if function.endswith(":check_upload") else _no_process()
+        )
 
     with contextlib.ExitStack() as put:
         put.enter_context(mock.patch.object(geometry.isolated.IsolatedProcess, "call", call))
         put.enter_context(mock.patch.object(crankbase.processes.subprocess, "Popen", _no_process))
-        put.enter_context(mock.patch.object(crankfem.service.server, "serve", lambda *_: None))
+        put.enter_context(mock.patch.object(crankfem.service.server, "serve"))
         yield
 
 
@@ -85,22 +87,37 @@ def lay_out(folder: Path) -> None:
 
 
 NAMES = (
-    *FILES, "model.json", "binary.toml", "folder", "mine.toml", "torque.csv", "no-such.toml", "6chn25-34", "yamz-5340",
+    *FILES, "model.json", "binary.toml", "folder", "mine.toml", "torque.csv", "no-such.toml",
+    "6chn25-34", "yamz-5340",
     "8chn26-26", "buick-3800", "12chn18-20", "mwm-six", "crosshead-30-100", "law", "5rt-flex50d",
 )  # fmt: skip
-ASSIGNED = ("web_width=300mm", "web_thickness=60 mm", "web_thickness=", "=3", "pin_length=1e99 mm", "x=y", "web_thickness=nan")
+ASSIGNED = (
+    "web_width=300mm",
+    "web_thickness=60 mm",
+    "web_thickness=",
+    "=3",
+    "pin_length=1e99 mm",
+    "x=y",
+    "web_thickness=nan",
+)
 
 
 def _examples() -> list[list[str]]:
     return [shlex.split(text) for command in cli.COMMANDS for text in command.examples] + [
         shlex.split(text)
         for text in (
-            "lookup law --throw throw.toml --gamma '120 deg'", "lookup model.json web_thickness=60mm", "formulas throw.toml --no-fe",
-            "mechanism mine.toml --json", "harmonics torque.csv --orders 6 --json", "check throw.toml --json", "vibration chain.txt",
-            "new other.toml --cylinders 5 --strokes 2", "fields throw", "doe study.toml --plan", "two-mass yamz-5340 --json",
-            "doe study.toml --import results.csv --no-compute", "optimum model.json --minimize web_thickness", "serve --port 0",
-            "stress throw.toml", "export throw.toml throw.msh", "throw mine.toml --gamma '120 deg'", "run mine.toml",
-            "compare model.json model.json", "fit runs.sqlite", "report folder", "class mine.toml", "draw throw.toml throw.svg",
+            "lookup law --throw throw.toml --gamma '120 deg'", "lookup model.json web_thickness=60mm",
+            "formulas throw.toml --no-fe",
+            "mechanism mine.toml --json", "harmonics torque.csv --orders 6 --json",
+            "check throw.toml --json", "vibration chain.txt",
+            "new other.toml --cylinders 5 --strokes 2", "fields throw", "doe study.toml --plan",
+            "two-mass yamz-5340 --json",
+            "doe study.toml --import results.csv --no-compute",
+            "optimum model.json --minimize web_thickness", "serve --port 0",
+            "stress throw.toml", "export throw.toml throw.msh", "throw mine.toml --gamma '120 deg'",
+            "run mine.toml",
+            "compare model.json model.json", "fit runs.sqlite", "report folder", "class mine.toml",
+            "draw throw.toml throw.svg",
         )
     ]  # fmt: skip
 
@@ -111,7 +128,12 @@ def _options() -> dict[str, list[str]]:
 
     made: Any = typer.main.get_command(cli.app)
     return {
-        name: [option for one in command.params for option in (*one.opts, *one.secondary_opts) if option.startswith("-")]
+        name: [
+            option
+            for one in command.params
+            for option in (*one.opts, *one.secondary_opts)
+            if option.startswith("-")
+        ]
         for name, command in made.commands.items()
     }
 
@@ -131,7 +153,9 @@ def command_lines(draw: st.DrawFn) -> list[str]:
     """Draw a command line that is nearly right."""
     line = list(draw(st.sampled_from(_EXAMPLES)))
     for _ in range(draw(st.integers(1, 3))):
-        kind = draw(st.sampled_from(("value", "value", "option", "option", "option", "drop", "twice")))
+        kind = draw(
+            st.sampled_from(("value", "value", "option", "option", "option", "drop", "twice"))
+        )
         place = draw(st.integers(0, 20)) % max(1, len(line))
         if kind == "value" and place:
             line[place] = draw(tokens)
@@ -192,20 +216,50 @@ def run_command(line: list[str], folder: Path) -> Outcome:
 
 STEEL = {"youngs_modulus": "210 GPa", "poisson_ratio": 0.3, "density": 7850.0}
 SHAPE = {
-    "crank_radius": 0.17, "main_journal_diameter": "220 mm", "pin_diameter": 0.18, "main_journal_length": 0.12,
+    "crank_radius": 0.17, "main_journal_diameter": "220 mm", "pin_diameter": 0.18,
+    "main_journal_length": 0.12,
     "pin_length": 0.139, "web_width": 0.285, "web_thickness": "68 mm", "fillet_radius": 0.012,
     "counterweight": {"outer_radius": 0.27, "angle": "120 deg"},
 }  # fmt: skip
-_FILE = {"text": texts_of("data/engines/6chn25-34.toml")[0], "name": "mine.toml", "tables": {"a.csv": "1,2\n"}}
+_FILE = {
+    "text": texts_of("data/engines/6chn25-34.toml")[0],
+    "name": "mine.toml",
+    "tables": {"a.csv": "1,2\n"},
+}
 _STUDY = {"text": STUDIES[0], "name": "study.toml", "tables": {}}
 QUESTIONS: tuple[tuple[str, dict[str, Any]], ...] = (
-    ("throws/law", {"throw": SHAPE, "material": STEEL, "pin_force": [0.0, -1e5, 0.0], "support": "neighbors", "gamma_deg": 120.0}),
+    (
+        "throws/law",
+        {
+            "throw": SHAPE,
+            "material": STEEL,
+            "pin_force": [0.0, -1e5, 0.0],
+            "support": "neighbors",
+            "gamma_deg": 120.0,
+        },
+    ),
     ("throws/validate", {"throw": SHAPE, "material": STEEL}),
     ("throws/outline", {"throw": SHAPE, "view": "front"}),
     ("throws/formulas", {"throw": SHAPE, "gamma_deg": 120.0}),
-    ("throws/analysis", {"throw": SHAPE, "gamma_deg": 120.0, "pin_force": [1.0, 2.0, 3.0], "accuracy": 0.01, "stress": True}),
+    (
+        "throws/analysis",
+        {
+            "throw": SHAPE,
+            "gamma_deg": 120.0,
+            "pin_force": [1.0, 2.0, 3.0],
+            "accuracy": 0.01,
+            "stress": True,
+        },
+    ),
     ("throws/stress", {"throw": SHAPE, "accuracy": 0.05}),
-    ("models/small/lookup", {"dimensions": {"web_thickness": "60 mm"}, "responses": ["axial_compliance"], "strict": True}),
+    (
+        "models/small/lookup",
+        {
+            "dimensions": {"web_thickness": "60 mm"},
+            "responses": ["axial_compliance"],
+            "strict": True,
+        },
+    ),
     ("models/small/lookup", {"throw": SHAPE, "dimensions": {"web_thickness": [0.05, 0.06, 0.07]}}),
     ("files/check", _FILE),
     ("engines", _FILE),
@@ -213,8 +267,10 @@ QUESTIONS: tuple[tuple[str, dict[str, Any]], ...] = (
     ("session", {"key": "0123456789abcdef"}),
 )
 PATHS = (
-    "", "/jobs", "/jobs/0123456789abcdef", "/jobs/x/result", "/jobs/../files", "/models/small", "/models/%00", "/models/none",
-    "/jobs/0123456789abcdef/files/..%2f..%2fetc%2fpasswd", "/throws/law?x=1", "/\ud7ff", "/openapi.json", "/models/" + "a" * 3000,
+    "", "/jobs", "/jobs/0123456789abcdef", "/jobs/x/result", "/jobs/../files", "/models/small",
+    "/models/%00", "/models/none",
+    "/jobs/0123456789abcdef/files/..%2f..%2fetc%2fpasswd", "/throws/law?x=1", "/\ud7ff", "/openapi.json",
+    "/models/" + "a" * 3000,
 )  # fmt: skip
 MEDIA = ("application/json", "application/json; charset=utf-16", "text/plain", "", "x" * 300)
 Request = tuple[str, str, bytes, dict[str, str]]
@@ -226,14 +282,19 @@ def requests(draw: st.DrawFn) -> Request:
     path, question = draw(st.sampled_from(QUESTIONS))
     method, headers = "POST", {"content-type": "application/json"}
     kind = draw(st.integers(0, 19))
-    body = draw(changed_json(question).map(json.dumps) if kind > 3 else json_texts(question)).encode("utf-8", "surrogatepass")
+    body = draw(
+        changed_json(question).map(json.dumps) if kind > 3 else json_texts(question)
+    ).encode("utf-8", "surrogatepass")
     path = f"/api/{path}"
     if kind == 4:
         body = draw(st.binary(max_size=60))
     elif kind == 5:
         headers = {"content-type": draw(st.sampled_from(MEDIA))}
     elif kind == 6:
-        method, path = draw(st.sampled_from(("GET", "POST", "DELETE", "PUT"))), "/api" + draw(st.sampled_from(PATHS))
+        method, path = (
+            draw(st.sampled_from(("GET", "POST", "DELETE", "PUT"))),
+            "/api" + draw(st.sampled_from(PATHS)),
+        )
     elif kind == 7:
         body = b'{"throw": ' + b"[" * draw(st.sampled_from((50, 20_000))) + b"]" * 50 + b"}"
     return method, path, body, headers
@@ -248,7 +309,9 @@ def asking(folder: Path) -> Callable[[Request], Outcome]:
     (folder / "models").mkdir(exist_ok=True)
     (folder / "models" / "small.json").write_text(models()[0], encoding="utf-8")
     settings = Settings(folder / "jobs", folder / "models", key=None, bounds=Bounds(waiting=10**9))
-    client = TestClient(make_app(settings), base_url="http://127.0.0.1", raise_server_exceptions=False)
+    client = TestClient(
+        make_app(settings), base_url="http://127.0.0.1", raise_server_exceptions=False
+    )
     checked = folder / "checked"
 
     @contextlib.contextmanager
@@ -277,7 +340,9 @@ def asking(folder: Path) -> Callable[[Request], Outcome]:
             return Outcome(TRACEBACK, where_raised(error))
         finally:
             shutil.rmtree(checked, ignore_errors=True)
-        return _judged(path, answer.status_code, answer.headers.get("content-type", ""), answer.content)
+        return _judged(
+            path, answer.status_code, answer.headers.get("content-type", ""), answer.content
+        )
 
     return ask
 
