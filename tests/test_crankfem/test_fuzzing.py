@@ -124,6 +124,7 @@ def samples():
 
 FOUND = {
     "unit to the power of zero": lambda: parse_quantity("3 a^0", "m", "field"),
+    "power with zeros in front": lambda: parse_quantity("3 a^001", "m", "field"),
     "unit that is no number": lambda: parse_quantity("3 nan", "m", "field"),
     "percentile": lambda: samples().percentile(1e9),
     "millions of chains": lambda: cf.limits.chain_samples(chain_of_two(), [], float, samples=10**6),
