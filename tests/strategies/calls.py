@@ -44,12 +44,13 @@ LONG = (
     "plot",
 )  # fmt: skip
 
-# Infinite by what their documentation says: limits beside their range, samples and peaks without bounds.
+# Infinite by what their documentation says: limits beside their range, samples without bounds. Steps of an
+# integration, which check shapes alone, give on what they are given.
 ENDLESS = (
-    "crankfem.limits.LimitCurve.at",
-    "crankfem.limits.Samples",
-    "crankfem.limits.chain_samples",
-)
+    "crankfem.limits.LimitCurve.at", "crankfem.limits.Samples", "crankfem.limits.chain_samples",
+    "crankfem.transient.TurningChain.torques", "crankfem.transient.TurningChain.accelerations",
+    "crankfem.transient.TurningChain.energies",
+)  # fmt: skip
 
 
 def is_quick(name: str) -> bool:

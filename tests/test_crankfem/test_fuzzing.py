@@ -147,6 +147,12 @@ FOUND = {
     "shear of other forces": lambda: throw().shear(0.1, np.ones((2, 4))),
     "Findley's limit": lambda: cf.strength.findley_limit(3e8, np.nan),
     "Findley's plane": lambda: cf.strength.critical_plane(np.ones((5, 3)), np.inf),
+    "stress of a fillet": lambda: cf.strength.fillet_equivalent(1e8, -np.inf, 0.0),
+    "stress of a hole": lambda: cf.strength.hole_equivalent(np.nan, 1e8),
+    "fewer points than none": lambda: cf.balances.Hodograph(1, 2.0 + 0.0j, 1.0 + 0.0j).points(-1),
+    "speed without end": lambda: cf.excitation.axial_force_over_cycle(
+        np.inf, np.ones((2, 1, 2)), [1e-9], np.full((1, 1, 2), 1e-10), shaft_angles_deg=[0.0, 30.0]
+    ),
     "length of a web": lambda: cf.strength.CrankWeb(0.2, 0.2, 0.1, 0.1, 0.3, 0.01, 0.01).ratio("depth"),
     "law of no throws": lambda: cf.formulas.axial_laws(
         crank_radius=0.17, main_journal_diameter=0.22, pin_diameter=0.18, main_journal_length=0.12,
