@@ -60,7 +60,7 @@ def check_budget(expected: int, size_factor: float) -> None:
     if expected > MOST_UNKNOWNS:
         raise InputError(
             f"size_factor: given {size_factor:.3g}, which would make about {expected:,} unknowns; allowed "
-            f"are {MOST_UNKNOWNS:,}, for more do not fit into an ordinary computer's memory."
+            f"are {MOST_UNKNOWNS:,}, because more do not fit into an ordinary computer's memory."
         )
 
 

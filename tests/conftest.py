@@ -18,6 +18,10 @@ from hypothesis import settings
 for library in ("MKL", "OMP", "OPENBLAS"):
     os.environ.setdefault(f"{library}_NUM_THREADS", "1")
 
+# Temporary folders lie in memory where there is room: stores wait for the disk with every row.
+if Path("/dev/shm").is_dir() and psutil.disk_usage("/dev/shm").free > 2e9:
+    os.environ.setdefault("PYTEST_DEBUG_TEMPROOT", "/dev/shm")
+
 # Lines wrap at this width, as in a terminal; what is captured here is as in a pipe. Runners set it.
 os.environ.pop("COLUMNS", None)
 

@@ -1,9 +1,14 @@
 """What is said of an error that ends a command or costs a picture, and the exit code for it."""
 
 import errno
-import sys
 
-from crankbase.errors import InputError, MeshError, MissingLibraryError, RenderError
+from crankbase.errors import (
+    InputError,
+    MeshError,
+    MissingLibraryError,
+    RenderError,
+    SolveError,
+)
 from crankfem.jobs.exit_codes import EXIT_FAILED, EXIT_INPUT
 from regression.records import StudyStoppedError
 
@@ -22,15 +27,12 @@ def describe_error(error: Exception) -> tuple[str, int]:
     """Describe an error: return its sentence and its exit code."""
     if isinstance(error, InputError):
         return str(error), EXIT_INPUT
-    # An error of a module that has not been loaded it cannot be; loading it takes long.
-    solver = sys.modules.get("fem.solver")
-    of_solver = () if solver is None else (solver.SolveError,)
     if isinstance(
-        error, (MissingLibraryError, RenderError, MeshError, StudyStoppedError, *of_solver)
+        error, (MissingLibraryError, RenderError, MeshError, SolveError, StudyStoppedError)
     ):
         return str(error), EXIT_FAILED
     if isinstance(error, MemoryError):
-        return "The machine has not enough memory for this.", EXIT_FAILED
+        return "The machine does not have enough memory for this.", EXIT_FAILED
     if isinstance(error, OSError):
         # What was named cannot be used, or the machine cannot do it.
         misnamed = isinstance(error, NAMED_WRONGLY) or error.errno == errno.ENAMETOOLONG
@@ -40,7 +42,7 @@ def describe_error(error: Exception) -> tuple[str, int]:
         return f"{str(error).rstrip('.')}.", EXIT_FAILED
     text = " ".join(str(error).split())
     return (
-        f"{type(error).__name__}{': ' if text else ''}{text.rstrip('.')}, which nobody expected; set "
+        f"{type(error).__name__}{': ' if text else ''}{text.rstrip('.')}, an unexpected error; set "
         f"{TRACEBACK}=1 to see where it comes from.",
         EXIT_FAILED,
     )

@@ -6,6 +6,7 @@ from dataclasses import KW_ONLY, dataclass
 
 from crankbase.checks.angles import refuse_crank_radians
 from crankbase.checks.arrays import finite_array, nonnegative_number, positive_number
+from crankbase.checks.scalars import whole_within
 from crankbase.errors import InputError
 from crankbase.summaries import summarized
 from dynamics.cycle import checked_strokes, cycle_degrees, even_angles
@@ -116,9 +117,26 @@ class EngineLayout:
         return cycle_degrees(self.strokes)
 
     def main_of(self, number: int) -> int:
-        """Return the number of the cylinder whose rod is on the crankpin: its own or the main one."""
-        pin = self.cylinders[number - 1].slave_pin
+        """Return the number of the cylinder whose rod is on the crankpin: its own or the main one.
+
+        Raises
+        ------
+        InputError
+            If there is no such cylinder.
+        """
+        pin = self.cylinder(number).slave_pin
         return number if pin is None else pin.main_cylinder
+
+    def cylinder(self, number: int) -> EngineCylinder:
+        """Return a cylinder by its number, from 1.
+
+        Raises
+        ------
+        InputError
+            If there is no such cylinder.
+        """
+        why = "the cylinders are numbered from 1"
+        return self.cylinders[whole_within("number", number, 1, len(self.cylinders), why) - 1]
 
     def _check_rod(self, number: int, cylinder: EngineCylinder) -> None:
         name = f"cylinder {number}: "
@@ -134,7 +152,7 @@ class EngineLayout:
         if main == number or not 1 <= main <= len(self.cylinders):
             raise InputError(
                 f"{name}slave pin: given main cylinder {main}; allowed is another cylinder from 1 to "
-                f"{len(self.cylinders)}, because the rod hangs on that one's rod."
+                f"{len(self.cylinders)}, because the rod is hinged to that one's rod."
             )
         carrier = self.cylinders[main - 1]
         if carrier.slave_pin is not None:
@@ -154,7 +172,7 @@ class EngineLayout:
         if abs(carrier.position - cylinder.position) > SAME_PLACE:
             raise InputError(
                 f"{name}position: given {cylinder.position:g} m; allowed is that of cylinder {main}, "
-                f"{carrier.position:g} m, because its rod hangs on that one's."
+                f"{carrier.position:g} m, because its rod is hinged to that one's."
             )
         if not cylinder.slave_pin.radius < carrier.rod.length:
             raise InputError(
@@ -209,7 +227,7 @@ def check_distinct_positions(engine: EngineLayout) -> None:
             if abs(apart) <= IN_LINE and abs(cylinder.position - earlier.position) <= SAME_PLACE:
                 raise InputError(
                     f"cylinder {number}: position: given {cylinder.position:g} m, where cylinder {other} of "
-                    "the same bank stands; allowed are places apart along the shaft, because moments and "
-                    "bearing loads follow from them."
+                    "the same bank stands; allowed are different positions along the shaft, because moments "
+                    "and bearing loads follow from them."
                 )
         standing.append((number, cylinder))

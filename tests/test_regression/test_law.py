@@ -136,7 +136,7 @@ def test_other_poisson_ratios_are_refused(poisson_ratio):
 @pytest.mark.parametrize(
     ("changes", "message"),
     [
-        ({"web_depth": 0.1}, "web_depth: no dimension that the law knows"),
+        ({"web_depth": 0.1}, "web_depth: not a dimension of the law"),
         ({"pin_length": None}, "pin_length: missing"),
         ({"pin_length": -0.1}, "pin_length: given -0.1; allowed is a positive length"),
         ({"pin_length": float("nan")}, "pin_length"),

@@ -10,7 +10,7 @@ from crankbase.summaries import summarized
 from crankbase.tables.frames import Row
 from crankbase.units.quantity import format_quantity
 from dynamics.assessment.largest_amplitude import largest_amplitude
-from dynamics.assessment.limit_sentences import use_in_words
+from dynamics.assessment.limit_sentences import limit_at, use_in_words
 from dynamics.assessment.limits import VibrationLimit
 from dynamics.response.series import OrderSeries
 
@@ -96,13 +96,13 @@ class FiringCheck:
         """What was found while misfiring, and beside it normal firing."""
         own, normal, limit = self.misfiring, self.normal, self.limit
         if limit is None or np.isinf(own.permitted):
-            found = f"is at worst {self._amount(own)}"
+            found = f"at most {self._amount(own)}"
         else:
             found = use_in_words(limit, own.speed, own.value, own.permitted, DIGITS)
         elsewhere = "" if normal.place == own.place else f", {normal.place}"
         return (
-            f"With {named(self.cylinders)} misfiring, {self.quantity}, {own.place}: {found}; with all "
-            f"cylinders firing {self._amount(normal)}{elsewhere}."
+            f"With {named(self.cylinders)} misfiring, {limit_at(self.quantity, own.place)}: {found}; with "
+            f"all cylinders firing {self._amount(normal)}{elsewhere}."
         )
 
     def _amount(self, found: Reached) -> str:

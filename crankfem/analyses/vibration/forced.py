@@ -49,7 +49,7 @@ from dynamics.response.damping import DampedChain
 from dynamics.response.forced import ForcedResponse
 from dynamics.response.loads import ElementLoads
 from dynamics.response.order_excitation import OrderExcitation
-from dynamics.response.power import PowerBalance, power_balance
+from dynamics.response.power import PowerBalance, checked_power_balance
 from dynamics.response.series import OrderSeries
 from dynamics.running_limits import at_most, within
 from fem.shaft import ShaftCompliances
@@ -86,7 +86,7 @@ class ForcedVibration:
     power : PowerBalance
     resonances : tuple of DampedCritical
         Where each order by itself makes the free end move most, with all damping, ascending speed, at
-        all speeds judged: the running range, and above it as far as a limit holds. Those at which an
+        all speeds judged: the running range, and above it as far as a limit applies. Those at which an
         order meets a mode but makes no peak have no speed and come last.
     by_torque : OrderExcitation or None
         Of axial vibration, the part of its excitation that torques in the shaft bring.
@@ -365,7 +365,7 @@ def _vibration(
         response=response,
         loads=answer.loads,
         stress=answer.stress,
-        power=power_balance(response),
+        power=checked_power_balance(response),
         resonances=(),
         by_torque=answer.by_torque,
         axial_forces=None,
