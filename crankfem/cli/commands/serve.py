@@ -36,9 +36,9 @@ def serve(
     *,
     out: Output,
 ) -> None:
-    """Serve an API and a page on which a throw's dimensions are turned like knobs.
+    """Serve an API and a page with sliders for a throw's dimensions.
 
-    Only this machine is answered, unless --host and --key-file are given.
+    Only this machine is served, unless --host and --key-file are given.
     """
     from crankbase.checks.scalars import is_whole_within
     from crankfem.cli.interrupts import interrupts_raise
