@@ -44,14 +44,14 @@ def optimum(
         str | None,
         typer.Option(
             metavar='">= 40 Hz"',
-            help="Lower bound on the crankshaft's own frequency, with --engine.",
+            help="Lower bound on the crankshaft's first axial frequency, with --engine.",
         ),
     ] = None,
     first_torsional_frequency: Annotated[
         str | None,
         typer.Option(
             metavar='">= 40 Hz"',
-            help="Lower bound on the crankshaft's own frequency, with --engine.",
+            help="Lower bound on the crankshaft's first torsional frequency, with --engine.",
         ),
     ] = None,
     fixed: Annotated[
