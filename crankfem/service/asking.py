@@ -97,7 +97,7 @@ class ReactionsQuestion(InputModel):
 
 
 class LawQuestion(ThrowQuestion, ReactionsQuestion):
-    """A throw; with a force on its pin, the reactions are told too."""
+    """A throw; with a force on its pin, reactions are returned too."""
 
 
 class AnalysisQuestion(ThrowQuestion):
