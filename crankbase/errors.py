@@ -128,5 +128,9 @@ class MeshError(RuntimeError):
     """A throw could not be meshed, although its dimensions are valid; the message says why."""
 
 
+class SolveError(RuntimeError):
+    """Equations could not be solved, or a result fails a check of itself; the message has the figure."""
+
+
 class RenderError(RuntimeError):
     """A picture could not be rendered, although everything that is needed is there; the message says why."""

@@ -3,6 +3,7 @@
 from crankbase.errors import InputError as InputError
 from crankbase.errors import MeshError as MeshError
 from crankbase.errors import MissingLibraryError as MissingLibraryError
+from crankbase.errors import SolveError as SolveError
 from crankbase.outputs import replacing_files as replacing_files
 from crankbase.tables.frames import table_of as table_of
 from crankfem import balances as balances
@@ -69,7 +70,6 @@ from dynamics.torque_table import TorqueTable as TorqueTable
 from fem.analysis import analyze_throw as analyze_throw
 from fem.material import STEEL as STEEL
 from fem.material import Material as Material
-from fem.solver import SolveError as SolveError
 from fem.supports import Neighbors as Neighbors
 from fem.throw_analysis import ThrowAnalysis as ThrowAnalysis
 from geometry.crankshaft import Crankshaft as Crankshaft

@@ -7,7 +7,7 @@ from fem.condensation import EndSections
 from fem.loads import radial_directions
 from fem.material import STEEL, Material
 from fem.section_motions import SHARED, Sections, degree_of
-from fem.superelement import combine_classes
+from fem.superelement import checked_superelement
 from fem.symmetry import symmetry_classes
 from fem.throw_analysis import ThrowAnalysis
 from geometry.mass import mass_properties
@@ -82,7 +82,7 @@ def analyze_throw(
     return ThrowAnalysis(
         throw=throw,
         material=material,
-        superelement=combine_classes(classes, radial_directions(throw)),
+        superelement=checked_superelement(classes, radial_directions(throw), level.mesh),
         mesh=level.mesh,
         classes=classes,
         masses=masses,

@@ -17,11 +17,11 @@ from numpy.typing import NDArray
 from scipy import sparse
 from scipy.sparse.linalg import ArpackError, LinearOperator, eigsh
 
-from crankbase.errors import InputError
+from crankbase.errors import InputError, SolveError
 from fem.assembly import assemble_mass, assemble_stiffness, symmetric_product
 from fem.condensation import blocked_unknowns, uncoupled
 from fem.material import Material
-from fem.solver import Factorization, SharedSolver, SolveError
+from fem.solver import Factorization, SharedSolver
 from fem.symmetry import SymmetryClass
 from geometry.mesh import ThrowMesh
 from geometry.shapes import element_volumes

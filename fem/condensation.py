@@ -21,6 +21,7 @@ from crankbase.stopwatch import Stopwatch
 from fem.assembly import symmetric_product
 from fem.loads import NodalLoads, end_sections, end_surface, rigid_motions, unit_end_loads
 from fem.section_motions import RIGID, SectionMotions
+from fem.solution_checks import check_reciprocity
 from fem.solver import SharedSolver
 from fem.symmetry import SymmetryClass, amplitude_shares, axial_class
 from geometry.mesh import ThrowMesh
@@ -161,7 +162,7 @@ def condense(
     InputError
         If `end_sections` is neither.
     SolveError
-        If the system cannot be solved.
+        If the system cannot be solved, or its solutions fail the check of reciprocity.
     """
     if end_sections not in END_SECTIONS:
         raise InputError(
@@ -193,9 +194,12 @@ def condense(
         works[pin, :, component] = pin_loads[:, column] @ fields
         reactions[pin, :, component] = -fields[ends].T @ held[:, column]
     flexibility = pin_loads.T @ pin_fields
+    symmetric, end_forces = 0.5 * (energy + energy.T), fields[ends].T @ forces[ends]
+    amplitudes = end_amplitudes(symmetry, sections)
+    check_reciprocity(amplitudes, (symmetric, end_forces), (works, reactions), mesh.length)
     return CondensedClass(
         symmetry=symmetry,
-        stiffness=0.5 * (energy + energy.T),
+        stiffness=symmetric,
         fields=fields.reshape(-1, 3, count),
         pin_loads=works,
         pin_components=components,
@@ -203,7 +207,7 @@ def condense(
         pin_flexibility=0.5 * (flexibility + flexibility.T),
         solver=shared.solver,
         end_sections=end_sections,
-        end_forces=fields[ends].T @ forces[ends],
+        end_forces=end_forces,
         pin_reactions=reactions,
         sections=sections,
     )

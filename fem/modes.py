@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from crankbase.checks.scalars import is_number, whole_within
 from crankbase.drawing.diagram_style import new_axes
-from crankbase.errors import InputError, quoted
+from crankbase.errors import InputError, SolveError, quoted
 from crankbase.summaries import summarized
 from crankbase.tables.frames import table
 from fem.class_modes import (
@@ -23,7 +23,6 @@ from fem.class_modes import (
 from fem.material import Material
 from fem.mode_names import end_motions_of, name_of_motion
 from fem.plots.frequency_stems import draw_frequencies
-from fem.solver import SolveError
 from fem.symmetry import SymmetryClass, symmetry_classes
 from geometry.mesh import ThrowMesh
 

@@ -31,7 +31,8 @@ ENERGY_ORDER = 4
 # Terms of the fitted polynomial are held back by this share of the samples' weight where a patch has
 # too few of them to tell; the constant is free.
 HELD_BACK = np.array([0.0, *[1e-9] * 3, *[1e-5] * 6])
-CHUNK = 8192
+# Elements taken at once: at most so many, and fewer the more solutions there are, to bound the memory.
+CHUNK, CHUNK_OF_ALL = 8192, 30_000
 # Which corners each edge node lies between.
 _ENDS = np.array([[1.0 if corner in edge else 0.0 for corner in range(4)] for edge in EDGES])
 
@@ -80,8 +81,7 @@ def _stresses(
     count = displacements.shape[2]
     found = np.empty((len(elements), len(gradients), 6, count))
     volumes = np.empty((len(elements), len(gradients)))
-    for start in range(0, len(elements), CHUNK):
-        batch = slice(start, start + CHUNK)
+    for batch in _batches(len(elements), count):
         nodes = elements[batch]
         spatial, volumes[batch] = physical_gradients(points[nodes], gradients, weights)
         of_nodes = displacements[nodes].reshape(len(nodes), 1, 10, 3 * count)
@@ -123,19 +123,19 @@ def _recovered(points: Array, elements: Integers, stress: Array) -> Array:
     sizes = _patch_sizes(points, corners, number, len(vertices))
     matrices = np.zeros((len(vertices), 100))
     sides = np.zeros((len(vertices), 10 * components))
-    for start in range(0, len(elements), CHUNK):
-        batch = slice(start, start + CHUNK)
+    for batch in _batches(len(elements), components // 6):
         count = len(corners[batch])
         owner = number[batch].ravel()
         local = places[batch, None] - points[corners[batch]][:, :, None]
         terms = _terms(local.reshape(4 * count, 4, 3) / sizes[owner, None, None])
+        own, place = np.unique(owner, return_inverse=True)
         gather = sparse.csr_array(
-            (np.ones(len(owner)), (owner, np.arange(len(owner)))), (len(vertices), len(owner))
+            (np.ones(len(owner)), (place, np.arange(len(owner)))), (len(own), len(owner))
         )
-        matrices += np.asarray(gather @ (terms.transpose(0, 2, 1) @ terms).reshape(-1, 100))
+        matrices[own] += np.asarray(gather @ (terms.transpose(0, 2, 1) @ terms).reshape(-1, 100))
         samples = np.repeat(stress[batch], 4, axis=0)
         products = (terms.transpose(0, 2, 1) @ samples).reshape(-1, 10 * components)
-        sides += np.asarray(gather @ products)
+        sides[own] += np.asarray(gather @ products)
     systems = matrices.reshape(-1, 10, 10)
     weight = systems[:, 0, 0]
     systems[:, np.arange(10), np.arange(10)] += weight[:, None] * HELD_BACK
@@ -145,11 +145,11 @@ def _recovered(points: Array, elements: Integers, stress: Array) -> Array:
     recovered[vertices] = coefficients[:, 0]
     ends = number[:, np.array(EDGES)].reshape(-1, 2)
     middles, first = np.unique(elements[:, 4:], return_index=True)
-    ends = ends[first]
-    for side in (0, 1):
-        owner = ends[:, side]
-        local = (points[middles] - points[vertices[owner]]) / sizes[owner, None]
-        recovered[middles] += 0.5 * np.einsum("np,npc->nc", _terms(local), coefficients[owner])
+    for batch in _batches(len(middles), components // 6):
+        for owner in ends[first[batch]].T:
+            local = (points[middles[batch]] - points[vertices[owner]]) / sizes[owner, None]
+            own = np.einsum("np,npc->nc", _terms(local), coefficients[owner])
+            recovered[middles[batch]] += 0.5 * own
     return recovered
 
 
@@ -290,11 +290,17 @@ def _differences(
     linear = _linear_through_samples(fine[:, :4] + 0.5 * fine[:, 4:] @ _ENDS)
     weights = np.hstack([fine, -linear])
     shares = fine_weights / fine_weights.sum()
-    for start in range(0, len(elements), CHUNK):
-        batch = slice(start, start + CHUNK)
+    for batch in _batches(len(elements), int(np.prod(samples.shape[3:]))):
         both = np.concatenate([recovered[elements[batch]], samples[batch]], axis=1)
         flat = weights @ both.reshape(*both.shape[:2], -1)
         yield batch, flat.reshape(*flat.shape[:2], *both.shape[2:]), shares
+
+
+def _batches(elements: int, solutions: int) -> Iterator[slice]:
+    """Slices of so many elements, of a size for so many solutions."""
+    size = max(256, min(CHUNK, CHUNK_OF_ALL // max(solutions, 1)))
+    for start in range(0, elements, size):
+        yield slice(start, start + size)
 
 
 def _linear_through_samples(corners: Array) -> Array:

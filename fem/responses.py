@@ -21,7 +21,7 @@ from fem.fillet_stress import fillet_stresses
 from fem.loads import radial_directions
 from fem.material import STEEL, Material
 from fem.section_motions import SHARED, degree_of
-from fem.superelement import Superelement, combine_classes
+from fem.superelement import Superelement, checked_superelement, combine_classes
 from fem.supports import Support, support_throw
 from fem.symmetry import symmetry_classes
 from geometry.mass import mass_properties
@@ -191,10 +191,9 @@ def evaluate_throw(
     level = solve_to_accuracy(throw, accuracy, problem, mesher)
     part = level.mesh.part
     classes = level.condense(symmetry_classes(part), problem)
-    corrected, discrete = (
-        combine_classes(one, radial_directions(throw))
-        for one in (classes, [one.discrete or one for one in classes])
-    )
+    radials = radial_directions(throw)
+    corrected = checked_superelement(classes, radials, level.mesh)
+    discrete = combine_classes([one.discrete or one for one in classes], radials)
     values, plain = (_plain_answers(one, throw.length, part) for one in (corrected, discrete))
     given = list(values.values()), list(plain.values())
     bars = error_bars(*given, level.axial_correction, missing=corrected.missing)

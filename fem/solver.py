@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from scipy import sparse
 from scipy.sparse.linalg import splu
 
-from crankbase.errors import InputError
+from crankbase.errors import InputError, SolveError
 from crankbase.stopwatch import Stopwatch
 from fem.node_blocks import AXES, BlockMatrix, node_blocks
 from fem.refined_solution import refined_solution, residual_shares
@@ -38,10 +38,6 @@ ANALYSIS, FACTORIZATION, SOLUTION = 11, 22, 33
 MKL_FILES, MKL_VARIABLE = ("lib/libmkl_rt.*", "Library/bin/mkl_rt*.dll"), "PYPARDISO_MKL_RT"
 
 Array = NDArray[np.float64]
-
-
-class SolveError(RuntimeError):
-    """A system of equations could not be solved, or its solution does not satisfy it."""
 
 
 @dataclass(frozen=True)

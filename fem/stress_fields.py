@@ -20,7 +20,7 @@ from fem.fillets import throw_fillets
 from fem.loads import radial_directions, unit_pin_loads
 from fem.material import Material
 from fem.solver import SharedSolver
-from fem.superelement import Superelement, combine_classes
+from fem.superelement import Superelement, checked_superelement
 from fem.surface_stress import tangent_frames
 from fem.symmetry import symmetry_classes
 from fem.unit_loads import LoadedThrow
@@ -163,7 +163,7 @@ def stress_fields(
         ]
     finally:
         shared.close()
-    whole = combine_classes(classes, radial_directions(throw))
+    whole = checked_superelement(classes, radial_directions(throw), mesh)
     values, motions = np.linalg.eigh(_scaled(whole.stiffness, mesh.length))
     scale = _scales(mesh.length)
     # Motions of unit strain energy: end loads do the amplitude as work on them.

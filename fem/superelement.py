@@ -8,8 +8,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fem.condensation import CondensedClass
-from fem.loads import RADIAL
+from fem.loads import RADIAL, pin_surfaces
 from fem.section_motions import RIGID, SectionMotions, Sections, both_ends, section_turn
+from fem.solution_checks import check_superelement
+from geometry.mesh import ThrowMesh
 
 Array = NDArray[np.float64]
 
@@ -157,6 +159,23 @@ def combine_classes(
     if not classes[0].sections.bending:
         return rigid
     return replace(rigid, bending=_combined(classes, radials))
+
+
+def checked_superelement(
+    classes: Sequence[CondensedClass], radials: Array, mesh: ThrowMesh
+) -> Superelement:
+    """Build the superelement of `combine_classes`, and check it with rigid and with bending sections.
+
+    Raises
+    ------
+    SolveError
+        As `fem.solution_checks.check_superelement` does.
+    """
+    made = combine_classes(classes, radials)
+    centers = [pin.center for pin in pin_surfaces(mesh)]
+    for one in (made, *([made.bending] if made.bending else [])):
+        check_superelement(one.stiffness, one.pin_loads, mesh.length, centers)
+    return made
 
 
 def _combined(classes: Sequence[CondensedClass], radials: Array) -> Superelement:

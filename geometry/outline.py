@@ -74,12 +74,14 @@ class Arc:
 
     def distance(self, point: Point) -> float:
         """Distance of a point from the arc [m]."""
-        first, last = (
-            math.atan2(p[1] - self.center[1], p[0] - self.center[0]) for p in (self.start, self.end)
-        )
         reach = math.dist(point, self.center)
-        angle = math.atan2(point[1] - self.center[1], point[0] - self.center[0])
-        if reach == 0.0 or first <= angle <= last:
+        if reach == 0.0:
+            return self.radius
+        first, angle, last = (
+            math.atan2(p[1] - self.center[1], p[0] - self.center[0])
+            for p in (self.start, point, self.end)
+        )
+        if first <= angle <= last:
             return abs(self.radius - reach)
         return min(math.dist(point, self.start), math.dist(point, self.end))
 

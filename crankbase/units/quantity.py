@@ -67,7 +67,7 @@ def unit_quantity(text: str) -> Any:
     try:
         one = registry.Quantity(1.0, registry.parse_units(spelled))
         size = float(one.to_root_units().magnitude)
-    except (PintError, OverflowError):
+    except (PintError, OverflowError, ValueError):  # also of "nan", which pint takes for a number
         raise NoUnitError(text) from None
     if not SMALLEST_UNIT <= size <= 1.0 / SMALLEST_UNIT:
         raise NoUnitError("too small or large for a number")
@@ -92,7 +92,10 @@ def _normalized_unit(text: str) -> str:
 
     def one(found: re.Match[str]) -> str:
         nonlocal powers
-        powers *= max(1.0, abs(float(found["power"] or found["root"] or 1.0)))
+        power = abs(float(found["power"] or found["root"] or 1.0))
+        if power == 0.0:
+            raise NoUnitError("a unit to the power of zero is none")
+        powers *= max(1.0, power)
         return "1"
 
     left, more = _FACTOR.sub(one, spelled), 1

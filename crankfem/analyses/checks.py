@@ -12,53 +12,12 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from crankfem.analyses.record import Record
+from dynamics.response.power import LARGEST_POWER_ERROR
+from dynamics.torque.torque import LARGEST_ENERGY_ERROR
 from fem.angle_law import SYMMETRIC
+from fem.solution_checks import LARGEST_ROUND_OFF, rigid_body_residual
 
 Array = NDArray[np.float64]
-
-# Every solution leaves at most 1e-9 of its right side, or the run stops; what finite elements say of a
-# throw is made of a few solutions.
-LARGEST_ROUND_OFF = 1e-8
-# Torque and work of the gas are sums over the same some thousand angles of a cycle, each of them true to
-# 1e-16 of its terms; those of the masses, whose sum is zero, are up to a hundred times those of the gas.
-LARGEST_ENERGY_ERROR = 1e-10
-# Sums over a working cycle of some hundred angles and orders.
-LARGEST_POWER_ERROR = 1e-6
-
-
-def rigid_body_motions() -> Array:
-    """Return the rigid-body motions (12, 6) of two end sections, rotations measured as length x angle."""
-    motions = np.zeros((12, 6))
-    motions[:6], motions[6:] = np.eye(6), np.eye(6)
-    # Turned about x or y through the left end section, the right one is carried along.
-    motions[6, 4], motions[7, 3] = 1.0, -1.0
-    return motions
-
-
-def scaled_stiffness(stiffness: ArrayLike, length: float) -> Array:
-    """Return a stiffness (12, 12) in N/m alone, with rotations measured as length x angle."""
-    size = np.tile([1.0, 1.0, 1.0, 1.0 / length, 1.0 / length, 1.0 / length], 2)
-    return np.asarray(stiffness, dtype=float) * np.outer(size, size)
-
-
-def rigid_body_residual(stiffness: ArrayLike, length: float) -> float:
-    """Return the largest force that a rigid-body motion meets, beside the largest stiffness.
-
-    Parameters
-    ----------
-    stiffness : (12, 12) array
-        ux uy uz rx ry rz of the left, then the right end section [SI].
-    length : float
-        Between the end sections [m].
-    """
-    scaled = scaled_stiffness(stiffness, length)
-    return float(np.max(np.abs(scaled @ rigid_body_motions())) / np.max(np.abs(scaled)))
-
-
-def asymmetry(stiffness: ArrayLike, length: float) -> float:
-    """Return the largest difference between K and its transpose, beside the largest stiffness."""
-    scaled = scaled_stiffness(stiffness, length)
-    return float(np.max(np.abs(scaled - scaled.T)) / np.max(np.abs(scaled)))
 
 
 def unbalanced_share(

@@ -1,12 +1,14 @@
 """What all records for JSON and tables share."""
 
+import json
 import math
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import asdict
 from typing import Any
 
 import numpy as np
 
+from crankbase.errors import SolveError
 from crankfem.files.reading.toml_file import InputRecord
 
 # Plain JSON content.
@@ -34,6 +36,40 @@ def input_records(records: Iterable[InputRecord]) -> list[Record]:
     return [asdict(record) for record in records]
 
 
+def json_text(content: Mapping[str, Any], indent: int | None = None) -> str:
+    """Return content as JSON, in which every number is finite.
+
+    Raises
+    ------
+    SolveError
+        With the name of the first number that is not.
+    """
+    try:
+        return json.dumps(content, indent=indent, allow_nan=False) + "\n"
+    except ValueError:
+        wrong = next(_not_finite(content, ""), None)
+        if wrong is None:
+            raise
+        raise SolveError(
+            f"The result {wrong[0]} is {wrong[1]}: allowed are finite numbers."
+        ) from None
+
+
+def _not_finite(value: Any, path: str) -> Iterator[tuple[str, float]]:
+    """Yield path and value of every number that is not finite."""
+    if isinstance(value, float) and not math.isfinite(value):
+        yield path, value
+    inside = (
+        value.items()
+        if isinstance(value, Mapping)
+        else enumerate(value, start=1)
+        if isinstance(value, list | tuple)
+        else ()
+    )
+    for name, one in inside:
+        yield from _not_finite(one, f"{path}.{name}" if path else str(name))
+
+
 def attributes(source: object, *names: str) -> Record:
     """Return attributes of an object by their names, as plain JSON content.
 
@@ -46,7 +82,9 @@ def attributes(source: object, *names: str) -> Record:
 
 
 def plain(content: Mapping[str, Any]) -> Record:
-    """Return content as JSON holds it: arrays and tuples as lists, what is not finite as None.
+    """Return content as JSON holds it: arrays and tuples as lists, what is unbounded as None.
+
+    What is no number stays, for `json_text` to refuse.
 
     Examples
     --------
@@ -63,6 +101,6 @@ def _plain(value: Any) -> Any:
         return plain(value)
     if isinstance(value, list | tuple):
         return [_plain(one) for one in value]
-    if isinstance(value, float) and not math.isfinite(value):
+    if isinstance(value, float) and math.isinf(value):
         return None
     return value

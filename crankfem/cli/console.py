@@ -1,6 +1,5 @@
 """How the command line talks: tables on standard output, progress and errors on standard error."""
 
-import json
 import os
 import sys
 import textwrap
@@ -41,9 +40,10 @@ def print_json(content: dict[str, Any], within: str = "") -> None:
 
     `within` is the name under which such content stands in other documents, "torque" or "axial".
     """
+    from crankfem.analyses.record import json_text
     from crankfem.analyses.record_units import with_units
 
-    sys.stdout.write(json.dumps(with_units(content, within), indent=1, allow_nan=False) + "\n")
+    sys.stdout.write(json_text(with_units(content, within), indent=1))
 
 
 def print_line(text: str) -> None:

@@ -1,9 +1,14 @@
 """What is said of an error that ends a command or costs a picture, and the exit code for it."""
 
 import errno
-import sys
 
-from crankbase.errors import InputError, MeshError, MissingLibraryError, RenderError
+from crankbase.errors import (
+    InputError,
+    MeshError,
+    MissingLibraryError,
+    RenderError,
+    SolveError,
+)
 from crankfem.jobs.exit_codes import EXIT_FAILED, EXIT_INPUT
 from regression.records import StudyStoppedError
 
@@ -22,11 +27,8 @@ def describe_error(error: Exception) -> tuple[str, int]:
     """Describe an error: return its sentence and its exit code."""
     if isinstance(error, InputError):
         return str(error), EXIT_INPUT
-    # An error of a module that has not been loaded it cannot be; loading it takes long.
-    solver = sys.modules.get("fem.solver")
-    of_solver = () if solver is None else (solver.SolveError,)
     if isinstance(
-        error, (MissingLibraryError, RenderError, MeshError, StudyStoppedError, *of_solver)
+        error, (MissingLibraryError, RenderError, MeshError, SolveError, StudyStoppedError)
     ):
         return str(error), EXIT_FAILED
     if isinstance(error, MemoryError):

@@ -25,6 +25,7 @@ from crankbase.outputs import (
     recording_run_files,
     write_text,
 )
+from crankfem.analyses.record import json_text
 from crankfem.report.plots import PLOTS
 from regression.models.model_file import is_model
 
@@ -188,4 +189,4 @@ def replace_last_run(folder: Path, results: Mapping[str, Any]) -> None:
 
 def results_text(results: Mapping[str, Any]) -> str:
     """Return the text of results.json."""
-    return json.dumps(results, indent=1, allow_nan=False) + "\n"
+    return json_text(results, indent=1)

@@ -31,7 +31,7 @@ class Bounds:
     job_seconds : float
         For one job [s].
     job_memory : float
-        For the process of one job [byte].
+        For the process of one job and all that it starts [byte].
     check_seconds : float
         For reading and checking an uploaded file [s].
     rows : int

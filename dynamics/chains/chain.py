@@ -13,7 +13,7 @@ from crankbase.checks.arrays import (
     positive_vector,
     read_only,
 )
-from crankbase.errors import InputError
+from crankbase.errors import InputError, SolveError
 from crankbase.summaries import summarized
 from dynamics.chains.chain_modes import (
     Modes,
@@ -249,7 +249,7 @@ class Chain:
 
         Raises
         ------
-        numpy.linalg.LinAlgError
+        SolveError
             If the modes found do not satisfy the equation of motion.
 
         Notes
@@ -270,9 +270,9 @@ class Chain:
         frequencies = np.concatenate((np.zeros(rigid.shape[1]), frequencies))
         residual = eigen_residual(frequencies, shapes, mass, stiffness, expand)
         if not residual <= RESIDUAL_LIMIT:
-            raise np.linalg.LinAlgError(
-                f"the modes of the chain leave a residual of {residual:.1e} of the largest "
-                f"eigenvalue, above {RESIDUAL_LIMIT:.0e}"
+            raise SolveError(
+                f"The modes of the chain leave a residual of {residual:.1e} of the largest eigenvalue "
+                f"(allowed {RESIDUAL_LIMIT:.0e})."
             )
         inertia_forces = mass @ shapes
         modal_inertia = np.sum(shapes * inertia_forces, axis=0)

@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 from crankbase.checks.arrays import ComplexArray, FloatArray
 from crankbase.drawing.diagram_style import new_axes
 from crankbase.drawing.legends import write_title
+from crankbase.errors import SolveError
 from crankbase.library_types import Axes, Dataset
 from crankbase.summaries import summarized
 from crankbase.tables.frames import grid
@@ -18,6 +19,8 @@ from dynamics.response.forced import ForcedResponse
 from dynamics.response.loads import dashpot_names
 from dynamics.response.series import with_unbounded
 
+# Sums over a working cycle of some hundred angles and orders; round-off leaves 1e-10 and less.
+LARGEST_POWER_ERROR = 1e-6
 # Heat below this share of the apparent power is lost in the round-off of that.
 NO_HEAT = 1e-10
 
@@ -196,6 +199,23 @@ def power_balance(response: ForcedResponse) -> PowerBalance:
         orders=response.orders,
         speeds=response.speeds,
     )
+
+
+def checked_power_balance(response: ForcedResponse) -> PowerBalance:
+    """Find the power balance of `power_balance`, which must balance.
+
+    Raises
+    ------
+    SolveError
+        If power in and heat differ by more than a share of 1e-6.
+    """
+    found = power_balance(response)
+    if not found.error <= LARGEST_POWER_ERROR:
+        raise SolveError(
+            f"Power into the vibration and heat in its damping differ by a share of {found.error:.1e} "
+            f"(allowed {LARGEST_POWER_ERROR:.0e})."
+        )
+    return found
 
 
 def _quadratic(matrix: FloatArray, motion: ComplexArray) -> FloatArray:

@@ -10,6 +10,7 @@ from crankbase.checks.arrays import FloatArray, read_only
 from crankbase.checks.scalars import whole_within
 from crankbase.drawing.diagram_style import BLUE, COLORS, ORANGE
 from crankbase.drawing.legends import legend_above
+from crankbase.errors import SolveError
 from crankbase.library_types import Axes, Dataset
 from crankbase.summaries import summarized
 from crankbase.tables.frames import grid
@@ -35,6 +36,10 @@ from dynamics.torque.throws import checked_throws, throws_along_shaft
 
 # A mean torque below this share of the largest is round-off.
 NO_MEAN = 1e-12
+
+# Torque and work of the gas are sums over the same some thousand angles of a cycle, each of them true to
+# 1e-16 of its terms; those of the masses, whose sum is zero, are up to a hundred times those of the gas.
+LARGEST_ENERGY_ERROR = 1e-10
 
 
 @summarized(
@@ -221,6 +226,20 @@ class EngineTorque:
     def _checked_throw(self, throw: int) -> int:
         reason = "the shaft has that many throws"
         return whole_within("throw", throw, 1, len(self.throws), reason) - 1
+
+
+def check_energy(torque: EngineTorque) -> None:
+    """Refuse a torque whose work over a cycle is not that of the gas.
+
+    Raises
+    ------
+    SolveError
+    """
+    if not abs(torque.energy_error) <= LARGEST_ENERGY_ERROR:
+        raise SolveError(
+            f"Work of the torque and work of the gas differ by a share of {abs(torque.energy_error):.1e} "
+            f"(allowed {LARGEST_ENERGY_ERROR:.0e})."
+        )
 
 
 def engine_torque(

@@ -115,7 +115,7 @@ class ComplianceModel(ModelValues):
         """
         asked: dict[str, Any] = {**dimensions, "gamma_deg": gamma_deg}
         for name, given in asked.items():
-            if np.ndim(given):
+            if not (given is None or isinstance(given, float | str)) and np.ndim(given):
                 raise InputError(
                     f"{name}: given an array of shape {np.shape(given)}; allowed is one number, "
                     "because `lookup` is for one throw: `lookups` takes arrays."

@@ -136,9 +136,12 @@ class DaskCluster:
             client.__init__(address, timeout=CONNECT, set_as_default=False, name="crankfem")
         except (OSError, ValueError, TypeError) as error:
             self.close()
+            why = f"nothing answers there ({type(error).__name__})"
+            if address.startswith("tls"):
+                why += ", or not to the certificate that Dask's configuration names on this machine"
             raise InputError(
                 f"dask: given {address!r}; allowed is the address of a running Dask scheduler, like "
-                f"tcp://10.0.0.1:8786, because nothing answers there ({type(error).__name__})."
+                f"tcp://10.0.0.1:8786, because {why}."
             ) from None
 
     def places(self) -> dict[str, bool]:

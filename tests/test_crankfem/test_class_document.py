@@ -322,9 +322,9 @@ def test_sentences_for_wrong_input(call, tmp_path):
     assert "--output" in call("class", "6chn25-34").err
     file = tmp_path / "file"
     file.write_text("mine", encoding="utf-8")
-    refused = call("class", "6chn25-34", "--output", str(file))
+    refused = call("class", "6chn25-34", "--output", "file")
     assert refused.code == 2
-    assert f"output: given '{file}'" in refused.err
+    assert "output: given 'file'" in refused.err
     assert file.read_text(encoding="utf-8") == "mine"
     assert "output: given ''" in call("class", "6chn25-34", "--output", "").err
     chain = call("class", "mwm-six", "--output", str(tmp_path / "out"))

@@ -13,7 +13,7 @@ import typer.main
 
 import crankfem as cf
 from comparing import close
-from crankbase.errors import InputError, MissingLibraryError
+from crankbase.errors import InputError, MissingLibraryError, SolveError
 from crankfem.cli import app as cli
 from crankfem.cli.angle_and_speed import parse_gamma
 from crankfem.cli.commands import completion
@@ -743,7 +743,7 @@ def test_an_interrupted_run_says_what_is_kept(call, monkeypatch, finished, sente
 def test_results_without_numbers_never_become_json(capsys):
     from crankfem.cli.console import print_json
 
-    with pytest.raises(ValueError, match="not JSON compliant"):
+    with pytest.raises(SolveError, match="result value is nan"):
         print_json({"value": float("nan")})
     print_json({"mass": 1.5})
     assert json.loads(capsys.readouterr().out) == {"mass": 1.5, "units": {"mass": "kg"}}

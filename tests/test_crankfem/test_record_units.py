@@ -4,11 +4,14 @@ import json
 import shlex
 from pathlib import Path
 
+import numpy as np
 import pytest
 import typer
 
+from crankbase.errors import SolveError
 from crankbase.tables.output_units import SI, OutputUnit, OutputUnits
 from crankbase.units.units import POWER_OF_TEN, UNITS
+from crankfem.analyses.record import json_text, plain
 from crankfem.analyses.record_units import units_of, with_units
 from crankfem.analyses.vibration.records import run_record
 from crankfem.cli.app import app
@@ -176,3 +179,12 @@ def test_a_chain_has_the_units_of_its_kind(kind, inertia):
     told = units_of(record, within=kind)
     assert told["inertia"] == told["modes.modal_inertia"] == inertia
     assert told["stiffness"] == told["ground"] == {"axial": "N/m", "torsional": "N m/rad"}[kind]
+
+
+def test_results_that_are_no_numbers_are_refused_by_name():
+    record = plain({"throw": {"masses": np.array([1.0, np.nan])}, "peak": np.inf})
+    assert record["peak"] is None  # unbounded
+    with pytest.raises(
+        SolveError, match=r"^The result throw\.masses\.2 is nan: allowed are finite"
+    ):
+        json_text(record)

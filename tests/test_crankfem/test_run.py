@@ -15,12 +15,12 @@ import numpy as np
 import pytest
 
 from comparing import close
+from crankbase.errors import SolveError
 from crankfem.analyses.vibration import run as vibration_run
 from crankfem.jobs import pipeline, run_drawing
 from crankfem.jobs.run_files import PICTURED
 from crankfem.report.interactive import mechanism_plots
 from crankfem.report.interactive import vibration as interactive_vibration
-from fem.solver import SolveError
 from regression.models.compliance_model import ComplianceModel
 
 pytestmark = pytest.mark.slow
@@ -305,6 +305,7 @@ def test_report_writes_the_report_again(finished_run, call, tmp_path):
     assert Page(report_of(copy)).loaded == []
 
 
+@pytest.mark.further
 def test_another_choice_of_sources_repeats_no_design(
     finished_run, unseen, quick_six, edit, call, tmp_path
 ):

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from crankbase.errors import InputError
+from crankbase.errors import InputError, SolveError
 from crankbase.outputs import LISTED, recording_run_files, replacing_files, write_text
 from crankfem.jobs.run_files import (
     MODEL,
@@ -162,7 +162,7 @@ def test_without_space_for_new_results_the_last_run_stays_whole(finished, monkey
 
 
 def test_results_are_strict_json(tmp_path):
-    with pytest.raises(ValueError, match="JSON"):
+    with pytest.raises(SolveError, match="result a is nan"):
         write_results(tmp_path, {"a": float("nan")})
 
 

@@ -1,20 +1,18 @@
 """The superelement from the forces on its ends, beside that from energies and mean motions.
 
 Solutions leave a residual near 1e-14 of their right side; what is made of a few of them agrees to
-1e-11. A solution that is wrong by a share of 1e-4 must show a thousand times above that.
+1e-11.
 """
 
 import numpy as np
 import pytest
 
-from crankfem.analyses.checks import asymmetry
 from crankfem.analyses.throw.throw_record import reciprocity_record
 from fem.analysis import analyze_throw
-from fem.solver import Factorization
 from fem.superelement import superelement_of_end_forces
 from geometry.throw import CrankThrow
 
-ROUND_OFF, SHOWN = 1e-11, 1e-8
+ROUND_OFF = 1e-11
 
 DIMENSIONS = {
     "crank_radius": 0.170,
@@ -44,19 +42,3 @@ def test_both_ways_to_the_superelement_agree(end_sections, left_web):
     # They are two calculations, not one.
     assert not np.array_equal(other.pin_loads, own.pin_loads)
     assert all(0.0 < figure < ROUND_OFF for figure in reciprocity_record(found).values())
-
-
-@pytest.mark.slow
-def test_a_poor_solution_shows(monkeypatch):
-    solve, random = Factorization.solve, np.random.default_rng(5)
-
-    def poorly(self, right_sides):
-        solution = solve(self, right_sides)
-        return solution * (1.0 + 1e-4 * random.standard_normal(solution.shape))
-
-    monkeypatch.setattr(Factorization, "solve", poorly)
-    throw = CrankThrow(**DIMENSIONS)
-    found = analyze_throw(throw, accuracy=0.1)
-    assert all(figure > SHOWN for figure in reciprocity_record(found).values())
-    # The stiffness that is used is symmetric all the same, so that its own symmetry says nothing.
-    assert asymmetry(found.stiffness, throw.length) == 0.0

@@ -6,9 +6,9 @@ from scipy import sparse
 
 import fem.solver
 from comparing import close
-from crankbase.errors import InputError
+from crankbase.errors import InputError, SolveError
 from fem.condensation import condense
-from fem.solver import SharedSolver, SolveError
+from fem.solver import SharedSolver
 from fem.symmetry import axial_class, symmetry_classes
 from solving import solve_symmetric
 

@@ -266,6 +266,15 @@ def test_mended_elements_are_counted(dimensions):
     assert smallest_jacobians(mesh.points, mesh.elements).min() >= 0.05
 
 
+def test_a_mesh_of_another_volume_is_refused_with_both_volumes(dimensions):
+    mesh = mesh_throw(CrankThrow(**dimensions), 3.0)
+    check_volume(mesh.points, mesh.elements, mesh.solid)
+    with pytest.raises(MeshError, match=r"has a volume of .* m\^3, the solid .* more than 0.1 %"):
+        check_volume(1.001 * mesh.points, mesh.elements, mesh.solid)
+    with pytest.raises(MeshError, match="volume of nan"):
+        check_volume(np.nan * mesh.points, mesh.elements, mesh.solid)
+
+
 def test_a_mesh_that_misses_the_volume_is_made_again_finer(dimensions, monkeypatch):
     check, seen = check_volume, []
 

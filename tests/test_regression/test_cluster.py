@@ -1,12 +1,14 @@
 """The loop over a cluster, by a cluster that plays every trick; then Dask itself, by puppets.
 
 Nothing here computes finite elements; that a cluster gives the numbers of a local run is shown by
-tests/campaigns/dask_study.py.
+tests/campaigns/faults.py.
 """
 
 import gc
 import math
+import shutil
 import signal
+import subprocess
 import sys
 import threading
 import time
@@ -548,6 +550,46 @@ def test_leaving_the_cluster_ends_what_is_under_way_there(puppets, local_cluster
     while all(process.poll() is None for process in puppets) and time.monotonic() < deadline:
         time.sleep(0.02)
     assert any(process.poll() is not None for process in puppets)
+
+
+@pytest.fixture
+def tls_names(tmp_path):
+    """Dask's names of one certificate for all, as docs/studies-running.md has it made."""
+    if shutil.which("openssl") is None:
+        pytest.skip("no openssl")
+    command = "openssl req -x509 -newkey rsa:2048 -nodes -days 2 -subj /CN=crankfem"
+    subprocess.run(
+        [*command.split(), "-keyout", "key.pem", "-out", "cert.pem"],
+        cwd=tmp_path,
+        check=True,
+        capture_output=True,
+    )
+    names = {"ca-file": "cert.pem", "scheduler.cert": "cert.pem", "scheduler.key": "key.pem"}
+    for role in ("worker", "client"):
+        names |= {f"{role}.cert": "cert.pem", f"{role}.key": "key.pem"}
+    return {f"distributed.comm.tls.{name}": str(tmp_path / file) for name, file in names.items()}
+
+
+@pytest.mark.further
+def test_a_cluster_behind_tls(puppets, tls_names, tmp_path):
+    distributed = pytest.importorskip("distributed")
+    import dask
+
+    where = {"host": "127.0.0.1", "dashboard_address": None, "processes": False}
+    with dask.config.set({"distributed.comm.require-encryption": True, **tls_names}):
+        security = distributed.Security()
+        with distributed.LocalCluster(
+            n_workers=2, threads_per_worker=1, protocol="tls://", security=security, **where
+        ) as cluster:
+            address = cluster.scheduler_address
+            assert address.startswith("tls://")
+            table = run_plan(STUDY, tmp_path / "tls.sqlite", dask=address)
+            assert (table.computed, table.failures) == (20, ())
+            with (
+                dask.config.set(dict.fromkeys(tls_names)),
+                pytest.raises(InputError, match="not to the certificate that Dask's configuration"),
+            ):
+                run_plan(STUDY, tmp_path / "other.sqlite", dask=address)
 
 
 @pytest.mark.slow

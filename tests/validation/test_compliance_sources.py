@@ -1,4 +1,4 @@
-"""Every source of compliances carries its own error: bands, bounds, barred speeds and the verdict.
+"""Error of each source of compliances, carried to bands, bounds and verdict.
 
 Source: no outside one. Models are made here of known equations, so that their bands are known: an error m
 of 8 % at held-out designs leaves 1/1.08 to 1/0.92 times the value. Bounds of frequencies are those of

@@ -1,4 +1,4 @@
-"""The elastic hinge with a given gas force, and the surface that rollers of some radius run on.
+"""The elastic hinge with a given gas force, and the surface of its rollers.
 
 Source: A. N. Zotov, E. Sh. Imaeva, Transport i khranenie nefteproduktov i uglevodorodnogo syr'ya 2024
 no. 1-2, pp. 50-55, doi 10.24412/0131-4270-2024-1-2-50-55: equations (5) and (8) for any gas force, figure 4
@@ -173,7 +173,7 @@ def test_what_the_moment_lacks_is_told_as_mean_and_as_largest(figure):
     wanted = other.point.moment
     lacking = wanted - run.profile.with_pressure(other.best.pressure).moment
     mean = np.sqrt(np.sum(lacking**2) / np.sum(wanted**2))
-    figure("lacking, root mean square", other.best.moment_residual, mean, 1e-9)
+    figure("missing moment, root mean square", other.best.moment_residual, mean, 1e-9)
     largest = np.abs(lacking).max() / np.abs(wanted).max()
-    figure("lacking, largest", other.best.largest_residual, largest, 1e-9)
+    figure("missing moment, largest", other.best.largest_residual, largest, 1e-9)
     assert largest > 1.5 * mean

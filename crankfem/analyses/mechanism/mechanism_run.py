@@ -25,7 +25,7 @@ from dynamics.gas.indicated import indicated_mean_effective_pressure
 from dynamics.gas.pressure import ATMOSPHERE, GasPressure
 from dynamics.mechanism.rod_model_names import RodModelName
 from dynamics.torque.cycle_samples import DEFAULT_SAMPLES, samples_and_gas
-from dynamics.torque.torque import EngineTorque, engine_torque
+from dynamics.torque.torque import EngineTorque, check_energy, engine_torque
 from geometry.mass import MassProperties
 
 if TYPE_CHECKING:
@@ -221,6 +221,7 @@ def run_mechanism(
         pressure = motored_pressures(mechanism.gas, layout) if motored else mechanism.pressure
     angles, gas = samples_and_gas(layout, pressure, DEFAULT_SAMPLES, ATMOSPHERE)
     torque = engine_torque(layout, turning, gas, model=model, throws=mechanism.throws)
+    check_energy(torque)
     forces = mechanism_forces(
         layout, turning, gas, model=model, shaft_angles_deg=np.degrees(angles)
     )

@@ -36,6 +36,7 @@ from dynamics.crankshaft.shaft_throw import ShaftThrow
 from dynamics.crankshaft.surroundings import MainBearings
 from dynamics.excitation.cylinders import CylinderForces
 from dynamics.response.forced import ForcedResponse
+from dynamics.response.power import checked_power_balance
 from fem.craig_bampton import DynamicSuperelement
 from geometry.throw import CrankThrow
 
@@ -332,8 +333,13 @@ def shaft_response(
     Returns
     -------
     CoupledResponse
+
+    Raises
+    ------
+    SolveError
+        If power in and heat do not balance.
     """
-    return coupled_response(
+    found = coupled_response(
         whole.crankshaft,
         forces,
         pins=engine_file.pins,
@@ -342,6 +348,9 @@ def shaft_response(
         if magnifier is not None
         else modal_damping(engine_file, whole.crankshaft),
     )
+    for answer in (found.tangential, found.radial):
+        checked_power_balance(answer)
+    return found
 
 
 def compare_with_chains(

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from crankbase.errors import InputError, MeshError
+from crankbase.errors import InputError, MeshError, SolveError
 from crankbase.library_types import DataFrame
 from crankbase.summaries import summarized
 from crankbase.tables.frames import Row, table_of
@@ -32,7 +32,6 @@ from dynamics.strength.findley import (
 )
 from fem.fillet_peaks import FilletStresses
 from fem.fillet_stress import fillet_stresses
-from fem.solver import SolveError
 from fem.stress_fields import StressedSite, StressFields, stress_fields
 
 # Wished accuracy of the finite elements, where there are none yet.

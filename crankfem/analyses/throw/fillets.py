@@ -6,13 +6,12 @@ from pathlib import Path
 
 import numpy as np
 
-from crankbase.errors import InputError, MeshError
+from crankbase.errors import InputError, MeshError, SolveError
 from crankfem.analyses.throw.pictures.offscreen import OffscreenProcess
 from crankfem.analyses.throw.pictures.stress_picture import RENDER, picture_arrays, picture_name
 from fem import fillet_stress
 from fem.fillet_peaks import FilletStresses
 from fem.material import Material
-from fem.solver import SolveError
 from geometry.throw import CrankThrow
 
 # Of the largest stresses: enough to compare fillets and to see which is the weakest.

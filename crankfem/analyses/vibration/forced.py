@@ -49,7 +49,7 @@ from dynamics.response.damping import DampedChain
 from dynamics.response.forced import ForcedResponse
 from dynamics.response.loads import ElementLoads
 from dynamics.response.order_excitation import OrderExcitation
-from dynamics.response.power import PowerBalance, power_balance
+from dynamics.response.power import PowerBalance, checked_power_balance
 from dynamics.response.series import OrderSeries
 from dynamics.running_limits import at_most, within
 from fem.shaft import ShaftCompliances
@@ -365,7 +365,7 @@ def _vibration(
         response=response,
         loads=answer.loads,
         stress=answer.stress,
-        power=power_balance(response),
+        power=checked_power_balance(response),
         resonances=(),
         by_torque=answer.by_torque,
         axial_forces=None,

@@ -11,6 +11,7 @@ from crankbase.units.quantity import parse_quantity
 from crankfem.cli import console
 from crankfem.cli.commands import completion
 from crankfem.cli.commands.options import Output, WorkersOption, with_output
+from crankfem.cli.commands.store_check import check_or_repair
 from crankfem.cli.console import print_json
 
 if TYPE_CHECKING:
@@ -27,7 +28,7 @@ def doe(
         str,
         typer.Argument(
             metavar="STUDY.toml",
-            help="File with the sections throw and study.",
+            help="File with the sections throw and study; with --check or --repair also a store.",
             autocompletion=completion.engines,
         ),
     ],
@@ -81,6 +82,17 @@ def doe(
     plan: Annotated[
         bool, typer.Option("--plan", help="Show the plan without computing it.")
     ] = False,
+    check: Annotated[
+        bool, typer.Option("--check", help="Verify the store's file and the checksum of each row.")
+    ] = False,
+    repair: Annotated[
+        bool,
+        typer.Option(
+            "--repair",
+            help="Keep the store's sound rows, and compute what is damaged or missing; the damaged file is "
+            "kept beside it.",
+        ),
+    ] = False,
     *,
     out: Output,
 ) -> None:
@@ -96,6 +108,23 @@ def doe(
         "time_limit": _quantity(time_limit, "s", "--time-limit"),
         "memory_limit": _quantity(memory_limit, "byte", "--memory-limit"),
     }
+    if check or repair:
+        if (
+            (check and repair)
+            or plan
+            or no_compute
+            or more
+            or mesh
+            or export is not None
+            or import_
+        ):
+            raise InputError(
+                f"--{'check' if check else 'repair'}: given with another task; allowed are --check or "
+                "--repair, --store, and how designs are computed."
+            )
+        options = {"workers": workers, "dask": dask, **limits}
+        check_or_repair(study, store, out, repair=repair, options=options)
+        return
     read = load_study(study)
     if plan and (export is not None or import_ or mesh or more):
         raise InputError(

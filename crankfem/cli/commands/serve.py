@@ -36,7 +36,7 @@ def serve(
     *,
     out: Output,
 ) -> None:
-    """Serve an API and a page with sliders for a throw's dimensions.
+    """Serve an API and a page where sliders change a throw's dimensions.
 
     Only this machine is served, unless --host and --key-file are given.
     """
