@@ -1,4 +1,4 @@
-"""Properties of responses for equations and lookups; `fem.responses` declares the rest.
+"""Properties of responses for equations and lookups; `fem.responses` declares the rest."""
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
