@@ -1,1 +1,1 @@
-"""The service: an API over HTTP, and a page with sliders for a throw's dimensions."""
+"""The service: an API over HTTP, and a page where sliders change a throw's dimensions."""

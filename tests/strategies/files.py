@@ -11,24 +11,31 @@ from hypothesis import strategies as st
 
 ROOT = Path(__file__).resolve().parents[2]
 UNITS = (
-    "mm", "m", "km", "µm", "in", "deg", "rad", "kg", "g", "t", "N", "kN", "N/m", "N m/rad", "Pa", "MPa", "GPa",
-    "bar", "kg m^2", "kg/m^3", "1/min", "rpm", "Hz", "rad/s", "s", "K", "degC", "kW", "mm^2", "1/K", "%", "",
+    "mm", "m", "km", "µm", "in", "deg", "rad", "kg", "g", "t", "N", "kN", "N/m", "N m/rad", "Pa", "MPa",
+    "GPa",
+    "bar", "kg m^2", "kg/m^3", "1/min", "rpm", "Hz", "rad/s", "s", "K", "degC", "kW", "mm^2", "1/K", "%",
+    "",
     "mm mm", "furlong", "m^", "/", "µ", "N m s/rad", "kg m^99999999", "mm/0",
 )  # fmt: skip
 NUMBERS = (
-    "0", "-0.0", "1", "-1", "3", "0.5", "1e-300", "5e-324", "1e300", "1.7e308", "1e999", "-1e308", "nan", "inf",
-    "-inf", "1e-12", "1e12", "123456789", "9223372036854775807", "9" * 400, "1_000", "1,5", "0x10", "1e", "--1",
+    "0", "-0.0", "1", "-1", "3", "0.5", "1e-300", "5e-324", "1e300", "1.7e308", "1e999", "-1e308", "nan",
+    "inf",
+    "-inf", "1e-12", "1e12", "123456789", "9223372036854775807", "9" * 400, "1_000", "1,5", "0x10", "1e",
+    "--1",
     "١٢", "½", "",
 )  # fmt: skip
 WORDS = (
-    "", " ", "x", "auto", "fe", "none", "None", "true", "../../etc/passwd", "/dev/null", "/", ".", "no_such.csv",
-    "con\u0000", "a" * 500, "кривошип", "\u202e", "[bold]", "%s%n", "{0}", "${HOME}", "'; drop table", "🙂", "-1",
+    "", " ", "x", "auto", "fe", "none", "None", "true", "../../etc/passwd", "/dev/null", "/", ".",
+    "no_such.csv",
+    "con\u0000", "a" * 500, "кривошип", "\u202e", "[bold]", "%s%n", "{0}", "${HOME}", "'; drop table",
+    "🙂", "-1",
     "trapezium", "rigid", "torsional", "axial", "pinned",
 )  # fmt: skip
 # What stands where one value should.
 VALUES = (
     "true", "[]", "[[]]", "{}", "''", "1979-05-27T07:32:00Z", "[1, 2, 3]", "['a', 1]", "{ value = {} }",
-    "{ value = 1, source = 'x', assumed = 'y' }", "{ value = '170 mm', kind = 2 }", "[" * 60 + "]" * 60, "\"\"\"\na\"\"\"",
+    "{ value = 1, source = 'x', assumed = 'y' }", "{ value = '170 mm', kind = 2 }", "[" * 60 + "]" * 60,
+    "\"\"\"\na\"\"\"",
     "[{}, {}]", "nan", "inf", "-inf", "1e400", "1" * 5000,
 )  # fmt: skip
 _LINE = re.compile(r"^(\s*[\w.-]+\s*=\s*)(.*)$")
@@ -39,7 +46,9 @@ ENDS = ("\ufeff", "\x00", "\x1b[31m", "é", "\r", "\u2028", "[[", "]", '"""', "=
 positions = st.floats(0.0, 1.0, exclude_max=True)
 # Powers of ten that keep a value among those that can be, and ones that do not.
 factors = st.one_of(
-    st.floats(0.3, 3.0), st.integers(-12, 12).map(lambda power: 10.0**power), st.sampled_from([-1.0, 0.0, 1e150, 1e-150])
+    st.floats(0.3, 3.0),
+    st.integers(-12, 12).map(lambda power: 10.0**power),
+    st.sampled_from([-1.0, 0.0, 1e150, 1e-150]),
 )
 
 
@@ -73,7 +82,11 @@ def _scale_number(line: str, place: float, factor: float) -> str:
 def _changed_line(draw: st.DrawFn, line: str) -> str:
     """Change what one line says."""
     match = _LINE.match(line)
-    kind = draw(st.sampled_from(("scale", "scale", "scale", "quantity", "value", "word", "unit", "name", "cut")))
+    kind = draw(
+        st.sampled_from(
+            ("scale", "scale", "scale", "quantity", "value", "word", "unit", "name", "cut")
+        )
+    )
     if kind == "scale" or match is None:
         return _scale_number(line, draw(positions), draw(factors))
     head, value = match.groups()
@@ -87,7 +100,11 @@ def _changed_line(draw: st.DrawFn, line: str) -> str:
         unit = draw(st.sampled_from(UNITS))
         return head + _QUANTITY.sub(lambda one: f'"{one[1]} {unit}"', value, count=1)
     if kind == "name":
-        return draw(st.sampled_from(("x", "inertia", "length", "name", "value", '""', "a.b.c"))) + " = " + value
+        return (
+            draw(st.sampled_from(("x", "inertia", "length", "name", "value", '""', "a.b.c")))
+            + " = "
+            + value
+        )
     return line[: _at(list(line), draw(positions))]
 
 
@@ -95,12 +112,20 @@ def _changed_line(draw: st.DrawFn, line: str) -> str:
 def changed_texts(draw: st.DrawFn, texts: tuple[str, ...]) -> str:
     """Draw one of some texts, and change it in one to four ways."""
     lines = draw(st.sampled_from(texts)).split("\n")
-    full = [number for number, line in enumerate(lines) if line.strip() and not line.lstrip().startswith("#")]
+    full = [
+        number
+        for number, line in enumerate(lines)
+        if line.strip() and not line.lstrip().startswith("#")
+    ]
     for _ in range(draw(st.integers(1, 4))):
         place = full[_at(full, draw(positions))]
         if place >= len(lines):
             continue
-        kind = draw(st.sampled_from(("line", "line", "line", "line", "delete", "twice", "swap", "insert", "block")))
+        kind = draw(
+            st.sampled_from(
+                ("line", "line", "line", "line", "delete", "twice", "swap", "insert", "block")
+            )
+        )
         if kind == "line":
             lines[place] = draw(_changed_line(lines[place]))
         elif kind == "delete":
@@ -134,14 +159,22 @@ def as_bytes(draw: st.DrawFn, texts: st.SearchStrategy[str]) -> bytes:
         return draw(st.binary(max_size=300))
     if kind in (4, 5):
         place = int(draw(positions) * (len(content) + 1))
-        return content[:place] + draw(st.binary(min_size=1, max_size=4)) + content[place + draw(st.integers(0, 3)) :]
+        return (
+            content[:place]
+            + draw(st.binary(min_size=1, max_size=4))
+            + content[place + draw(st.integers(0, 3)) :]
+        )
     if kind == 6:
         return content[: int(draw(positions) * len(content))]
     if kind == 7:
         return content * draw(st.integers(2, 3))
     if kind == 8:
         place = int(draw(positions) * (len(content) + 1))
-        return content[:place] + draw(st.sampled_from(ENDS)).encode() * draw(st.sampled_from((1, 3, 5000))) + content[place:]
+        return (
+            content[:place]
+            + draw(st.sampled_from(ENDS)).encode() * draw(st.sampled_from((1, 3, 5000)))
+            + content[place:]
+        )
     return content
 
 
@@ -149,13 +182,16 @@ def as_bytes(draw: st.DrawFn, texts: st.SearchStrategy[str]) -> bytes:
 def texts_of(*patterns: str) -> tuple[str, ...]:
     """Read the files of the project of some patterns."""
     return tuple(
-        path.read_text(encoding="utf-8") for pattern in patterns for path in sorted(ROOT.glob(pattern))
+        path.read_text(encoding="utf-8")
+        for pattern in patterns
+        for path in sorted(ROOT.glob(pattern))
     )
 
 
 # What may stand in the place of a value of JSON.
 JSON_VALUES: tuple[Any, ...] = (
-    None, True, 0, -1, 1.5, 1e308, -1e-300, 10**30, float("nan"), float("inf"), "", "x", "170 mm", "1e999 mm", "\x00",
+    None, True, 0, -1, 1.5, 1e308, -1e-300, 10**30, float("nan"), float("inf"), "", "x", "170 mm",
+    "1e999 mm", "\x00",
     [], {}, [1.0, "a"], [[[]]], {"value": 1}, [0.0] * 3, [1e300] * 20, "a" * 500,
 )  # fmt: skip
 

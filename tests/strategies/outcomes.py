@@ -22,8 +22,8 @@ REFUSALS = (InputError, MeshError, MissingLibraryError, RenderError, SolveError,
 REFUSED, ACCEPTED = "refused", "accepted"
 TRACEBACK, NOT_FINITE, HANG = "traceback", "not finite", "hang"
 DEFECTS = (TRACEBACK, NOT_FINITE, HANG)
-# Seconds after which an input hangs, on a machine that is busy with other work.
-PATIENCE = 20.0
+# Seconds of processor time after which an input hangs, and of waiting on a machine that is busy.
+PATIENCE, WAITING = 10.0, 300.0
 DEEPEST = 6
 # A message is one sentence on each line, and shows nothing of how the program is made.
 _SENTENCE = re.compile(r"\S.*[.?!)]", re.DOTALL)
@@ -48,22 +48,30 @@ class HangError(BaseException):
 
 
 @contextlib.contextmanager
-def patience(seconds: float = PATIENCE) -> Iterator[None]:
-    """Raise HangError where this takes longer."""
+def patience() -> Iterator[None]:
+    """Raise HangError where this takes too long."""
 
     def end(*_: object) -> None:
         raise HangError
 
-    before = signal.signal(signal.SIGALRM, end)
-    signal.setitimer(signal.ITIMER_REAL, seconds)
+    clocks = (
+        (signal.SIGPROF, signal.ITIMER_PROF, PATIENCE),
+        (signal.SIGALRM, signal.ITIMER_REAL, WAITING),
+    )
+    before = [signal.signal(number, end) for number, _, _ in clocks]
+    for _, clock, seconds in clocks:
+        signal.setitimer(clock, seconds)
     try:
         yield
     finally:
-        signal.setitimer(signal.ITIMER_REAL, 0.0)
-        signal.signal(signal.SIGALRM, before)
+        for (number, clock, _), handler in zip(clocks, before, strict=True):
+            signal.setitimer(clock, 0.0)
+            signal.signal(number, handler)
 
 
-def outcome_of(call: Callable[[], Any], allowed: Callable[[str], bool] = lambda _: False) -> Outcome:
+def outcome_of(
+    call: Callable[[], Any], allowed: Callable[[str], bool] = lambda _: False
+) -> Outcome:
     """Make a call, and tell what came of it.
 
     Parameters
@@ -85,7 +93,11 @@ def outcome_of(call: Callable[[], Any], allowed: Callable[[str], bool] = lambda 
         return Outcome(HANG, "took too long")
     except (Exception, SystemExit) as error:
         return Outcome(TRACEBACK, where_raised(error))
-    return Outcome(NOT_FINITE, f"{type(result).__name__}: {', '.join(found[:4])}") if found else Outcome(ACCEPTED)
+    return (
+        Outcome(NOT_FINITE, f"{type(result).__name__}: {', '.join(found[:4])}")
+        if found
+        else Outcome(ACCEPTED)
+    )
 
 
 def bad_sentence(message: str) -> str:
@@ -99,7 +111,11 @@ def bad_sentence(message: str) -> str:
 def where_raised(error: BaseException) -> str:
     """Say which error it is and where it was raised, the last place within the project."""
     frames = traceback.extract_tb(error.__traceback__)
-    own = [one for one in frames if "site-packages" not in one.filename and "/lib/python" not in one.filename]
+    own = [
+        one
+        for one in frames
+        if "site-packages" not in one.filename and "/lib/python" not in one.filename
+    ]
     at = " < ".join(f"{'/'.join(one.filename.split('/')[-2:])}:{one.lineno}" for one in own[:-5:-1])
     return f"{type(error).__name__}: {' '.join(str(error).split())[:120]} at {at}"
 

@@ -1,4 +1,4 @@
-"""All that reads what people write: for each parser what it is given, and what reads it and calculates with it."""
+"""All that reads what people write: for each parser its inputs, and what reads and calculates with them."""
 
 import json
 import shutil
@@ -76,14 +76,21 @@ file = "designs.csv"
 """,
     )
 )
-DESIGNS = ("web_width [mm],web_thickness\n285,68 mm\n300,70 mm\n270,60 mm\n", "pin_length;fillet_radius\n139 mm;12 mm\n130 mm;9 mm\n")
+DESIGNS = (
+    "web_width [mm],web_thickness\n285,68 mm\n300,70 mm\n270,60 mm\n",
+    "pin_length;fillet_radius\n139 mm;12 mm\n130 mm;9 mm\n",
+)
 RESULTS = (
-    "web_width [mm],pin_length [mm],axial_compliance_pinned [nm/N],role,source\n301.5,139,1.42,measured,bench\n285,139,1.5,,x\n",
+    "web_width [mm],pin_length [mm],axial_compliance_pinned [nm/N],role,source\n"
+    "301.5,139,1.42,measured,bench\n285,139,1.5,,x\n",
 )
 PRESSURES = (
     "# an example\ncrank_angle_deg,absolute_pressure_bar\n"
-    + "".join(f"{10 * n},{1.0 + 80.0 * max(0.0, 1.0 - abs(n - 1) / 12):.3f}\n" for n in range(-36, 37)),
-    "crank_angle_deg,gauge_pressure_MPa\n" + "".join(f"{10 * n},{0.05 + 6.0 * max(0.0, 1.0 - abs(n - 1) / 12):.3f}\n" for n in range(36)),
+    + "".join(
+        f"{10 * n},{1.0 + 80.0 * max(0.0, 1.0 - abs(n - 1) / 12):.3f}\n" for n in range(-36, 37)
+    ),
+    "crank_angle_deg,gauge_pressure_MPa\n"
+    + "".join(f"{10 * n},{0.05 + 6.0 * max(0.0, 1.0 - abs(n - 1) / 12):.3f}\n" for n in range(36)),
 )
 CHAIN_TEXTS = (
     """torsional: two disks
@@ -97,8 +104,17 @@ machine  3 kg m^2
 """,
     "axial\na  60 kg\n  1e9 N/m\nb  70 kg  ground 5e8 N/m\n  dashpot 100 N s/m\nc  8 kg\n",
 )
-RELATIONS = ("ratio * pin_diameter", "0.5 * web_thickness + 80 mm", "2 mm ** 2 / (web_width - 3 mm)", "ratio ^ -2 * 410 mm")
-CONSTRAINTS = ("web_thickness < 0.6 * pin_diameter", "1 mm <= web_width - web_thickness <= 2 m", "0.2 <= web_thickness / pin_diameter")
+RELATIONS = (
+    "ratio * pin_diameter",
+    "0.5 * web_thickness + 80 mm",
+    "2 mm ** 2 / (web_width - 3 mm)",
+    "ratio ^ -2 * 410 mm",
+)
+CONSTRAINTS = (
+    "web_thickness < 0.6 * pin_diameter",
+    "1 mm <= web_width - web_thickness <= 2 m",
+    "0.2 <= web_thickness / pin_diameter",
+)
 UNIT_OF = {"web_width": "m", "web_thickness": "m", "pin_diameter": "m", "ratio": ""}
 
 
@@ -173,7 +189,10 @@ def _looked_up(path: Path) -> Any:
     model = cf.ComplianceModel.load(path)
     inside = {name: (low + high) / 2.0 for name, (low, high) in model.family.ranges.items()}
     inside |= {name: labels[0] for name, labels in model.family.categories.items()}
-    return [model.lookup(name, gamma_deg=120.0 if "neighbors" in name else None, **inside) for name in model.responses]
+    return [
+        model.lookup(name, gamma_deg=120.0 if "neighbors" in name else None, **inside)
+        for name in model.responses
+    ]
 
 
 @st.composite
@@ -213,12 +232,21 @@ def _csv(texts: tuple[str, ...]) -> st.SearchStrategy[bytes]:
     return as_bytes(changed_texts(texts))
 
 
-ENGINES = ("data/engines/*.toml", "tests/data/unequal-three.toml", "tests/data/engines/[58]*.toml", "tests/data/engines/v*.toml")
+ENGINES = (
+    "data/engines/*.toml",
+    "tests/data/unequal-three.toml",
+    "tests/data/engines/[58]*.toml",
+    "tests/data/engines/v*.toml",
+)
 CHAINS = ("data/chains/*.toml", "tests/data/engines/line-*.toml")
 QUANTITIES = st.one_of(
-    st.tuples(st.sampled_from(NUMBERS), st.sampled_from((" ", "", "\t")), st.sampled_from(UNITS)).map("".join),
+    st.tuples(
+        st.sampled_from(NUMBERS), st.sampled_from((" ", "", "\t")), st.sampled_from(UNITS)
+    ).map("".join),
     st.text(max_size=20),
-    st.from_regex(r"[-+]?[0-9.]{1,6}(e[0-9-]{1,4})? ?[a-zµ]{1,3}([*/ ^][a-z0-9-]{1,3}){0,3}", fullmatch=True),
+    st.from_regex(
+        r"[-+]?[0-9.]{1,6}(e[0-9-]{1,4})? ?[a-zµ]{1,3}([*/ ^][a-z0-9-]{1,3}){0,3}", fullmatch=True
+    ),
 )
 
 
@@ -250,11 +278,15 @@ def parsers() -> dict[str, Parser]:
         "model file": Parser(as_bytes(model_files()), _looked_up, "model.json"),
         "pressure table": Parser(_csv(PRESSURES), read_pressure_table, "mine.csv"),
         "torque table": Parser(
-            _csv(texts_of("data/tables/yamz5340_torque*.csv")), lambda path: read_torque_table(path).harmonics(), "mine.csv"
+            _csv(texts_of("data/tables/yamz5340_torque*.csv")),
+            lambda path: read_torque_table(path).harmonics(),
+            "mine.csv",
         ),
         "design table": Parser(_csv(DESIGNS), _designs, "designs.csv"),
         "results table": Parser(_csv(RESULTS), _results, "mine.csv"),
-        "quantity": Parser(QUANTITIES.map(lambda text: text.encode("utf-8", "replace")), _file(_quantity)),
+        "quantity": Parser(
+            QUANTITIES.map(lambda text: text.encode("utf-8", "replace")), _file(_quantity)
+        ),
         "relation": Parser(_csv(RELATIONS), _file(_relation)),
         "constraint": Parser(_csv(CONSTRAINTS), _file(_constraint)),
         "forces of a mechanism": Parser(_toml(*ENGINES), _mechanism, share=0.1),
