@@ -96,6 +96,8 @@ class SectionMotions:
 
     def turn(self, angle: float) -> Array:
         """Matrix (b, b) of amplitudes beyond the rigid motions as the section turns by an angle [rad]."""
+        if not self.bending:
+            return np.zeros((0, 0))
         places, weights = self._ring()
         cosine, sine = np.cos(angle), np.sin(angle)
         turned = np.array([[cosine, -sine, 0.0], [sine, cosine, 0.0], [0.0, 0.0, 1.0]])

@@ -63,7 +63,9 @@ def vee_engines(draw):
         slave_pin=SlavePin(1, 0.06, angle_deg=math.degrees(vee + 0.2 * draw(share))),
     )
     firing = np.degrees(tops(main, hinged))
-    assume(not 1.0 <= np.ptp(firing) < 13.0)  # two such angles may be meant as radians, and are refused
+    assume(
+        not 1.0 <= np.ptp(firing) < 13.0
+    )  # two such angles may be meant as radians, and are refused
     return EngineLayout(0.07, [main, hinged], [1, 2], firing_angles_deg=firing)
 
 
