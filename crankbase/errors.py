@@ -1,4 +1,4 @@
-"""The errors that a user of crankfem meets: a clear sentence for each thing that is wrong."""
+"""Errors for users: one clear sentence for each wrong input."""
 
 import re
 from collections.abc import Iterable, Iterator
