@@ -60,8 +60,9 @@ def main() -> int:
         memory = solving_memory(throw, unknowns, stresses=stresses) / taken
         mesh = 1.0 if stresses else predicted_unknowns(throw, accuracy) / unknowns
         good &= said(
-            f"{task}, throw {name} ({throw.symmetry}), {accuracy:g}: {unknowns:,} unknowns, {taken / 1e6:.0f} MB; "
-            f"predicted: unknowns {100.0 * (mesh - 1.0):+.0f} %, memory {100.0 * (memory - 1.0):+.0f} %",
+            f"{task}, throw {name} ({throw.symmetry}), {accuracy:g}: {unknowns:,} unknowns, "
+            f"{taken / 1e6:.0f} MB; predicted: unknowns {100.0 * (mesh - 1.0):+.0f} %, "
+            f"memory {100.0 * (memory - 1.0):+.0f} %",
             good=abs(memory - 1.0) < ALLOWED and abs(mesh - 1.0) < ALLOWED,
         )
     return 0 if good else 1

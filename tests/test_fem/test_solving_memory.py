@@ -1,4 +1,4 @@
-"""Memory is predicted before meshing: refusals that mesh nothing; figures in tests/campaigns/predicted_memory.py."""
+"""Memory is predicted before meshing: refusals mesh nothing; figures: tests/campaigns/predicted_memory.py."""
 
 import pytest
 
