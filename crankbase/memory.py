@@ -43,7 +43,7 @@ def check_memory(needed: float, given: str, advice: str) -> None:
     needed : float
         Predicted [byte].
     given : str
-        What was asked for, such as "accuracy: given 0.001".
+        What was asked for, such as "accuracy: given 0.001, whose mesh takes".
     advice : str
         What to change, after "so".
 
@@ -56,6 +56,6 @@ def check_memory(needed: float, given: str, advice: str) -> None:
     free = free_memory()
     if needed > free:
         raise NotEnoughMemoryError(
-            f"{given}, which needs about {needed / GIGABYTE:.2g} GB of memory; allowed is what fits into the "
+            f"{given} about {needed / GIGABYTE:.2g} GB of memory; allowed is what fits into the "
             f"{free / GIGABYTE:.2g} GB that are free, so {advice}."
         )

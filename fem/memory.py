@@ -45,8 +45,9 @@ def check_solving_memory(
     ------
     NotEnoughMemoryError
     """
+    rounded = float(f"{unknowns:.2g}")
     check_memory(
         solving_memory(throw, unknowns, stresses=stresses) - LIBRARIES,  # which are loaded by now
-        f"accuracy: given {accuracy:g}, for which the next mesh has about {unknowns:,.0f} unknowns",
+        f"accuracy: given {accuracy:g}, whose next mesh of about {rounded:,.0f} unknowns takes",
         "ask for a larger accuracy, or free memory",
     )

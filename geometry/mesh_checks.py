@@ -62,7 +62,7 @@ def check_budget(expected: int, size_factor: float) -> None:
     """
     check_memory(
         MESHING_MEMORY * expected,
-        f"size_factor: given {size_factor:.3g}, which makes about {expected:,} unknowns",
+        f"size_factor: given {size_factor:.3g}, whose mesh of about {expected:,} unknowns takes",
         "ask for a larger one",
     )
     if expected > MOST_UNKNOWNS:

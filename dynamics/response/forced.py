@@ -222,7 +222,8 @@ def forced_response(
     shape = excitation.forces.shape[:2]
     check_memory(
         COPIES * 16.0 * math.prod(shape) * (nodes + len(system.mass)),
-        f"excitation: given {shape[0]} orders at {shape[1]} speeds on {nodes} nodes",
+        f"excitation: given {shape[0]} orders at {shape[1]} speeds on {nodes} nodes, whose "
+        "amplitudes take",
         "ask for fewer orders or speeds",
     )
     # Mostly the unknowns are the nodes, and multiplying with ones and zeros would take its time.

@@ -43,11 +43,11 @@ def check_study_memory(designs: Sequence[Mapping[str, Any]], workers: int) -> No
     """
     if not designs:
         return
-    workers = min(workers, len(designs))
+    working = min(workers, len(designs))
     each = worker_memory(designs)
     fit = int(free_memory() // each)
     check_memory(
-        workers * each,
-        f"workers: given {workers} of about {each / GIGABYTE:.2g} GB each",
+        working * each,
+        f"workers: given {workers}, of which {working} take about {each / GIGABYTE:.2g} GB each, together",
         f"ask for at most {fit}" if fit else "ask for a coarser accuracy, or free memory",
     )

@@ -42,11 +42,11 @@ def test_a_containers_limit_less_what_is_used_but_for_the_cache(group, limit, us
 
 def test_what_does_not_fit_is_refused_with_both_figures(monkeypatch):
     monkeypatch.setattr(memory, "free_memory", lambda: 2.4e9)
-    check_memory(2.3e9, "accuracy: given 0.001", "ask for a larger one")
+    check_memory(2.3e9, "accuracy: given 0.001, whose mesh takes", "ask for a larger one")
     with pytest.raises(NotEnoughMemoryError) as refused:
-        check_memory(5.1e9, "accuracy: given 0.001", "ask for a larger one")
+        check_memory(5.1e9, "accuracy: given 0.001, whose mesh takes", "ask for a larger one")
     assert isinstance(refused.value, InputError)
     assert str(refused.value) == (
-        "accuracy: given 0.001, which needs about 5.1 GB of memory; allowed is what fits into the 2.4 GB "
-        "that are free, so ask for a larger one."
+        "accuracy: given 0.001, whose mesh takes about 5.1 GB of memory; allowed is what fits into the 2.4 "
+        "GB that are free, so ask for a larger one."
     )

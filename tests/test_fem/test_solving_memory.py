@@ -20,7 +20,7 @@ def refuse_to_mesh(*_):
 
 
 def test_an_analysis_that_does_not_fit_is_refused_before_meshing(throw, little_memory):
-    wanted = r"^accuracy: given 0.01, for which the next mesh has about [\d,]+ unknowns, which needs about"
+    wanted = r"^accuracy: given 0.01, whose next mesh of about [\d,]+ unknowns takes about"
     with pytest.raises(NotEnoughMemoryError, match=wanted):
         analyze_throw(throw, accuracy=0.01, mesher=refuse_to_mesh)
 
@@ -35,6 +35,6 @@ def test_stresses_that_do_not_fit_are_refused(throw, mesh, little_memory):
 
     filleted = CrankThrow(**throw.model_dump() | {"fillet_radius": 0.012})
     with pytest.raises(
-        NotEnoughMemoryError, match=r"^accuracy: given 0.05, for which .* GB that are free"
+        NotEnoughMemoryError, match=r"^accuracy: given 0.05, whose .* GB that are free"
     ):
         fillet_stresses(filleted, accuracy=0.05, mesher=once)

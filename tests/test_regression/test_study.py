@@ -195,11 +195,12 @@ def test_workers_that_do_not_fit_into_the_memory_are_refused(tmp_path, monkeypat
     monkeypatch.setattr(memory, "free_memory", lambda: 0.6e9)
     monkeypatch.setattr(study_memory, "free_memory", lambda: 0.6e9)
     refused = (
-        r"^workers: given 3 of about 0\.2\d GB each, which needs about 0\.\d+ GB of memory; allowed is what "
-        r"fits into the 0\.6 GB that are free, so ask for at most 2\.$"
+        r"^workers: given 4, of which 3 take about 0\.2\d GB each, together about 0\.\d+ GB of memory; "
+        r"allowed is what fits into the 0\.6 GB that are free, so ask for at most 2\.$"
     )
+    plan = plan_of_levels(SHARP, {"web_width": (0.280, 0.300)}, held_out=1, accuracy=0.1)
     with pytest.raises(NotEnoughMemoryError, match=refused):
-        run_plan(SMALL, tmp_path / "runs.sqlite", workers=3)
+        run_plan(plan, tmp_path / "runs.sqlite", workers=4)
 
 
 def test_designs_lost_with_their_workers_are_tried_again_by_the_next_run(tmp_path, monkeypatch):
