@@ -318,7 +318,7 @@ def fit_plain(rows: list[dict[str, Any]], x: Array, y: Array, steps: int) -> dic
     ends = x.min(axis=0), x.max(axis=0)
     first = fit("plain", x[~held], y[~held], steps, ends=ends)
     some = Networks(**first, bands=np.zeros((len(OUTPUTS), 2)), poisson=np.zeros((len(OUTPUTS), 2)))
-    errors = y[held] - np.log(some.answers(x[held].T)).T
+    errors = y[held] - np.log(some.evaluate(x[held].T)[0]).T
     made = fit("plain", x, y, steps, ends=ends)
     made["bands"] = bands(some.scaled(x[held].T).T, errors, np.zeros(len(OUTPUTS)))
     return made

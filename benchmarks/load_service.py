@@ -29,7 +29,8 @@ app = FastAPI()
 @app.get("/")
 async def nothing():
     return None
-uvicorn.run(app, port=int(sys.argv[1]), log_level="error", access_log=False)
+uvicorn.run(app, port=int(sys.argv[1]), log_level="error", access_log=False, ws="none",
+            proxy_headers=False, server_header=False, limit_concurrency=500)
 """
 EMPTY_PORT = 8799
 

@@ -1,6 +1,6 @@
 """Processor time to build and mesh a throw in the mesher's process: quarter, half and full model.
 
-Run by hand: ``python benchmarks/meshing.py``; its figures stand in docs/throws.md. At size factor 1
+Run by hand: ``python benchmarks/meshing.py``; its figures are in docs/throws.md. At size factor 1
 the axial compliance of this throw is about 1 % below the converged value. The second mesh of a throw
 takes the solid that the process has kept of the first.
 """

@@ -51,10 +51,13 @@ class Limits:
         Until the next remark or the answer.
     memory : float or None
         Resident memory of the process [byte], its libraries included; None for no limit.
+    tree : bool
+        Whether the memory of all processes that it has started counts too.
     """
 
     seconds: float
     memory: float | None = None
+    tree: bool = False
 
 
 class ProcessLostError(Exception):
@@ -129,11 +132,7 @@ class CallProcess:
             self.lose(f"took longer than the limit of {limits.seconds:g} s")
         if limits.memory is None:
             return
-        import psutil
-
-        with contextlib.suppress(psutil.Error):  # gone: its closed output says so
-            memory = psutil.Process(self._process.pid).memory_info().rss
-            self._peak = max(self._peak, float(memory))
+        self._peak = max(self._peak, _memory(self._process.pid, limits.tree))
         if self._peak > limits.memory:
             self.lose(
                 f"took {self._peak / GIGABYTE:.2f} GB of memory, more than the limit of "
@@ -189,6 +188,19 @@ class CallProcess:
         seconds = self.seconds
         self.end()
         raise ProcessLostError(reason, seconds)
+
+
+def _memory(number: int, tree: bool) -> float:
+    """Resident memory of a process, perhaps with its descendants [byte]; of those that are gone, none."""
+    import psutil
+
+    total = 0.0
+    with contextlib.suppress(psutil.Error):  # gone: its closed output says so
+        process = psutil.Process(number)
+        for one in [process, *(process.children(recursive=True) if tree else ())]:
+            with contextlib.suppress(psutil.Error):
+                total += one.memory_info().rss
+    return total
 
 
 def _ending(code: int) -> str:

@@ -122,14 +122,16 @@ class InputModel(BaseModel, metaclass=_ShowsFields):
     def __init__(self, **values: Any) -> None:
         """Take and check the values of the fields, by name, in SI units."""
         for name, value in values.items():
+            if not isinstance(value, str | bool):
+                continue
             info = type(self).model_fields.get(name)
             unit = None if info is None else field_extra(info, "unit")
-            if unit is not None and isinstance(value, str | bool):
+            if unit is not None:
                 prefix = f"{self.section}." if self.section else ""
                 what = "a number in deg, as the field's name says"
                 if not name.endswith("_deg"):
                     kind = f"in {unit}" if unit else "without a unit"
-                    what = f"a number {kind}, for in Python quantities are SI numbers"
+                    what = f"a number {kind}, because in Python quantities are SI numbers"
                 raise InputError(f"{prefix}{name}: given {quoted(value)}; allowed is {what}.")
         try:
             super().__init__(**values)

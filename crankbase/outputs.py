@@ -160,9 +160,7 @@ def _replacement_refusal(
     if path.stat().st_size == 0:
         return None
     if recognized is not None and not run:
-        return (
-            None if recognized(path) else f"it is no {kind} that crankfem made and nobody changed"
-        )
+        return None if recognized(path) else f"it is not an unchanged {kind} made by crankfem"
     entry = _read_list(path.parent).get(path.name)
     if entry is None or (run and not entry["run"]):
         return "no run of crankfem has made it" if run else "crankfem has not made it"

@@ -9,9 +9,9 @@ from crankfem.files.engine.field_tables import section_tables
 
 INTRODUCTION = """# Engine files
 
-An engine file is TOML. A quantity is text with its unit; what stands in the table is one of many units
-that are understood ("254 mm", "0.254 m" and "10 in" are the same). A speed of "500 1/min" means
-revolutions. A value can stand alone or in a table with its source:
+This page lists every field of an engine file. The file is TOML. A quantity is text with any unit of its
+kind ("254 mm" and "10 in" are the same; "500 1/min" means revolutions), alone or in a table with its
+source:
 
 ```toml
 crank_radius = "170 mm"
@@ -19,19 +19,19 @@ pin_diameter = { value = "180 mm", source = "drawing 12.3" }
 fillet_radius = { value = "12 mm", assumed = "usual for this size" }
 ```
 
-`assumed` marks values that nobody gave; the report lists them. Short names of sources are explained in
-the section `[sources]`: `name = "full citation"`. Unknown sections and fields are refused.
+The report lists `assumed` values. `[sources]` explains short names of sources: `name = "full citation"`.
+Unknown sections and fields are refused. `crankfem new MY.toml --from 6chn25-34` copies a complete file;
+`crankfem fields throw` prints a section of this page.
 
-What a file describes follows from its sections:
-
-| sections | it serves |
+| sections | serve |
 |---|---|
 | `[throw]`, or several `[throws.NAME]` | `throw`, `stress`, `formulas`, `draw`, `export` |
 | and `[engine]`, `[rod]`, `[piston]`, usually `[gas]` | also `mechanism`, `harmonics` |
 | and `[flywheel]`, `[thrust_bearing]` | also `run`, `vibration` |
+| `[throw]` and `[study]` | `doe`, `fit` (`throw = "NAME"` selects one of several; default the one at the free end) |
 
-V engines say `bank_angles`, cylinder by cylinder, counted as `crank_angles` are. Here a V6 of 90 deg on three
-throws whose pins are split by 30 deg, so that it fires evenly (`data/engines/buick-3800.toml`):
+V engines give `bank_angles`, counted as `crank_angles` are. Here a V6 of 90 deg with pins split by 30 deg
+(`data/engines/buick-3800.toml`):
 
 ```toml
 [engine]
@@ -50,38 +50,10 @@ web_thickness = "0 mm"               # the halves of the pin touch
 throw_angles = ["0 deg", "240 deg", "120 deg"]
 ```
 
-Shafts whose throws are unequal, in counterweights or lengths, have several throws by name in place of
-`[throw]`, and say for each crank which one it is:
-
-```toml
-[throws.plain]
-crank_radius = "64 mm"
-# ... all of a throw
-
-[throws.heavy]
-like = "plain"                       # and what differs:
-[throws.heavy.counterweight]
-outer_radius = "95 mm"
-angle = "120 deg"
-
-[shaft]
-throws = ["heavy", "plain", "plain", "heavy"]
-```
-
-Each distinct throw is analyzed once; chains, balance, bearings and the whole crankshaft take each crank's
-own. [throws.md](throws.md#unequal-throws-in-a-shaft) shows such a shaft.
-
-Rods hinged to other rods are in the section `[hinged_rods]` (`data/engines/8chn26-26.toml`). Which way the
-shaft turns follows from the firing order.
-
-Files of a study need only `[throw]` and `[study]` (of several throws `throw = "NAME"` in `[study]` says
-which one varies; it is the one at the free end by default). `crankfem new MY.toml --from 6chn25-34` copies a
-complete file to start from; `crankfem fields throw` prints a section of this page. What the dimensions of
-a throw mean is shown in [throws.md](throws.md).
+`[hinged_rods]` describes rods hinged to other rods (`data/engines/8chn26-26.toml`). The firing order gives
+the sense of rotation. [Unequal throws](throws.md#unequal-throws-in-a-shaft) have names.
 
 ## Changed in Python
-
-A file is read once; what is tried with it stands in Python:
 
 ```python
 import crankfem as cf
@@ -93,16 +65,14 @@ damped = engine.changed(torsional_damper=damper)
 throw = engine.throw.changed(pin_fillet_radius=0.010)
 ```
 
-Each section takes its changed fields in SI units, a whole section, or None to be left out (throws by name
-are changed so: `throws={"heavy": {"web_thickness": 0.03}}`); everything is
-checked as a file is, and `cf.engine_vibration(damped)` calculates the engine as changed. The records of a
-file (throws, webs, materials, sections) have the same method. `cf.engines.mechanism_of(engine)` is the
-mechanism of an engine as it is, for `cf.run_mechanism`.
+Each section takes its changed fields in SI units, a whole section, or None to be left out; named throws as
+`throws={"heavy": {"web_thickness": 0.03}}`. Changes are checked as a file is. `cf.engine_vibration(damped)`
+calculates the changed engine; `cf.engines.mechanism_of(engine)` is its mechanism, for `cf.run_mechanism`.
 """
 
 STUDY = """
-`[study.factors]` says what varies, `[study.relations]` what follows from it; [studies.md](studies.md)
-explains all of it, the designs and their own fields (`resolution`, `generators`, `face`, `file`):
+`[study.factors]` gives what varies, `[study.relations]` what follows from it ([studies.md](studies.md);
+designs have their own fields `resolution`, `generators`, `face`, `file`):
 
 ```toml
 [study.factors]

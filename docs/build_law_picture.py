@@ -1,4 +1,4 @@
-"""Draw docs/law_formulas.svg: published formulas, the formula by hand and the law beside finite elements.
+"""Draw docs/law_formulas.svg: published formulas, the formula by hand and the law over finite elements.
 
 The throws are those of the sample plain-test in data/tables/law_throws.csv.gz, which the law has not seen.
 """
@@ -40,7 +40,7 @@ def ratios_to_fe() -> dict[str, list[float]]:
 
 
 def main() -> None:
-    """Draw the picture and print the table of docs/law.md."""
+    """Draw the picture and print each formula's ratios, of which docs/law.md quotes some."""
     found = ratios_to_fe()
     with replacing_files(), figure(HERE / "law_formulas.svg") as axes:
         for place, (name, values) in enumerate(reversed(found.items())):

@@ -1,4 +1,4 @@
-"""Draw docs/developers/map.svg, the map of the house, from the code: takes a second.
+"""Draw docs/developers/map.svg, the code overview, from the code: takes a second.
 
 Packages and their layers are those of pyproject.toml's import contracts, arrows are what the packages
 import, and the lines are the first sentences of the modules. A test compares.
@@ -61,7 +61,7 @@ Layers = tuple[tuple[str, ...], ...]
 
 
 def contracts() -> dict[str, Layers]:
-    """Return the layers of the house ("") and of the packages that have some, the highest first."""
+    """Return the layers between packages ("") and of the packages that have some, the highest first."""
     text = (ROOT / "pyproject.toml").read_text(encoding="utf-8")
     found: dict[str, Layers] = {}
     for contract in tomllib.loads(text)["tool"]["importlinter"]["contracts"]:

@@ -31,6 +31,7 @@ PICTURES = {
         "torque-to-resonance-stress.svg": "torque-to-resonance-stress.svg",
     },
     "v-engine": {"v8-crankpin.svg": "v-engine-crankpin.svg"},
+    "slow-speed-plant": {"slow-speed-plant-stress.svg": "slow-speed-plant-stress.svg"},
     "hinge": {"hinge-guide.svg": "hinge-guide.svg"},
 }
 BLOCK = re.compile(

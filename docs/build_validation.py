@@ -1,4 +1,4 @@
-"""Write docs/validation.md from docs/validation-figures.json and from what the tests say of themselves.
+"""Write docs/validation*.md from docs/validation-figures.json and the docstrings of tests/validation.
 
 Figures: ``pytest tests/validation -m "" --figures docs/validation-figures.json`` (files can be run one by
 one, the figures of the others stay). Then ``python docs/build_validation.py``; a test compares.
@@ -17,42 +17,110 @@ TESTS = HERE.parent / "tests" / "validation"
 FIGURES = HERE / "validation-figures.json"
 FEWEST_DIGITS, MOST_DIGITS = 3, 8
 NO_BREAK = "\N{NO-BREAK SPACE}"
-# What stands behind a percentage, by the kind of the deviation.
+# Mark of a percentage, by the kind of the deviation.
 PERCENT_OF = {"relative": "", "scaled": NO_BREAK + r"\*"}
 
 INTRODUCTION = """# Validation
 
-Does crankfem compute what it says? Each case on this page compares it with something that is not crankfem: a
-closed form, another program, a figure in print, or a model that leaves out less. Nothing here is copied by
-hand. Each figure is recorded by the test that checks it, at the place where it checks it, and this page is
-made from these records. A test that finds a figure further off than allowed fails.
+Check crankfem's results against independent ones: other programs, published figures, finer models and closed
+forms. The table has one line for each case, with one principal figure. The case links to all its figures,
+sources and tolerances.
 
-How to read the tables: *off by* is the deviation of what was found from the reference, and *allowed* is the
-tolerance of the test. In percent both are relative to the reference (% \\* to the largest of its kind, or to
-the load), otherwise they are differences. Where a figure stands for many numbers the one is shown that is
-furthest off. A tolerance is never widened to pass; each has its reason, told with the case.
+| independent source | compared results |
+| --- | --- |
+| CalculiX 2.20 | compliances, reactions and natural frequencies of throws and shafts |
+| openTorsion, Mendes et al. 2008 | torque in the crankshaft of a diesel |
+| Modelica Standard Library 4.0.0 | a freely turning V6 |
+| statsmodels, NIST | regression |
+| scipy's DOP853 | vibration over time |
+| Yamanin, Zhukov, Baryshnikov 2018; Yamanin, Zhukov 2021 | rod models; axial compliances, regression |
+| Makushev, Polyakova 2024; Mikhina, Vyalkov 2024 | torque harmonics; balance with hinged rods |
+| Zotov, Imaeva 2024 | elastic hinge |
+| Friswell et al., Wartsila, MAN B&W | frequencies, critical speeds, power |
+| Korean Register 2025, IACS UR M53 and M68 | class rules |
 
-Some references are earlier results of crankfem itself, kept so that a change shows (golden numbers, what end
-sections cost); they prove nothing else, and their case says so.
+Not covered: an amplitude measured on a running engine. The published measurements used here do not print the
+cylinder pressure. A few references are earlier results of crankfem itself, kept to show changes; their case
+states it. See [accuracy.md](accuracy.md) for the estimate of the discretization error and
+[benchmarks.md](benchmarks.md) for times.
+"""
 
-What is missing: an amplitude measured on a running engine. The publication used here that has some (the MWM
-diesel) does not print the cylinder pressure behind them, so that only frequencies, shapes and the equations
-themselves can be compared. How the discretization error is estimated, and how true the estimate is, stands in
-[accuracy.md](accuracy.md); times are in [benchmarks.md](benchmarks.md).
+READING = """## How the tables are made
 
-To run it again (some five minutes on two cores; without CalculiX its cases are left out):
+Each test asserts and records its figures at once; `docs/build_validation.py` writes these pages from the
+records. *Theirs* is the reference, *ours* the result of crankfem. The difference is in percent of the
+reference (% \\*: of the largest value of its kind, or of the load), or in the unit. A figure that covers many
+numbers shows the one with the largest difference. *Allowed* is the tolerance of the test; the case gives its
+reason.
 
 ```sh
-apt-get install calculix-ccx
-pytest tests/validation -m "" --figures docs/validation-figures.json
+apt-get install calculix-ccx      # optional: without it its cases are skipped
+pytest tests/validation -m "" --figures docs/validation-figures.json    # five minutes on two cores
 python docs/build_validation.py
 ```
 """
 
+# The principal figure of each case, shown in the first table; of a case not listed, the tightest one.
+PRINCIPAL = {
+    "test_calculix": "axial compliance, pinned",
+    "test_throw_reference_values": "fillets: e_n pinned",
+    "test_v6_turning": "Modelica: speed",
+    "test_mwm_forced": "amplitudes of torques",
+    "test_mwm_pressure": "half peak-to-peak torque at 2000 1/min",
+    "test_transient_mwm": "run-up by DOP853: torques",
+    "test_least_squares": "coefficients, of the largest",
+    "test_published_chains": "MWM: frequencies",
+    "test_direct_drive_plant": "critical speed of order 5",
+    "test_yamz5340": "first two harmonics",
+    "test_excitation_yamz": "orders 0.5 and 1",
+    "test_rod_models_paper": "static beside dynamic model, at the same angle",
+    "test_rod_models_figure": "figure 4a: largest difference at the same angle",
+    "test_articulated_v8": "second order, major axis by the masses alone",
+    "test_hinge_paper": "best pressure ratio for 1.95 times the force",
+    "test_published_table": "Dorey by Draminsky (1), as repaired",
+    "test_paper_study": "engine left out: axial compliance pinned",
+    "test_limit_rules": "intermediate shaft, kept speeds",
+    "test_crankshaft_strength": "solid crank with overlap, printed coefficients",
+    "test_shaft_against_3d": "free, flat: frequencies 1 to 5",
+    "test_excitation_axial": "first axial mode of the chain",
+    "test_end_sections": "rigid sections, in line: too stiff by",
+    "test_law": "error of e_n pinned, largest",
+    "test_section_seams": "sections 2, bending: seam",
+    "test_short_journals": "four throws, degree 2, frequencies 1 to 5",
+    "test_symmetry_parts": "axial compliance",
+    "test_element_factors": "overlap: alpha_B",
+    "test_straight_shaft": "rigid ends, two lengths: stretch",
+    "test_formula_limits": "Draminsky (1) beside the frame",
+    "test_stress_concentration": "shoulder fillet: factor in bending",
+    "test_oil_holes": "bar in bending",
+    "test_dynamic_shaft": "bar, torsional frequencies 1 to 3",
+    "test_chain_closed_forms": "equal masses, free: frequencies",
+    "test_damper_optimum": "viscous damper: least peak",
+    "test_damped_criticals": "critical speed",
+    "test_engines_of_our_own": "critical speed",
+    "test_elastic_bearings": "first torsional frequency",
+    "test_axial_force_over_cycle": "force on the thrust bearing",
+    "test_compliance_sources": "lowest frequency",
+    "test_bearing_range": "lowest first frequency",
+    "test_chain_difference": "rigid chain and causes",
+    "test_gas_cycle": "isentropic compression pressure",
+    "test_hinge_given": "hinge moment",
+    "test_known_balance": "four in line: force of order 2",
+    "test_named_throws": "natural frequencies",
+}
+
+# Page of each group's details, the most important group first.
+DETAILS = {
+    "Outside programs": "validation-programs.md",
+    "Published figures": "validation-published.md",
+    "Finer models": "validation-finer-models.md",
+    "Closed forms": "validation-closed-forms.md",
+}
+
 # Heading of the group: a sentence, and its files with what they are compared with.
 GROUPS: dict[str, tuple[str, dict[str, str]]] = {
     "Closed forms": (
-        "Mechanics that can be solved on paper, or in a few lines that share nothing with crankfem.",
+        "Closed forms, or a few lines of calculation that share no code with crankfem.",
         {
             "test_straight_shaft": "strength of materials, Timoshenko's beam",
             "test_frame_limit": "the frame of thin beams",
@@ -63,40 +131,38 @@ GROUPS: dict[str, tuple[str, dict[str, str]]] = {
             "test_dynamic_shaft": "bars in tension, torsion and bending",
             "test_chain_closed_forms": "chains of equal masses, the uniform rod",
             "test_damper_optimum": "Den Hartog's optima",
-            "test_damped_criticals": "matrices, solved speed by speed",
-            "test_engines_of_our_own": "matrices, solved speed by speed",
-            "test_elastic_bearings": "matrices put together by hand",
+            "test_damped_criticals": "matrices solved at each speed",
+            "test_engines_of_our_own": "matrices solved at each speed",
+            "test_elastic_bearings": "matrices assembled by hand",
             "test_misfiring": "chains solved cylinder by cylinder",
-            "test_assumptions": "a class rule turned round by hand",
-            "test_hinge_given": "slider-crank by hand, distances found by search",
+            "test_assumptions": "a class rule inverted by hand",
+            "test_hinge_given": "slider-crank by hand, distances by search",
             "test_compliance_sources": "eigenproblems scaled by hand, calculations at both ends",
-            "test_axial_force_over_cycle": "matrices put together by hand",
+            "test_axial_force_over_cycle": "matrices assembled by hand",
             "test_bearing_range": "the same engine in bearings of one stiffness each",
-            "test_chain_difference": "matrices put together by hand",
+            "test_chain_difference": "matrices assembled by hand",
             "test_first_modes": "two inertias on a spring",
             "test_gas_cycle": "ideal cycles of thermodynamics",
             "test_power_and_load": "integral over the volume; MAN B&W 6S50MC-C, 9480 kW",
             "test_known_balance": "series of the slider-crank, handbooks",
             "test_named_throws": "sums and matrices by hand",
-            "test_study_limits": "comparisons of the throws' own dimensions",
+            "test_study_limits": "comparisons of dimensions by hand",
         },
     ),
     "Outside programs": (
-        "The same problem, solved by others, or by a general integrator from equations written out in the "
-        "test.",
+        "The same problem, solved by other programs, or by a general integrator of equations in the test.",
         {
             "test_calculix": "CalculiX 2.20",
             "test_throw_reference_values": "independent finite elements, CalculiX 2.20",
             "test_v6_turning": "Modelica Standard Library 4.0.0",
-            "test_mwm_forced": "equations written out, DOP853",
+            "test_mwm_forced": "equations in the test, DOP853",
             "test_mwm_pressure": "Mendes et al. 2008, openTorsion",
             "test_transient_mwm": "DOP853, Duhamel's integral",
             "test_least_squares": "statsmodels, NIST's certified values",
         },
     ),
     "Published figures": (
-        "What papers, books and rules print, where it can be followed. Where the print contradicts itself "
-        "the case says so.",
+        "Figures of papers, books and rules that can be reproduced; the case states contradictions in print.",
         {
             "test_published_chains": "Mendes et al. 2008, Friswell et al.",
             "test_direct_drive_plant": "data of Wartsila",
@@ -112,18 +178,18 @@ GROUPS: dict[str, tuple[str, dict[str, str]]] = {
             "test_crankshaft_strength": "Korean Register 2025, IACS M53",
         },
     ),
-    "Models that leave out less": (
-        "What crankfem simplifies, beside the same thing not simplified.",
+    "Finer models": (
+        "Simplifications of crankfem, compared with models without them.",
         {
             "test_shaft_against_3d": "the whole solid in three dimensions",
             "test_excitation_axial": "the shaft of superelements",
             "test_end_sections": "the shaft without rigid sections",
-            "test_law": "finite elements of throws kept out",
-            "test_section_seams": "the same shaft, not cut",
+            "test_law": "finite elements of excluded throws",
+            "test_section_seams": "the uncut shaft",
             "test_short_journals": "the whole solid in three dimensions",
-            "test_symmetry_parts": "the throw meshed as a half and whole",
+            "test_symmetry_parts": "half and whole meshes",
             "test_element_factors": "the same throws on meshes twice as fine",
-            "test_reaction_lookups": "finite elements of every throw, in place of equations",
+            "test_reaction_lookups": "finite elements of each throw",
         },
     ),
 }
@@ -220,27 +286,33 @@ def _used(row: dict[str, Any]) -> float:
 
 
 def _table(entry: dict[str, Any]) -> Iterator[str]:
-    yield "| figure | found | reference | off by | allowed |\n| --- | --- | --- | --- | --- |"
+    yield "| figure | theirs | ours | difference | allowed |\n| --- | --- | --- | --- | --- |"
     for row, count in worst_rows(entry):
-        what = _escaped(row["what"])
-        unit = f" \\[{row['unit']}\\]" if row["unit"] else ""
         cases = f" (worst of {count:,})" if count > 1 else ""
-        yield f"| {what}{unit}{cases} | {' | '.join(shown(row))} |"
+        ours, theirs, off, allowed = shown(row)
+        yield f"| {_named(row)}{cases} | {theirs} | {ours} | {off} | {allowed} |"
+
+
+def _named(row: dict[str, Any]) -> str:
+    unit = f" \\[{row['unit']}\\]" if row["unit"] else ""
+    return f"{_escaped(row['what'])}{unit}"
+
+
+def principal(file: str, entry: dict[str, Any]) -> dict[str, Any]:
+    """Return the figure of a file that the first table shows: the one named, else the tightest."""
+    rows = [row for row, _ in worst_rows(entry)]
+    named = [row for row in rows if row["what"] == PRINCIPAL.get(file)]
+    return max(named or rows, key=_used)
 
 
 def _summary(figures: dict[str, Any]) -> Iterator[str]:
-    yield "| case | compared with | numbers | worst of them | off by | allowed |"
-    yield "| --- | --- | --- | --- | --- | --- |"
-    for _, files in GROUPS.values():
-        for file, peer in files.items():
-            rows = worst_rows(figures[file])
-            row = max((row for row, _ in rows), key=_used)
-            _, _, off, allowed = shown(row)
-            count = sum(count for _, count in rows)
-            yield (
-                f"| [{title(file)}](#{file}) | {peer} | {count:,} | {_escaped(row['what'])} "
-                f"| {off} | {allowed} |"
-            )
+    yield "| case | source | theirs | ours | difference |\n| --- | --- | --- | --- | --- |"
+    for heading, page in DETAILS.items():
+        for file, peer in GROUPS[heading][1].items():
+            row = principal(file, figures[file])
+            ours, theirs, off, _ = shown(row)
+            case = f"[{title(file)}]({page}#{file}): {_named(row)}"
+            yield f"| {case} | {peer} | {theirs} | {ours} | {off} |"
 
 
 def _versions(figures: dict[str, Any]) -> str:
@@ -253,22 +325,27 @@ def _versions(figures: dict[str, Any]) -> str:
     libraries = ", ".join(
         f"{name} {' and '.join(sorted(versions))}" for name, versions in found.items()
     )
-    return f"The figures below were found on {when} with {libraries}."
+    return f"Recorded on {when} with {libraries}."
 
 
-def page() -> str:
-    """Return the text of the page."""
+def pages() -> dict[str, str]:
+    """Return the text of each page, by its file's name."""
     figures = json.loads(FIGURES.read_text(encoding="utf-8"))
-    parts = [INTRODUCTION, f"{_versions(figures)}\n", "## All cases\n", *_summary(figures)]
+    count = sum(count for entry in figures.values() for _, count in worst_rows(entry))
+    number_of = f"{len(figures)} cases compare {count:,} numbers. {_versions(figures)}"
+    parts = [INTRODUCTION, "## All cases\n", *_summary(figures), f"\n{number_of}\n", READING]
+    written = {"validation.md": "\n".join(parts)}
     for heading, (sentence, files) in GROUPS.items():
-        parts.append(f"\n## {heading}\n\n{sentence}")
+        parts = [f"# Validation: {heading.lower()}\n\n{sentence} [All cases](validation.md)."]
         for file in files:
-            parts.append(f'\n<a id="{file}"></a>\n\n### {title(file)}\n')
+            parts.append(f'\n<a id="{file}"></a>\n\n## {title(file)}\n')
             parts.append(f"`tests/validation/{file}.py`")
             parts += [f"\n{paragraph}" for paragraph in prose(file)]
             parts += ["", *_table(figures[file])]
-    return "\n".join(parts) + "\n"
+        written[DETAILS[heading]] = "\n".join(parts) + "\n"
+    return written
 
 
 if __name__ == "__main__":
-    (HERE / "validation.md").write_text(page(), encoding="utf-8")
+    for name, text in pages().items():
+        (HERE / name).write_text(text, encoding="utf-8")

@@ -277,7 +277,7 @@ def harmonics(
     Scientific Bulletin 2024 no. 3 (191), doi 10.25206/1813-8225-2024-191-39-47, and the phase is
     that of its (1): M_k = sqrt(A_k^2 + B_k^2), tan a_k = A_k / B_k in the quadrant that the signs
     give. For an even m the last term takes 1/m in place of 2/m, because there the squared cosine
-    sums to m and not to m/2; with it the series meets every sample.
+    sums to m and not to m/2; with it the series matches every sample.
 
     Examples
     --------

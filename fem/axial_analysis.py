@@ -30,7 +30,7 @@ class SolvedThrow:
     accuracy : float
         The accuracy that was asked for.
     seconds : mapping
-        Where the time went, by name.
+        Time of each step, by name.
     """
 
     throw: Throw
@@ -109,7 +109,7 @@ class AxialAnalysis(SolvedThrow):
 def _class_support(support: str) -> str:
     if support not in ("pinned", "guided"):
         raise InputError(
-            f'support: given {support!r}; allowed are "pinned" and "guided", for other supports need the '
+            f'support: given {support!r}; allowed are "pinned" and "guided", because other supports need the '
             "whole analysis (analyze_throw)."
         )
     return support

@@ -51,7 +51,7 @@ class LoadCase:
     def __post_init__(self) -> None:
         if self.support not in HELD_BOTH:
             raise InputError(
-                f'support: given {self.support!r}; allowed are "pinned" and "guided", for other supports '
+                f'support: given {self.support!r}; allowed are "pinned" and "guided", because other supports '
                 "need more than one throw."
             )
         if len(self.end_loads) != 12 or any(len(force) != 3 for force in self.pin_forces):

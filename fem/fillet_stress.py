@@ -140,7 +140,7 @@ def fillet_stresses(
     sites: tuple[Site, ...] = (*fillets, *outlets)
     if not sites:
         raise InputError(
-            "throw: given a part whose fillets do not stand round its journals and pins like a torus; "
+            "throw: given a part whose fillets are not toroidal around its journals and pins; "
             "allowed is at least one that does."
         )
     loads = unit_loads(radial_directions(throw))

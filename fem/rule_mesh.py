@@ -48,7 +48,7 @@ ON_SIDE = -1e-6  # of the journal's radius
 @summarized("fillet", "size [m]", "size_share", "layers", "across_web", "met")
 @dataclass(frozen=True)
 class FilletMeshing:
-    """How finely a fillet and its web are meshed, beside what UR M53, Appendix III, asks for.
+    """How finely a fillet and its web are meshed, beside what UR M53, Appendix III, requires.
 
     Attributes
     ----------

@@ -87,7 +87,7 @@ class Crankshaft:
                 if left != right:
                     raise InputError(
                         f"throws: given {name} {format_quantity(left, 'm')} in throw {number} and "
-                        f"{format_quantity(right, 'm')} in throw {number + 1}; allowed is one value, for "
+                        f"{format_quantity(right, 'm')} in throw {number + 1}; allowed is one value, because "
                         "they share a main journal."
                     )
 

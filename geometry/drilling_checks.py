@@ -179,7 +179,7 @@ def _check_apart(first: Drilling, second: Drilling) -> None:
         what = "runs into" if between < wall else "comes out into the exit of"
         raise InputError(
             f"throw.oil_holes[{second.number - 1}]: given so that it {what} oil_holes[{first.number - 1}]; "
-            f"allowed are holes that leave {in_mm(wall)} between them, because each is taken for itself."
+            f"allowed are holes that leave {in_mm(wall)} between them, because each is calculated separately."
         )
 
 

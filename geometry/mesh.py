@@ -251,7 +251,7 @@ def checked_part(throw: CrankThrow, part: str) -> str:
         raise InputError(f"part: given {part!r}; allowed are auto, {', '.join(PARTS)}.")
     if PARTS.index(part) < PARTS.index(smallest):
         raise InputError(
-            f"part: given {part!r}; allowed is {smallest!r} or more, for this throw has no such symmetry."
+            f"part: given {part!r}; allowed is {smallest!r} or more, because this throw has no such symmetry."
         )
     return part
 

@@ -68,7 +68,7 @@ def check_budget(expected: int, size_factor: float) -> None:
     if expected > MOST_UNKNOWNS:
         raise InputError(
             f"size_factor: given {size_factor:.3g}, which would make about {expected:,} unknowns; allowed "
-            f"are {MOST_UNKNOWNS:,}, for solving more takes minutes and 20 GB."
+            f"are {MOST_UNKNOWNS:,}, because solving more takes minutes and 20 GB."
         )
 
 

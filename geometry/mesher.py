@@ -46,7 +46,7 @@ def mesh_isolated(
     process = shared_process() if process is None else process
     if isinstance(throw, ImportedThrow) and part not in ("auto", "full"):
         raise InputError(
-            f"part: given {part!r}; allowed is 'full' or 'auto', for an imported throw is meshed whole."
+            f"part: given {part!r}; allowed is 'full' or 'auto', because an imported throw is meshed whole."
         )
     limit = time_limit + SECONDS_PER_UNKNOWN * expected_unknowns(throw, size_factor, sizes)
     attempts: tuple[str, ...] = ()

@@ -74,12 +74,14 @@ class Arc:
 
     def distance(self, point: Point) -> float:
         """Distance of a point from the arc [m]."""
-        first, last = (
-            math.atan2(p[1] - self.center[1], p[0] - self.center[0]) for p in (self.start, self.end)
-        )
         reach = math.dist(point, self.center)
-        angle = math.atan2(point[1] - self.center[1], point[0] - self.center[0])
-        if reach == 0.0 or first <= angle <= last:
+        if reach == 0.0:
+            return self.radius
+        first, angle, last = (
+            math.atan2(p[1] - self.center[1], p[0] - self.center[0])
+            for p in (self.start, point, self.end)
+        )
+        if first <= angle <= last:
             return abs(self.radius - reach)
         return min(math.dist(point, self.start), math.dist(point, self.end))
 
@@ -270,7 +272,7 @@ def rectangle(
     largest = min(half, 0.5 * (high - low))
     if corner_radius > 0.0 and corner_chamfer > 0.0:
         raise InputError(
-            "the corners have a radius and a chamfer; allowed is one of them, for a corner is either "
+            "the corners have a radius and a chamfer; allowed is one of them, because a corner is either "
             "rounded or cut."
         )
     if cut > largest * (1.0 + 1e-9):

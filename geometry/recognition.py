@@ -160,8 +160,8 @@ class _Recognition:
         if not found:
             raise InputError(
                 f"{field}: given a part without a plane face normal to z at its "
-                f"{'smallest' if field == 'left_end' else 'largest'} z; allowed is a throw that stands "
-                "along z, cut off square in the middles of its main journals."
+                f"{'smallest' if field == 'left_end' else 'largest'} z; allowed is a throw along z"
+                ", cut off square in the middles of its main journals."
             )
         if named is None:
             end = field.replace("_", " ")
@@ -175,8 +175,8 @@ class _Recognition:
     ) -> None:
         if not face.along:
             raise InputError(
-                f"{field}: given {name!r}, a plane that is not normal to z; allowed is one that is, for "
-                "the shaft must stand along z."
+                f"{field}: given {name!r}, a plane that is not normal to z; allowed is one that is, because "
+                "the shaft must be along z."
             )
         if abs(face.low - extreme) > tolerance:
             raise InputError(

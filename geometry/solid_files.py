@@ -56,7 +56,7 @@ def write_step(solid: CrankThrow | Crankshaft, path: str | Path, part: str = "fu
         part = checked_part(solid, part)
     elif part not in ("full", "auto"):
         raise InputError(
-            f"part: given {part!r}; allowed is 'full', for a crankshaft is written whole."
+            f"part: given {part!r}; allowed is 'full', because a crankshaft is written whole."
         )
     try:
         text = shared_process().call(

@@ -42,6 +42,8 @@ THINNEST_END = 0.3
 SHORTEST_SLOPE = 0.05
 # No part may be thinner than this share of the largest dimension.
 THINNEST_PART = 1.0 / 25.0
+# All that describes an ordinary throw.
+FIRST_EIGHT = frozenset(tuple(ThrowDimensions.model_fields)[:8])
 # The halves of a split pin without a web: distance of their axes beside the sum of their radii.
 SPLIT_PIN_STEP = (0.02, 0.7)
 
@@ -63,17 +65,18 @@ def check_throw(throw: ThrowDimensions, parts: ThrowParts) -> None:
     """
     _check_proportions(throw, parts)
     _check_outlines(throw)
+    seats = _seats(parts)
     for place, web in enumerate(parts.webs):
         before, after = parts.cylinders[place : place + 2]
         if web.end == web.start:
             _check_split_pin(web, before, after)
             continue
-        for cylinder, axis in _adjacent_cylinders(web, before, after):
-            _check_seat(throw, parts, web, cylinder, axis)
+        for cylinder, reach in seats[place]:
+            _check_seat(throw, parts, web, cylinder, reach)
         if 1e-9 * web.outline.width < web.distance < SMALLEST_PIN_STEP * 2.0 * after.radius:
             raise InputError(
                 f"throw.further_pins: given pins whose axes are {in_mm(web.distance)} apart; allowed is 0 or "
-                f"{in_mm(SMALLEST_PIN_STEP * 2.0 * after.radius)} or more, for a smaller step cannot be "
+                f"{in_mm(SMALLEST_PIN_STEP * 2.0 * after.radius)} or more, because a smaller step cannot be "
                 "meshed."
             )
         _check_wall_between(web, before, after)
@@ -83,10 +86,42 @@ def check_throw(throw: ThrowDimensions, parts: ThrowParts) -> None:
             check_counterweight(
                 throw, web, web.sector, journal, pin, outer=-1.0 if place == 0 else 1.0
             )
-    _check_fillets(throw, parts)
+    _check_fillets(throw, parts, seats)
     for cylinder in parts.cylinders:
         _check_bore(throw, parts, cylinder)
     check_drillings(parts)
+
+
+def fits_plainly(throw: ThrowDimensions) -> bool:
+    """Whether a throw of the first eight dimensions alone passes `check_throw`, told without its parts.
+
+    Parameters
+    ----------
+    throw : ThrowDimensions
+
+    Returns
+    -------
+    bool
+        False where only `check_throw` can tell.
+    """
+    if not throw.model_fields_set <= FIRST_EIGHT:
+        return False
+    journal, pin, fillet = throw.main_journal_diameter, throw.pin_diameter, throw.fillet_radius
+    larger, radius = max(journal, pin), throw.crank_radius
+    length = min(throw.main_journal_length, throw.pin_length)
+    # Both axes are half a width from an obround's outline; a percent for round-off, and more.
+    room = 0.5 * (throw.web_width - 1.01 * larger)
+    return (
+        1.01 * THINNEST_PART * max(larger, radius) < min(length, throw.web_thickness)
+        and radius > 1.01 * SMALLEST_PIN_STEP * larger
+        and room > 0.0
+        and (
+            fillet == 0.0
+            or 1.01 * SMALLEST_FILLET_SHARE * larger
+            < fillet
+            < 0.99 * min(room, FILLET_SHARE_OF_LENGTH * length)
+        )
+    )
 
 
 def throw_remarks(parts: ThrowParts) -> tuple[str, ...]:
@@ -119,21 +154,25 @@ def _check_proportions(throw: ThrowDimensions, parts: ThrowParts) -> None:
         *(2.0 * c.radius for c in parts.cylinders), *(math.hypot(*p.axis) for p in parts.pins)
     )
     lowest = largest * THINNEST_PART
-    sizes = [
-        (cylinder_field(throw, parts, c, "length"), (c.end - c.start) * (1.0 if c.is_pin else 2.0))
-        for c in parts.cylinders
-    ]
-    sizes += [
-        (web_field(throw, w, "thickness"), w.end - w.start) for w in parts.webs if w.end > w.start
-    ]
-    for name, value in sizes:
-        if value < lowest * (1.0 - 1e-12):
-            raise dimension_error(
-                name,
-                value,
-                f"{in_mm(lowest)} or more beside the throw's other dimensions (up to {in_mm(largest)})",
-                "because a thinner part cannot be meshed sensibly",
+    for cylinder in parts.cylinders:
+        length = (cylinder.end - cylinder.start) * (1.0 if cylinder.is_pin else 2.0)
+        if length < lowest * (1.0 - 1e-12):
+            raise _too_thin(
+                cylinder_field(throw, parts, cylinder, "length"), length, lowest, largest
             )
+    for web in parts.webs:
+        if web.start < web.end < web.start + lowest * (1.0 - 1e-12):
+            name = web_field(throw, web, "thickness")
+            raise _too_thin(name, web.end - web.start, lowest, largest)
+
+
+def _too_thin(name: str, value: float, lowest: float, largest: float) -> InputError:
+    return dimension_error(
+        name,
+        value,
+        f"{in_mm(lowest)} or more beside the throw's other dimensions (up to {in_mm(largest)})",
+        "because a thinner part cannot be meshed sensibly",
+    )
 
 
 def _check_outlines(throw: ThrowDimensions) -> None:
@@ -185,21 +224,21 @@ def _check_absent(field: str, value: float | None, outline: str) -> None:
         raise dimension_error(field, value, "only 0", reason)
 
 
-def _adjacent_cylinders(
-    web: WebPlate, before: Cylinder, after: Cylinder
-) -> list[tuple[Cylinder, float]]:
-    """The two cylinders adjacent to a web with the heights of their axes in its coordinates."""
+def _seats(parts: ThrowParts) -> list[list[tuple[Cylinder, float]]]:
+    """The two cylinders adjacent to each web, with the distances of their axes from its outline [m]."""
     return [
-        (cylinder, 0.0 if math.dist(cylinder.axis, web.foot) == 0.0 else web.distance)
-        for cylinder in (before, after)
+        [
+            (one, web.outline.distance(0.0 if one.axis == web.foot else web.distance))
+            for one in parts.cylinders[place : place + 2]
+        ]
+        for place, web in enumerate(parts.webs)
     ]
 
 
 def _check_seat(
-    throw: ThrowDimensions, parts: ThrowParts, web: WebPlate, cylinder: Cylinder, axis: float
+    throw: ThrowDimensions, parts: ThrowParts, web: WebPlate, cylinder: Cylinder, reach: float
 ) -> None:
-    """A journal must lie within its web."""
-    reach = web.outline.distance(axis)
+    """A journal must lie within its web, whose edge is so far from its axis."""
     # A journal whose surface is also that of the web cannot be meshed; a fillet keeps them apart.
     limit = 2.0 * reach / (1.0 if _fillet_on(web, cylinder) > 0.0 else 1.0 + SMALLEST_LEDGE)
     if 2.0 * cylinder.radius > limit:
@@ -215,7 +254,9 @@ def _fillet_on(web: WebPlate, cylinder: Cylinder) -> float:
     return cylinder.start_fillet if cylinder.start == web.end else cylinder.end_fillet
 
 
-def _check_fillets(throw: ThrowDimensions, parts: ThrowParts) -> None:
+def _check_fillets(
+    throw: ThrowDimensions, parts: ThrowParts, seats: list[list[tuple[Cylinder, float]]]
+) -> None:
     """Fillets must leave some of their journal, fit their webs, and be large enough to matter."""
     given: dict[str, float] = {}
     limits: dict[str, list[tuple[float, Callable[[], str]]]] = {}
@@ -232,11 +273,11 @@ def _check_fillets(throw: ThrowDimensions, parts: ThrowParts) -> None:
         )
         smallest = SMALLEST_FILLET_SHARE * 2.0 * cylinder.radius
         lowest[name] = max(lowest.get(name, 0.0), smallest)
-    for place, web in enumerate(parts.webs):
-        for cylinder, axis in _adjacent_cylinders(web, *parts.cylinders[place : place + 2]):
+    for web, joined in zip(parts.webs, seats, strict=True):
+        for cylinder, reach in joined:
             name = cylinder_field(throw, parts, cylinder, "fillet_radius")
             if name in limits and _fillet_on(web, cylinder) > 0.0:
-                room = web.outline.distance(axis) - cylinder.radius
+                room = reach - cylinder.radius
                 limits[name].append((room, partial(_too_narrow, throw, web, cylinder)))
                 ledge = room - _fillet_on(web, cylinder)
                 smallest = SMALLEST_FOOT_LEDGE * 2.0 * cylinder.radius
@@ -268,8 +309,8 @@ def _too_short(cylinder: Cylinder, length: float) -> str:
 
 def _too_narrow(throw: ThrowDimensions, web: WebPlate, cylinder: Cylinder) -> str:
     return (
-        f"the {web_label(throw, web)} of {in_mm(web.outline.width)} is too narrow for a larger one round the "
-        f"{label(cylinder)} of {in_mm(2.0 * cylinder.radius)}"
+        f"the {web_label(throw, web)} of {in_mm(web.outline.width)} is too narrow for a larger one around "
+        f"the {label(cylinder)} of {in_mm(2.0 * cylinder.radius)}"
     )
 
 
@@ -277,9 +318,9 @@ def _check_bore(throw: ThrowDimensions, parts: ThrowParts, cylinder: Cylinder) -
     """A bore must leave a wall."""
     diameter, bore = 2.0 * cylinder.radius, 2.0 * cylinder.bore_radius
     offset = math.dist(cylinder.axis, cylinder.bore_axis)
-    name = cylinder_field(throw, parts, cylinder, "bore")
     if bore == 0.0:
         if offset > 0.0:
+            name = cylinder_field(throw, parts, cylinder, "bore")
             raise dimension_error(f"{name}_offset", offset, "only 0", "because there is no bore")
         return
     lowest, wall = SMALLEST_BORE * diameter, SMALLEST_WALL * diameter
@@ -292,7 +333,7 @@ def _check_bore(throw: ThrowDimensions, parts: ThrowParts, cylinder: Cylinder) -
             if bore > highest
             else f"because a smaller bore does not matter to the {label(cylinder)} (give 0)"
         )
-        raise dimension_error(name, bore, allowed, reason)
+        raise dimension_error(cylinder_field(throw, parts, cylinder, "bore"), bore, allowed, reason)
 
 
 def _check_wall_between(web: WebPlate, before: Cylinder, after: Cylinder) -> None:
@@ -343,9 +384,9 @@ def _check_split_pin(web: WebPlate, before: Cylinder, after: Cylinder) -> None:
     low, high = (share * together for share in SPLIT_PIN_STEP)
     if not low <= web.distance <= high:
         raise InputError(
-            f"throw.further_pins: given a split pin without a web whose axes are "
-            f"{in_mm(web.distance)} apart; allowed is {in_mm(low)} to {in_mm(high)} with these diameters, "
-            "because its halves must hold together and differ (else give web_thickness or one longer pin)."
+            f"throw.further_pins: given a split pin without a web whose axes are {in_mm(web.distance)} "
+            f"apart; allowed is {in_mm(low)} to {in_mm(high)} with these diameters, because its halves must "
+            "hold together and differ (else give web_thickness or one longer pin)."
         )
     for first, second in ((before, after), (after, before)):
         if first.bore_radius > 0.0:

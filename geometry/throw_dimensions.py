@@ -60,7 +60,7 @@ class Counterweight(InputModel):
         maximum=3.141592653589793,
     )
     thickness: float | None = length_field(
-        "counterweight's thickness along the shaft; the web's if not given",
+        "counterweight's thickness along the shaft; by default that of the web",
         (0.0002, 3.0),
         default=None,
     )
@@ -211,12 +211,12 @@ class OilHole(InputModel):
     section: ClassVar[str] = "oil_hole"
 
     part: str = Field(
-        description="what it is drilled into: pin, pin 2 ..., left main journal, right main journal"
+        description="part it is drilled into: pin, pin 2 ..., left main journal, right main journal"
     )
     diameter: float = length_field("diameter of the hole", HOLE, symbol="d_o")
     position: float = length_field(
-        "where its axis crosses the part's, from the middle of the pin or the whole main journal, positive "
-        "towards the flywheel",
+        "position where its axis crosses the part's, from the middle of the pin or of the whole main "
+        "journal, positive towards the flywheel",
         BORE_OFFSET,
         default=0.0,
         feature=True,
@@ -242,7 +242,7 @@ class OilHole(InputModel):
     )
     through: bool = Field(
         True,
-        description="whether it runs right through; else to the part's axis, or to its bore",
+        description="whether it is a through hole; otherwise it ends at the part's axis, or at its bore",
         json_schema_extra={"feature": True},
     )
 
@@ -308,12 +308,12 @@ class ThrowDimensions(InputModel):
     )
     web_outline: OutlineName = Field("obround", description=f"outline of the webs: {OUTLINE_NAMES}")
     web_journal_end: float | None = length_field(
-        "distance from the shaft axis to the web's end; radius of that end if obround; B / 2 if not given",
+        "distance from the shaft axis to the web's end; radius of that end if obround; by default B / 2",
         WEB_END,
         default=None,
     )
     web_pin_end: float | None = length_field(
-        "distance from the pin axis to the web's end; radius of that end if obround; B / 2 if not given",
+        "distance from the pin axis to the web's end; radius of that end if obround; by default B / 2",
         WEB_END,
         default=None,
     )
@@ -324,18 +324,18 @@ class ThrowDimensions(InputModel):
         "chamfer of a rectangular web's corners, 45 deg", CORNER, default=0.0, feature=True
     )
     web_tip_thickness: float | None = length_field(
-        "web thickness at its pin end, sloped on the outer face; h if not given",
+        "web thickness at its pin end, sloped on the outer face; by default h",
         THINNED,
         default=None,
     )
     web_foot_thickness: float | None = length_field(
-        "web thickness at its journal end, sloped on the inner face; h if not given",
+        "web thickness at its journal end, sloped on the inner face; by default h",
         THINNED,
         default=None,
     )
     counterweight: Counterweight | None = part_field("counterweight on both webs", Counterweight)
-    left_web: Web | None = part_field("what the left web has of its own", Web)
-    right_web: Web | None = part_field("what the right web has of its own", Web)
+    left_web: Web | None = part_field("values of the left web alone", Web)
+    right_web: Web | None = part_field("values of the right web alone", Web)
     further_pins: tuple[FurtherPin, ...] = part_field(
         "further pins without a main bearing before them", FurtherPin, many=True
     )
@@ -346,7 +346,8 @@ class ThrowDimensions(InputModel):
 
 def web_dimension(throw: ThrowDimensions, table: str, kind: str) -> tuple[str, Any]:
     """Field and value of a dimension of the "left_web" or "right_web": its own, or that of both webs."""
-    own = getattr(getattr(throw, table), kind, None)
+    web = getattr(throw, table)
+    own = None if web is None else getattr(web, kind, None)
     if own is not None:
         return f"{table}.{kind}", own
     return f"web_{kind}", getattr(throw, f"web_{kind}")

@@ -26,7 +26,7 @@ def cylinder_field(throw: ThrowDimensions, parts: ThrowParts, cylinder: Cylinder
     if not cylinder.is_pin:
         name = f"main_journal_{kind}"
     else:
-        place = parts.cylinders.index(cylinder) - 2
+        place = parts.cylinders.index(cylinder) - 2 if throw.further_pins else -1
         if place >= 0 and getattr(throw.further_pins[place], kind) is not None:
             return f"further_pins[{place}].{kind}"
         name = f"pin_{kind}"

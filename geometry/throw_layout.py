@@ -66,7 +66,8 @@ def throw_parts(throw: ThrowDimensions) -> ThrowParts:
 
 def pin_tables(throw: ThrowDimensions) -> list[FurtherPin]:
     """Every pin of a throw with all of its dimensions; `angle` counts from the first."""
-    first = FurtherPin(
+    # Its dimensions are the throw's, which are checked.
+    first = FurtherPin.model_construct(
         angle=0.0,
         crank_radius=throw.crank_radius,
         diameter=throw.pin_diameter,

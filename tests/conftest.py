@@ -1,3 +1,5 @@
+import contextlib
+import gc
 import inspect
 import os
 import signal
@@ -16,8 +18,27 @@ from hypothesis import settings
 for library in ("MKL", "OMP", "OPENBLAS"):
     os.environ.setdefault(f"{library}_NUM_THREADS", "1")
 
+# Temporary folders lie in memory where there is room: stores wait for the disk with every row.
+if Path("/dev/shm").is_dir() and psutil.disk_usage("/dev/shm").free > 2e9:
+    os.environ.setdefault("PYTEST_DEBUG_TEMPROOT", "/dev/shm")
+
 # Lines wrap at this width, as in a terminal; what is captured here is as in a pipe. Runners set it.
 os.environ.pop("COLUMNS", None)
+
+# Where coverage is measured, processes that are killed write first which lines they ran.
+MEASURED = "COVERAGE_PROCESS_CONFIG" in os.environ
+
+
+def end_softly(process):
+    with contextlib.suppress(AttributeError, OSError):
+        process.stdin.close()  # what answers calls ends with them
+    with contextlib.suppress(subprocess.TimeoutExpired):
+        process.wait(2.0)
+    process.terminate()
+
+
+if MEASURED:
+    subprocess.Popen.kill = end_softly
 
 # Tests never measure time: an example that takes long on a busy machine is no fault.
 settings.register_profile("untimed", deadline=None)
@@ -30,6 +51,13 @@ def pytest_collection_modifyitems(items):
     for item in items:
         if item.get_closest_marker("further") is not None:
             item.add_marker("slow")
+
+
+def pytest_sessionfinish():
+    """End softly what would end with this process."""
+    for one in gc.get_objects() if MEASURED else ():
+        if isinstance(one, subprocess.Popen) and one.poll() is None:
+            one.kill()
 
 
 @pytest.fixture(scope="session")

@@ -17,26 +17,31 @@ ROOT = Path(__file__).parents[1]
 STARTING = 60.0
 
 
-class Served:
-    """A service, its folder and its log."""
+# A service with bounds that the command line does not set.
+BOUNDED = """
+import sys
+from pathlib import Path
+from crankfem.service.bounds import Bounds, Settings
+from crankfem.service.server import serve
+settings = Settings(Path(sys.argv[1]), port=0, bounds=Bounds(**{bounds}))
+serve(settings, lambda address: print("crankfem serves at", address, "", file=sys.stderr, flush=True))
+"""
 
-    def __init__(self, folder, *options):
+
+class Served:
+    """A service, its folder and its log; with bounds in place of options if such are given."""
+
+    def __init__(self, folder, *options, **bounds):
         self.folder = folder
         self.log = folder / "log"
         paths = [str(ROOT), *filter(None, [os.environ.get("PYTHONPATH")])]
-        command = [
-            "-P",
-            "-m",
-            "crankfem",
-            "serve",
-            "--port",
-            "0",
-            "--folder",
-            str(folder / "service"),
-        ]
+        own = str(folder / "service")
+        command = ["-m", "crankfem", "serve", "--port", "0", "--folder", own, *options]
+        if bounds:
+            command = ["-c", BOUNDED.format(bounds=bounds), own]
         with self.log.open("ab") as log:
             self.process = subprocess.Popen(
-                [sys.executable, *command, *options],
+                [sys.executable, "-P", *command],
                 cwd=folder,
                 env=os.environ | {"PYTHONPATH": os.pathsep.join(paths)},
                 stdout=subprocess.DEVNULL,
@@ -100,8 +105,8 @@ def serve():
     """Start services; all are ended."""
     started = []
 
-    def start(folder, *options):
-        started.append(Served(folder, *options))
+    def start(folder, *options, **bounds):
+        started.append(Served(folder, *options, **bounds))
         return started[-1]
 
     yield start

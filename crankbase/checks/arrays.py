@@ -52,7 +52,7 @@ def check_sizes(field: str, array: FloatArray | ComplexArray, largest: float = L
     index = "".join(f"[{number}]" for number in place)
     value = array[tuple(place)]
     why = (
-        f"numbers of up to {largest:g}, because larger ones leave what a computer can calculate"
+        f"numbers of up to {largest:g}, because larger ones exceed what a computer can calculate"
         if np.isfinite(value)
         else "finite numbers, because a missing or infinite value would spread to every result"
     )
@@ -84,7 +84,7 @@ def finite_vector(field: str, values: ArrayLike) -> FloatArray:
     if array.ndim != 1:
         raise InputError(
             f"{field}: given an array of {array.ndim} dimensions; allowed is one dimension, "
-            "because the values stand in a row."
+            "because the values form one row."
         )
     return array
 
@@ -283,5 +283,5 @@ def _check_magnitudes(field: str, array: FloatArray, unit: str, *, zero_allowed:
     index = "".join(f"[{number}]" for number in place)
     raise InputError(
         f"{field}{index}: given {_with_unit(array[place], unit)}; allowed are numbers of "
-        f"{least:g} to {_with_unit(largest, unit)}, because others leave what a computer can calculate."
+        f"{least:g} to {_with_unit(largest, unit)}, because others exceed what a computer can calculate."
     )

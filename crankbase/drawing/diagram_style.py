@@ -53,7 +53,7 @@ def figure(
     path = Path(path)
     if path.suffix.lower() != ".svg" or not path.parent.is_dir():
         raise InputError(
-            f"path: given {path}; allowed is a file name that ends in .svg in a folder that is there, "
+            f"path: given {path}; allowed is a file name that ends in .svg in an existing folder, "
             "because diagrams are written as SVG."
         )
     check_output(path, "picture")

@@ -92,7 +92,10 @@ def _normalized_unit(text: str) -> str:
 
     def one(found: re.Match[str]) -> str:
         nonlocal powers
-        powers *= max(1.0, abs(float(found["power"] or found["root"] or 1.0)))
+        power = abs(float(found["power"] or found["root"] or 1.0))
+        if power == 0.0:
+            raise NoUnitError("a unit to the power of zero is none")
+        powers *= max(1.0, power)
         return "1"
 
     left, more = _FACTOR.sub(one, spelled), 1

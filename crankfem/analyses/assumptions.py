@@ -26,16 +26,16 @@ FIXED_IN_CYCLE = tuple(
     name for name in USUAL_VALUES if name_of_field(name) not in SECTIONS["gas"].model.model_fields
 )
 
-AT_RESONANCE = "amplitudes at resonance rise with it, in proportion where nothing else damps"
-AT_FLYWHEEL = "bending of the whole crankshaft at the flywheel; the chains do not have it"
+AT_RESONANCE = "amplitudes at resonance increase with it, in proportion if nothing else damps"
+AT_FLYWHEEL = "bending of the whole crankshaft at the flywheel; the chains do not include it"
 # What moves with a value, where that is known without a calculation.
 EFFECTS = {
-    "material.youngs_modulus": "natural frequencies of the crankshaft itself go with its square root",
-    "material.density": "mass and inertia of the throws are in proportion to it",
+    "material.youngs_modulus": "natural frequencies of the crankshaft are proportional to its square root",
+    "material.density": "mass and inertia of the throws are proportional to it",
     "bearings.stiffness": "bending of the whole crankshaft, and the throws' compliance in the shaft",
     "flywheel.diametral_inertia": AT_FLYWHEEL,
     "flywheel.overhang": AT_FLYWHEEL,
-    "free_end.diametral_inertia": "bending of the whole crankshaft at that end; the chains do not have it",
+    "free_end.diametral_inertia": "bending of the whole crankshaft at that end; the chains do not include it",
     "damping.torsional_magnifier": AT_RESONANCE,
     "damping.axial_magnifier": AT_RESONANCE,
     "damping.bending_magnifier": AT_RESONANCE,
@@ -44,7 +44,7 @@ EFFECTS = {
         f"{crankshaft_material_factors(strength, BASE_YIELD, alloy=alloy)[0]:.3g} times as much"
         for alloy, strength in CRANKSHAFT_STRENGTHS.items()
     ),
-    "limits.yield_strength": "what may be passed quickly is in proportion to it",
+    "limits.yield_strength": "the limit for passing quickly is proportional to it",
 }
 
 
@@ -182,7 +182,7 @@ def _of_mechanism(file: MechanismFile, given: set[str]) -> Iterable[InputRecord]
     yield _assumed(
         "gas.pressure_table",
         f"cycle model: {shape}",
-        "usual of diesel engines; a measured pressure stands in place of the whole cycle",
+        "usual for diesel engines; a measured pressure replaces the whole cycle",
     )
 
 
@@ -213,7 +213,7 @@ def _of_shaft(engine: EngineFile, given: set[str]) -> Iterable[InputRecord]:
     overhang, known = flywheel_overhang(engine)
     if not known:
         where = (
-            "at the end of the last main journal, for no flange is given"
+            "at the end of the last main journal, because no flange is given"
             if engine.shaft_ends.flange_thickness is None
             else "at the far side of the flange"
         )
@@ -229,7 +229,7 @@ def _of_shaft(engine: EngineFile, given: set[str]) -> Iterable[InputRecord]:
         field = f"propeller_forces.{name}_phases"
         if propeller is not None and getattr(propeller, f"{name}_shares") and field not in given:
             shown = ", ".join(["0 deg"] * len(getattr(propeller, f"{name}_shares")))
-            yield _assumed(field, shown, "all vary as a sine from the propeller's zero angle")
+            yield _assumed(field, shown, "all harmonics are sines from the propeller's zero angle")
 
 
 def _of_damping(engine: EngineFile) -> Iterable[InputRecord]:
@@ -262,7 +262,7 @@ def _of_limits(engine: EngineFile) -> Iterable[InputRecord]:
         return
     if limits is not None and (limits.crankshaft_stress is not None or limits.crankshaft_rule):
         return
-    steel = "the plain steel with which the rule begins; a stronger one raises the limit"
+    steel = "the lowest strength in the rule; a stronger steel raises the limit"
     for name, value in (("tensile_strength", BASE_STRENGTH), ("yield_strength", BASE_YIELD)):
         told = name == "tensile_strength" and engine.strength is not None
         if not told and (limits is None or getattr(limits, name) is None):
@@ -270,5 +270,5 @@ def _of_limits(engine: EngineFile) -> Iterable[InputRecord]:
     yield _assumed(
         "limits.crankshaft_rule",
         RULE_OF_DRIVEN[engine.engine.drives or "propeller"],
-        "no limit is given; the maker's limits.crankshaft_stress stands in its place",
+        "no limit is given; the maker's limits.crankshaft_stress replaces it",
     )

@@ -1,8 +1,8 @@
 """The self-checks of a run: what was checked, how well it holds, and what it has to hold to.
 
-Every check is a record: its name, the figure found, the unit of the figure ("1" for a share that is
-round-off where all is well, "%" for a share shown in per cent, else a word), what is allowed or None,
-whether the check holds or None, and a sentence that says what the figure means.
+Every check is a record: its name, the figure found, the unit of the figure ("1" for a share, else a
+word), the unit to show it in ("%" for a share that is more than round-off), what is allowed or None, whether
+the check holds or None, and a sentence that says what the figure means.
 """
 
 from collections.abc import Mapping, Sequence
@@ -92,6 +92,7 @@ def _check(
     sentence: str,
     *,
     unit: str = "1",
+    shown_unit: str | None = None,
     allowed: float | None = None,
     met: bool | None = None,
 ) -> Record:
@@ -102,6 +103,7 @@ def _check(
         "name": name,
         "figure": figure,
         "unit": unit,
+        "shown_unit": shown_unit or unit,
         "allowed": allowed,
         "met": met,
         "sentence": sentence,
@@ -128,49 +130,48 @@ def throw_checks(
         _check(
             "Error of the axial compliance",
             throw["error_estimate"],
-            "What is left after correction for discretization: the true error is smaller in 95 of 100 "
+            "Error left after the correction for discretization; the true error is smaller for 95 % of "
             "throws."
             if throw.get("axial_correction")
-            else "Estimated from the stresses of the finite elements; the true compliance is larger by "
-            "about that much.",
-            unit="%",
+            else "Estimated from the finite-element stresses; the true compliance is larger by about this "
+            "much.",
+            shown_unit="%",
             allowed=throw["accuracy"],
             met=throw["accuracy_met"],
         ),
         _check(
             "Rigid-body motions of the stiffness",
             rigid_body_residual(stiffness, length),
-            "A throw that moves as one body meets no force: what it does meet, beside the largest "
+            "A rigid-body motion must cause no force: largest force found, relative to the largest "
             "stiffness.",
             allowed=LARGEST_ROUND_OFF,
         ),
         _check(
             "Symmetry of the stiffness",
             reciprocity["asymmetry"],
-            "Work and its reverse are equal (reciprocity): largest difference from its transpose of the "
-            "stiffness that the forces on the end sections make, beside the largest stiffness. The "
-            "stiffness that is used is made of strain energies and always symmetric.",
+            "Reciprocity: largest difference between the stiffness from end-section forces and its "
+            "transpose, relative to the largest stiffness. The stiffness used follows from strain energies "
+            "and is always symmetric.",
             allowed=LARGEST_ROUND_OFF,
         ),
         _check(
             "Equilibrium of the reactions",
             worst,
-            "Forces and moments of both ends against the radial force on the pin, which acts at the middle "
-            "of the meshed pin, pinned and guided: what is left over.",
+            "Residual of the forces and moments at both ends and the radial force at the middle of the "
+            "meshed pin, for pinned and guided ends.",
             allowed=LARGEST_ROUND_OFF,
         ),
         _check(
             "Axial reaction by reciprocity",
             reciprocity["axial_reaction"],
-            "The axial reaction to a radial force Z, from what holds the ends when the pin is loaded, "
-            "against c Z / e_n, in which c is the motion of the pin when the ends are moved; beside Z.",
+            "Difference, relative to Z, between the axial reaction of the held ends to a radial force Z on "
+            "the pin and c Z / e_n, with c from the motion of the pin when the ends are moved.",
             allowed=LARGEST_ROUND_OFF,
         ),
         _check(
             "Elements mended",
             throw["mended_elements"],
-            "Elements that the curved surface had turned inside out and that were straightened; none is "
-            "left.",
+            "Elements turned inside out by the curved surface; all were straightened.",
             unit="elements",
         ),
     ]
@@ -183,11 +184,11 @@ def _angle_checks(found: Mapping[str, Any]) -> list[Record]:
     pinned = found["throw"]["supports"]["pinned"]["axial_compliance"]
     return [
         _check(
-            "Opposite neighbors beside pinned ends",
+            "Opposite neighbors compared with pinned ends",
             # Results of before sections could bend have those of rigid ones alone.
             fe.get("axial_rigid_sections", fe["axial"]) / pinned - 1.0,
-            "With equal webs and rigid sections a throw between opposite cranks tilts as freely as one with "
-            "pinned ends: both compliances must agree, as far as the webs are equal.",
+            "With equal webs and rigid sections, a throw between opposite cranks tilts as freely as one "
+            "with pinned ends, so both compliances must agree as far as the webs are equal.",
             # What the angle law takes for equal webs.
             allowed=SYMMETRIC,
         )
@@ -201,8 +202,8 @@ def _fillet_checks(fillets: Mapping[str, Any] | None) -> list[Record]:
         _check(
             "Error of the fillet stresses",
             fillets["error_estimate"],
-            "Largest of the estimates from one mesh to the next.",
-            unit="%",
+            "Largest estimate from successive meshes.",
+            shown_unit="%",
             allowed=fillets["accuracy"],
             met=fillets["accuracy_met"],
         )
@@ -220,9 +221,8 @@ def _study_checks(study: Mapping[str, Any] | None) -> list[Record]:
             _check(
                 f"Error of the {name} regression",
                 chosen["largest_error_held_out"],
-                f"Largest error of the chosen form ({fits['chosen']}) at designs that it was not fitted "
-                "to.",
-                unit="%",
+                f"Largest error of the chosen form ({fits['chosen']}) at held-out designs.",
+                shown_unit="%",
             )
         )
     return found
@@ -235,7 +235,8 @@ def _mechanism_checks(mechanism: Mapping[str, Any] | None) -> list[Record]:
         _check(
             "Energy of the crank mechanism",
             abs(mechanism["energy_error"]),
-            "Work of the torque over a cycle against the work of the gas, beside the work exchanged.",
+            "Difference between the work of the torque over a cycle and the work of the gas, relative to "
+            "the work exchanged.",
             allowed=LARGEST_ENERGY_ERROR,
         )
     ]
@@ -246,8 +247,8 @@ def _power_checks(forced: Mapping[str, Any] | None) -> list[Record]:
         _check(
             f"Power of the {kind} vibration",
             own["power"]["error"],
-            "What the forces put in against the heat in all damping, over the speeds at which the "
-            "vibration is bounded.",
+            "Power of the exciting forces compared with the heat in all damping, at speeds with bounded "
+            "vibration.",
             allowed=LARGEST_POWER_ERROR,
         )
         for kind, own in (forced or {}).items()
@@ -261,15 +262,15 @@ def _chain_checks(whole: Mapping[str, Any] | None) -> list[Record]:
         figure = modes[0]["chain_frequency"] / modes[0]["shaft_frequency"] - 1.0 if modes else None
         found.append(
             _check(
-                f"The {kind} chain beside the whole crankshaft",
+                f"The {kind} chain compared with the whole crankshaft",
                 figure,
-                f"First {kind} frequency of the chain against that of the whole crankshaft. "
+                f"First {kind} frequency of the chain compared with that of the whole crankshaft. "
                 + (
-                    "The chain suffices."
+                    "The lumped model is adequate."
                     if chain["suffices"]
                     else f"Lumped model inadequate: {' '.join(chain['reasons'])}"
                 ),
-                unit="%",
+                shown_unit="%",
                 # Frequencies, shares of the energy and amplitudes decide together.
                 met=chain["suffices"],
             )

@@ -26,6 +26,6 @@ def refuse_what_cannot_run(engine_file: EngineFile) -> None:
         check_study_can_be_fitted(engine_file.study.planned)
         reason = outside_study(engine_file.study)
         for kind in chosen_regressions(engine_file.vibration) if reason else ():
-            raise refused(kind, f"says nothing of the throw that its study varies: {reason}")
+            raise refused(kind, f"does not apply to the throw that its study varies: {reason}")
     if engine_file.torque_table is not None:
         _ = read_torque_table(engine_file.torque_table, strokes=engine_file.engine.strokes)

@@ -226,19 +226,19 @@ def _engine(read: EngineFile, content: TomlFile) -> CheckedFile:
         remarks.append(_without_gas())
     if read.limits is None and read.gas is not None:
         remarks.append(
-            "without the section [limits] a rule of a classification society for crankshafts is taken: "
+            "without the section [limits], a classification society's rule for crankshafts is used: "
             + rule_reason(read.engine)
         )
     fitted_by_run = bool(chosen_regressions(read.vibration)) and read.model_path is None
     if fitted_by_run:
         remarks.append(
-            "the source regression is fitted by crankfem run; crankfem vibration takes a saved model: "
+            "crankfem run fits the source regression; crankfem vibration needs a saved model: "
             "vibration.model, or --model MODEL.json"
         )
     has_gas = read.gas is not None or read.gas_map is not None
     vibration = ("vibration", "class") if has_gas else ("vibration",)
     if read.model_path is not None:
-        beside = "" if read.study is None else "; the section [study] is not run beside it"
+        beside = "" if read.study is None else "; the section [study] is not run"
         remarks.append(f"regression: the saved model {read.model_path}{beside}")
     elif read.study is None:
         remarks.append("without the section [study] no regression is fitted")
@@ -266,7 +266,7 @@ def excluded_designs(planned: PlannedStudy) -> tuple[str, ...]:
     if not excluded:
         return ()
     return (
-        f"study: {len(excluded)} of {len(excluded) + runs} designs are left out; the first because of this: "
+        f"study: {len(excluded)} of {len(excluded) + runs} designs are excluded; reason for the first: "
         f"{excluded[0].reason.rstrip('.')}",
     )
 
@@ -291,7 +291,7 @@ def _checked_mechanism(read: EngineFile) -> Iterable[str]:
 
 
 def _without_gas() -> str:
-    return "without the section [gas] there is no gas force: no amplitudes and no verdict"
+    return "without the section [gas], there are no gas forces, no amplitudes and no verdict"
 
 
 def _arrangement(engine: Engine) -> Record:

@@ -38,7 +38,7 @@ def provenance_record() -> Record:
         "version": program_version(),
         "created": datetime.datetime.now().astimezone().isoformat(timespec="seconds"),
         "units": "SI: m, N, Pa, kg, s, rad; Hz for frequencies, 1/min where a name ends in _rpm, deg where "
-        "it ends in _deg; the unit of each number stands under units",
+        "it ends in _deg; the unit of each number is given under units",
         "python": f"{platform.python_implementation()} {platform.python_version()}",
         "platform": platform.platform(),
         "processors": os.cpu_count() or 1,

@@ -24,12 +24,10 @@ def parse_gamma(text: str, quiet: bool = False) -> float:
         return round(math.degrees(parse_quantity(text, "rad", "--gamma")), 9)
     if not math.isfinite(degrees):
         raise InputError(
-            f'--gamma: given {text}; allowed is a finite angle, like "120 deg", because it stands '
-            "between neighboring cranks."
+            f'--gamma: given {text}; allowed is a finite angle, like "120 deg", because it is the '
+            "angle between neighboring cranks."
         )
-    console.print_note(
-        f'Note: --gamma {text} is taken as "{text} deg"; write the unit with it.', quiet
-    )
+    console.print_note(f'Note: --gamma {text} is read as "{text} deg"; write the unit.', quiet)
     return degrees
 
 

@@ -136,8 +136,8 @@ EXIT_CODES = "; ".join(f"{code} {words}" for code, words in MEANINGS.items())
 
 app = typer.Typer(
     help="Axial and torsional vibration of crankshafts, from crank-throw dimensions to a verdict.",
-    epilog="Begin with: crankfem new mine.toml, then crankfem run mine.toml. Results stand on standard "
-    f"output, progress and errors on standard error.\n\nExit codes: {EXIT_CODES}.",
+    epilog="Begin with: crankfem new mine.toml, then crankfem run mine.toml. Results go to standard output, "
+    f"progress and errors to standard error.\n\nExit codes: {EXIT_CODES}.",
     pretty_exceptions_enable=False,
     rich_markup_mode="rich",
 )

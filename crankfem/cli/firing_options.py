@@ -37,7 +37,7 @@ def firing_angles_deg(order: str | None, angles: str | None, *, strokes: int) ->
     if order is not None and angles is not None:
         raise InputError(
             f"--firing-order: given {order!r} with --firing-angles; allowed is one of them, because each "
-            "says when the cylinders fire."
+            "defines when the cylinders fire."
         )
     if angles is not None:
         return _angles(angles)

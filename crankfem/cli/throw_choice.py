@@ -36,7 +36,7 @@ def select_throw(
         first, *others = names_of_throws(engine)
         if others:
             console.print_note(
-                f"Note: throw {first} is taken; the file has {', '.join(others)} too.", quiet
+                f"Note: throw {first} is used; the file has {', '.join(others)} too.", quiet
             )
     return load_throw(engine, name)
 
@@ -69,7 +69,7 @@ def select_part(
         return select_throw(engine, name, quiet)
     if name is not None:
         raise InputError(
-            f"--throw: given {name!r} with a STEP file; allowed is it with a TOML file, for a part is one "
+            f"--throw: given {name!r} with a STEP file; allowed only with a TOML file, because a part is one "
             "throw."
         )
     part = import_throw(engine, pins=pins or ("pin",))

@@ -115,7 +115,7 @@ def _checked_folder(output: str | Path) -> Path:
     folder = Path(output)
     if not str(output).strip() or folder.is_file():
         raise InputError(
-            f"output: given {str(output)!r}; allowed is a folder one may write to, because the document, its "
+            f"output: given {str(output)!r}; allowed is a writable folder, because the document, its "
             "tables and diagrams are files in it."
         )
     try:
@@ -124,7 +124,7 @@ def _checked_folder(output: str | Path) -> Path:
     except OSError as error:
         raise InputError(
             f"output: given {str(folder)!r}, which cannot be made or written to ({error.strerror}); "
-            "allowed is a folder one may write to."
+            "allowed is a writable folder."
         ) from None
     check_output(folder / PAGE, "report")
     with recording_run_files():

@@ -32,7 +32,7 @@ def describe_error(error: Exception) -> tuple[str, int]:
     ):
         return str(error), EXIT_FAILED
     if isinstance(error, MemoryError):
-        return "The machine has not enough memory for this.", EXIT_FAILED
+        return "The machine does not have enough memory for this.", EXIT_FAILED
     if isinstance(error, OSError):
         # What was named cannot be used, or the machine cannot do it.
         misnamed = isinstance(error, NAMED_WRONGLY) or error.errno == errno.ENAMETOOLONG
@@ -42,7 +42,7 @@ def describe_error(error: Exception) -> tuple[str, int]:
         return f"{str(error).rstrip('.')}.", EXIT_FAILED
     text = " ".join(str(error).split())
     return (
-        f"{type(error).__name__}{': ' if text else ''}{text.rstrip('.')}, which nobody expected; set "
+        f"{type(error).__name__}{': ' if text else ''}{text.rstrip('.')}, an unexpected error; set "
         f"{TRACEBACK}=1 to see where it comes from.",
         EXIT_FAILED,
     )

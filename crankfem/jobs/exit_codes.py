@@ -14,7 +14,7 @@ MEANINGS = {
     EXIT_INPUT: "the input cannot be used: a file, a value, an option",
     EXIT_FAILED: "the calculation failed, or something that it needs is missing",
     EXIT_LIMITS: "with --strict: limits are exceeded",
-    EXIT_UNDECIDED: "with --strict: whether limits are kept hangs on what is assumed",
+    EXIT_UNDECIDED: "with --strict: whether limits are kept depends on assumed values",
     EXIT_INTERRUPTED: "interrupted",
     EXIT_PIPE: "the program that read the output has ended, as head does",
 }

@@ -55,7 +55,7 @@ def check_distinct_files(files: dict[str, Path | None]) -> None:
         if file == other:
             raise InputError(
                 f"{second}: given {files[second]}, which {first} writes too; allowed is another file, "
-                "because one would take the place of the other."
+                "because one would replace the other."
             )
 
 
@@ -113,7 +113,7 @@ def make_output_folder(
     Raises
     ------
     InputError
-        If the folder has no name, a file stands in its way, files cannot be written there, or one of them
+        If the folder has no name, a file of that name exists, files cannot be written there, or one of them
         would take the place of somebody else's.
     """
     if given is None:
@@ -127,7 +127,7 @@ def make_output_folder(
         folder.mkdir(parents=True, exist_ok=True)
     except OSError as error:
         in_the_way = isinstance(error, FileExistsError | NotADirectoryError)
-        reason = "a file stands in its way" if in_the_way else _system_says(error)
+        reason = "a file of that name exists" if in_the_way else _system_says(error)
         raise InputError(f"{option} {given}: cannot be made a folder, because {reason}.") from None
     try:
         # Rights alone do not tell what a file system takes.
@@ -143,4 +143,4 @@ def make_output_folder(
 
 
 def _system_says(error: OSError) -> str:
-    return f"the system says: {error.strerror or error}"
+    return f"the system reports: {error.strerror or error}"

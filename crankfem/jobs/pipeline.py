@@ -174,7 +174,9 @@ def _compute(
         told.step("Running the study")
         study = fitted(run_plan(inputs.study, store, workers, told.design, note=told.warn))
     elif engine_file.study is not None:
-        told.note(f"The study is not run: the saved model {inputs.saved_path} stands in its place.")
+        told.note(
+            f"The study is not run: the saved model {inputs.saved_path} is used in its place."
+        )
     model = inputs.model if study is None else study.model
     vibration = engine_vibration(
         engine_file,
@@ -186,12 +188,12 @@ def _compute(
     )
     strength = fatigue = fatigue_note = None
     if engine_file.strength is not None:
-        told.step("Judging the crankshaft's strength")
+        told.step("Assessing the crankshaft's strength")
         known = {name: own.stresses for name, own in throws.items() if own.stresses is not None}
         strength = engine_strength(vibration, mechanism=inputs.mechanism, stresses=known)
         if strength.warning:
             told.note(strength.warning)
-        told.step("Following the stresses over the cycle")
+        told.step("Calculating stresses over the cycle")
         fatigue, fatigue_note = fatigue_or_reason(vibration, strength, known, inputs.mechanism)
     harmonics = None if inputs.torque is None else inputs.torque.harmonics()
     told.stop()

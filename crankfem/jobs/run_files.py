@@ -68,8 +68,8 @@ def check_folder(folder: Path, *, study: bool, inputs: tuple[Path, ...] = ()) ->
     pictures = folder / PICTURES
     if pictures.is_symlink():
         raise InputError(
-            f"{pictures}: is a link; allowed is a folder of the run's own, because what is written there "
-            "would go elsewhere."
+            f"{pictures}: is a link; allowed is a folder of the run's own, because files written there would "
+            "go elsewhere."
         )
     list_older_run(folder)
     files: list[tuple[Path, Kind]] = [
@@ -148,7 +148,7 @@ def make_folder(folder: Path) -> Path:
     except OSError as error:
         raise InputError(
             f"output: given {str(folder)!r}, which cannot be made or written to ({error.strerror}); "
-            "allowed is a folder one may write to."
+            "allowed is a writable folder."
         ) from None
     return folder
 

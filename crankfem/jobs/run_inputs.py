@@ -53,7 +53,7 @@ class RunInputs:
 
     @property
     def study(self) -> StudyPlan | None:
-        """The study to run; none beside a saved model, which stands in its place."""
+        """The study to run; none beside a saved model, which is used in its place."""
         return self.engine_file.study if self.model is None else None
 
     @property

@@ -135,7 +135,9 @@ def _add_regression(found: dict[str, Any], computed: RunComputation) -> None:
     path = computed.inputs.saved_path
     source = "the study" if path is None else f"the saved model {path.name}"
     instead = computed.study is None and engine_file.study is not None
-    remarks = ["The section [study] was not run: the model stands in its place."] if instead else []
+    remarks = (
+        ["The section [study] was not run: the model is used in its place."] if instead else []
+    )
     records = {next(iter(computed.throws)): found, **found.get("throws", {})}
     for name, own in records.items():
         values, formulas = {}, own["formulas"]

@@ -117,7 +117,7 @@ def _reached(assessment: Record) -> str:
         shown = f"{_share(running, worst['unit'])}; above the running range {shown}"
     failed = sum(not one["passed"] for one in assessment["checks"])
     others = failed - 1
-    more = f"; {others} more {'place exceeds' if others == 1 else 'places exceed'} a limit"
+    more = f"; {others} more {'location exceeds' if others == 1 else 'locations exceed'} a limit"
     condition = "With the values used: " if undecided(assessment) else ""
     limit = worst["limit"] if condition else worst["limit"].capitalize()
     return f"{condition}{limit}, {worst['place']}: {shown}{more if others > 0 else ''}."
@@ -126,7 +126,7 @@ def _reached(assessment: Record) -> str:
 def _cause(assessment: Record) -> str:
     worst = assessment["checks"][0]
     return sentence(
-        f"at {significant(worst['speed_rpm'], DIGITS)} 1/min {worst['cause']['sentence']}"
+        f"at {significant(worst['speed_rpm'], DIGITS)} 1/min, {worst['cause']['sentence']}"
     )
 
 
@@ -210,15 +210,15 @@ def _advice(assessment: Record) -> str:
     fall = f"{worst['limit'].capitalize()} must fall by {format_usage(1.0 - 1.0 / worst['used'])}"
     if left["value"] > worst["permitted"]:
         return (
-            f"{fall}; more damping alone cannot do that: all orders away from resonance together make {rest} "
-            f"there, the permitted is {permitted}. Lessen what excites them, or strengthen the shaft."
+            f"{fall}; more damping alone is not sufficient: the non-resonant orders together contribute "
+            f"{rest} there, and {permitted} is permitted. Reduce their excitation, or strengthen the shaft."
         )
     least = LEAST_SHARE * made
     modes = sorted({(one["kind"], one["mode"]) for one in resonant if one["contribution"] > least})
     named = " and ".join(f"{kind} mode {mode}" for kind, mode in modes)
     return (
-        f"{fall}; all orders away from resonance together make {rest} there, the permitted is {permitted}: "
-        f"more damping, or another frequency of {named}, may do that at this speed."
+        f"{fall}; the non-resonant orders together contribute {rest} there, and {permitted} is permitted: "
+        f"more damping, or another frequency of {named}, may be sufficient at this speed."
     )
 
 
@@ -229,9 +229,9 @@ def _without_forces(results: Record) -> list[str]:
     assumed = sum(bool(one["assumed"]) for one in inputs)
     one = count == 1
     return [
-        "Amplitudes and stresses are not calculated, so nothing can be held against limits.",
+        "Amplitudes and stresses are not calculated, so nothing can be compared with limits.",
         f"{count} critical speed{'' if one else 's'} of orders up to {engine['highest_order']:g} "
-        f"{'lies' if one else 'lie'} in the running range.",
+        f"{'is' if one else 'are'} in the running range.",
         *([f"{assumed} of {len(inputs)} inputs are assumed."] if assumed else []),
-        "With a section [gas] the engine file gives what excites vibration.",
+        "Add a section [gas] to the engine file to define the excitation.",
     ]

@@ -80,7 +80,7 @@ THROW: tuple[Plot[None], ...] = (
     Plot(
         "drawing",
         "Dimensioned drawing of the crank throw: side view and view from the left end",
-        "The throw as it was described, to scale.",
+        "The throw as described in the file, to scale.",
     ),
     Plot(
         "stress_radial",

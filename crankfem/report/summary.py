@@ -57,7 +57,7 @@ def uncertain_sentence(vibration: Record, kind: str) -> str:
     if bearings is not None:
         low, high = min(bearings["stiffness"]), max(bearings["stiffness"])
         found.append(f"stiffness of the main bearings {low:.3g} to {high:.3g} N/m each")
-    said = f"What is uncertain of {kind} vibration: {'; '.join(found) or 'nothing is known'}."
+    said = f"Uncertainty of {kind} vibration: {'; '.join(found) or 'not known'}."
     first = _first_mode(vibration[kind])
     if first is None:
         return said
@@ -116,7 +116,7 @@ def _use(found: Mapping[str, Any]) -> float:
 def _compliance(results: Mapping[str, Any]) -> Record:
     throw, named = results["throw"], results.get("throws")
     which = f"throw {next(iter(named))}" if named else "a throw"
-    exact = " of the exact solution, in 95 of 100 throws"
+    exact = " of the exact solution, for 95 % of throws"
     return {
         "label": f"Axial compliance of {which},",
         "symbol": ("e", "n"),
@@ -140,16 +140,14 @@ def _frequency(vibration: Mapping[str, Any], kind: str) -> Record:
     assessment, whole = vibration["assessment"], vibration["whole"]
     if assessment is not None and shown is not None:
         bounds = assessment["uncertainty"][kind]["frequencies"][shown["number"] - 1]
-        details[0] = (
-            f"{_hertz(bounds['low'])} to {_hertz(bounds['high'])} Hz with what is uncertain"
-        )
+        details[0] = f"uncertainty range {_hertz(bounds['low'])} to {_hertz(bounds['high'])} Hz"
     if whole is not None and whole["chains"].get(kind, {}).get("modes"):
         shaft = whole["chains"][kind]["modes"][0]["shaft_frequency"]
         details.append(f"whole crankshaft in its bearings: {_hertz(shaft)} Hz")
     beside = elastic.index(shown) if shown is not None else len(elastic)
     if beside:
         lower = ", ".join(_hertz(mode["frequency"]) for mode in elastic[:beside])
-        details.append(f"lower ones of coupling, damper or line: {lower} Hz")
+        details.append(f"lower modes of coupling, damper or line: {lower} Hz")
     return {
         "label": f"First {kind} frequency",
         "symbol": None,

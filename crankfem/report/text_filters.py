@@ -119,7 +119,7 @@ def duration(seconds: float) -> str:
 
 def check_value_text(check: Record) -> str:
     """Write the value of a self-check."""
-    return _figure(check["figure"], check["unit"])
+    return _figure(check["figure"], _shown_unit(check))
 
 
 def check_limit_text(check: Record) -> str:
@@ -127,7 +127,12 @@ def check_limit_text(check: Record) -> str:
     allowed = check["allowed"]
     if allowed is None:
         return "not bounded" if check["met"] is None else "by its criteria"
-    return f"at most {_figure(allowed, check['unit'])}"
+    return f"at most {_figure(allowed, _shown_unit(check))}"
+
+
+def _shown_unit(check: Record) -> str:
+    # Results of earlier releases have the unit to show under "unit".
+    return str(check.get("shown_unit", check["unit"]))
 
 
 def _figure(value: float | None, unit: str) -> str:

@@ -88,6 +88,7 @@ class Banded(Answer):
     lower: float | None
     upper: float | None
     unit: str
+    support: str
 
 
 Components = list[float] | list[list[float]]

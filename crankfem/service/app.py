@@ -7,10 +7,11 @@ from importlib.resources import files
 from typing import Any
 
 from fastapi import APIRouter, FastAPI
+from fastapi.routing import APIRoute
 from starlette.exceptions import HTTPException
-from starlette.middleware import Middleware
 from starlette.requests import Request
 from starlette.responses import Response
+from starlette.types import ASGIApp
 
 from crankbase.errors import InputError
 from crankfem.analyses.provenance import program_version
@@ -23,14 +24,17 @@ from crankfem.service.job_routes import job_routes
 from crankfem.service.job_runner import JobRunner
 from crankfem.service.job_store import JobStore
 from crankfem.service.model_routes import Models, model_routes
+from crankfem.service.quick_routes import QuickRoutes
 from crankfem.service.responses import answer, described, record_schemas
 from crankfem.service.throw_routes import routes as throw_routes
 
+# Functions of routes, called most often.
+QUICK = ("evaluate_law", "look_up")
 SCRIPT = "text/javascript; charset=utf-8"
 
 
-def make_app(settings: Settings) -> FastAPI:
-    """Make the application.
+def make_app(settings: Settings) -> tuple[ASGIApp, JobRunner]:
+    """Make the application, guarded, and what runs its jobs.
 
     Parameters
     ----------
@@ -52,11 +56,17 @@ def make_app(settings: Settings) -> FastAPI:
         store.close()
 
     handlers: dict[Any, Any] = {
-        problems.ProblemError: problems.answer_refusal,
-        InputError: problems.answer_input_error,
+        problems.ProblemError: problems.answer_error,
+        InputError: problems.answer_error,
         HTTPException: problems.answer_http_error,
         Exception: problems.answer_fault,
     }
+    models = model_routes(Models(settings.models, store), settings.bounds)
+    quick = [
+        route
+        for route in [*throw_routes.routes, *models.routes]
+        if isinstance(route, APIRoute) and route.name in QUICK
+    ]
     app = FastAPI(
         title="crankfem",
         version=program_version(),
@@ -65,18 +75,15 @@ def make_app(settings: Settings) -> FastAPI:
         docs_url=None,
         redoc_url=None,
         lifespan=living,
-        middleware=[Middleware(Guard, settings=settings)],
         exception_handlers=handlers,
     )
-    app.state.runner, app.state.store = runner, store
-    # Those that are asked most often come first: routes are looked through in this order.
     app.include_router(throw_routes)
-    app.include_router(model_routes(Models(settings.models, store), settings.bounds))
+    app.include_router(models)
     app.include_router(_service_routes(settings))
     app.include_router(job_routes(store, runner, settings.bounds))
     app.include_router(_page_routes())
     _describe(app)
-    return app
+    return Guard(QuickRoutes(app, quick), settings), runner
 
 
 def _describe(app: FastAPI) -> None:
@@ -93,19 +100,17 @@ def _describe(app: FastAPI) -> None:
 
 def _service_routes(settings: Settings) -> APIRouter:
     routes = APIRouter(prefix="/api", tags=["service"])
+    about = {
+        "program": "crankfem",
+        "version": program_version(),
+        "rows": settings.bounds.rows,
+        "body": settings.bounds.body,
+    }
 
     @routes.get("", **described(Service))
     async def read_service() -> Response:
         """Tell what serves, and its limits."""
-        bounds = settings.bounds
-        return answer(
-            {
-                "program": "crankfem",
-                "version": program_version(),
-                "rows": bounds.rows,
-                "body": bounds.body,
-            }
-        )
+        return answer(about)
 
     @routes.post(SESSION.removeprefix("/api"), **described(Service, KeyQuestion))
     async def begin_session(request: Request) -> Response:

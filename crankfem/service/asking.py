@@ -21,6 +21,7 @@ from geometry.throw import CrankThrow
 Asked = TypeVar("Asked", bound=InputModel)
 Pin = tuple[float, float, float]
 LONGEST_NAME = 80
+JSON = b"application/json"
 UNIT_FORCE = 1e5  # towards the shaft [N]
 
 
@@ -130,7 +131,7 @@ class LookupQuestion(ReactionsQuestion):
         {}, description="value or list of values by name; these change the throw's"
     )
     responses: list[str] | None = Field(None, description="which; all of the model by default")
-    strict: bool = Field(False, description="refuse what lies outside the range of the model")
+    strict: bool = Field(False, description="refuse throws outside the range of the model")
 
 
 class FileQuestion(InputModel):
@@ -157,8 +158,10 @@ async def read_question(request: Request, kind: type[Asked]) -> Asked:
     InputError
         If the object is none of its kind.
     """
-    media = request.headers.get("content-type", "").partition(";")[0].strip().lower()
-    if media != "application/json":
+    media = next(
+        (value for name, value in request.scope["headers"] if name == b"content-type"), b""
+    )
+    if media != JSON and media.partition(b";")[0].strip().lower() != JSON:
         raise ProblemError(415, "The body of the request must be application/json.")
     try:
         content = from_json(await request.body(), allow_inf_nan=False)

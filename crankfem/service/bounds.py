@@ -31,7 +31,7 @@ class Bounds:
     job_seconds : float
         For one job [s].
     job_memory : float
-        For the process of one job [byte].
+        For the process of one job and all that it starts [byte].
     check_seconds : float
         For reading and checking an uploaded file [s].
     rows : int
@@ -64,7 +64,7 @@ class Settings:
         Folder of compliance models.
     host : str
     port : int
-        0 for any that is free.
+        Port; 0 for any free one.
     key : str or None
         That every request to the API must bring; always there where others than this machine can ask.
     bounds : Bounds

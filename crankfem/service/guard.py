@@ -1,13 +1,13 @@
 """Who may ask, how much and how slowly; and one log line a request, without contents."""
 
 import hmac
-import json
 import sys
 import time
 from http.cookies import CookieError, SimpleCookie
-from typing import Any
 from urllib.parse import urlsplit
 
+from pydantic_core import to_json
+from starlette.requests import ClientDisconnect
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 from crankfem.service.bounds import LOOPBACK, Settings
@@ -15,21 +15,26 @@ from crankfem.service.problems import ProblemError, problem, problem_response
 
 COOKIE = "crankfem_key"
 API, SESSION = "/api/", "/api/session"
+# Where the server notes the status of what it refused itself.
+REFUSED = "crankfem.refused"
 # The page takes nothing from elsewhere; plotly writes styles and makes pictures of what it draws.
+POLICY_NAME = b"content-security-policy"
 POLICY = (
-    "default-src 'none'; script-src 'self'; style-src 'self' 'unsafe-inline'; img-src 'self' data: blob:; "
-    "connect-src 'self'; font-src 'self'; base-uri 'none'; form-action 'self'; frame-ancestors 'none'"
+    POLICY_NAME,
+    b"default-src 'none'; script-src 'self'; style-src 'self' 'unsafe-inline'; img-src 'self' data: blob:; "
+    b"connect-src 'self'; font-src 'self'; base-uri 'none'; form-action 'self'; frame-ancestors 'none'",
 )
+# An answer of the API is no page.
+API_POLICY = (POLICY_NAME, b"default-src 'none'; style-src 'unsafe-inline'")
 HEADERS = [
     (b"x-content-type-options", b"nosniff"),
     (b"referrer-policy", b"no-referrer"),
     (b"cache-control", b"no-store"),
 ]
-POLICY_NAME = b"content-security-policy"
 
 
 class Guard:
-    """Middleware around the whole application.
+    """An application around the whole one.
 
     Parameters
     ----------
@@ -39,55 +44,55 @@ class Guard:
 
     def __init__(self, app: ASGIApp, settings: Settings) -> None:
         self._app, self._settings, self._bounds = app, settings, settings.bounds
+        self._loopback = settings.is_loopback
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
         """Answer a request."""
         if scope["type"] != "http":
             await self._app(scope, receive, send)
             return
-        start, told = time.perf_counter(), {"status": 0, "bytes": 0}
+        start, status, size = time.perf_counter(), 0, 0
 
         async def sending(message: Message) -> None:
+            nonlocal status, size
             if message["type"] == "http.response.start":
-                told["status"] = message["status"]
+                status = message["status"]
                 headers = message["headers"]
-                headers.extend(HEADERS)
                 if all(name != POLICY_NAME for name, _ in headers):
-                    headers.append((POLICY_NAME, POLICY.encode()))
+                    headers.append(API_POLICY if scope["path"].startswith(API) else POLICY)
+                headers.extend(HEADERS)
             else:
-                told["bytes"] += len(message.get("body", b""))
+                size += len(message.get("body", b""))
             await send(message)
 
         try:
-            headers = {name: value.decode("latin-1") for name, value in scope["headers"]}
+            headers = dict(scope["headers"])
             refusal = self._refusal(scope, headers)
             if refusal is not None:
                 response = problem_response(problem(*refusal), {"Connection": "close"})
                 await response(scope, receive, sending)
                 return
-            await self._app(scope, self._bounded(receive), sending)
+            # A body of a length that is told is no longer than that.
+            whole = b"content-length" in headers
+            await self._app(scope, receive if whole else self._bounded(receive), sending)
+        except ClientDisconnect:
+            status = scope.get(REFUSED, 0)  # the server answered, or nobody did
         finally:
-            route = scope.get("route")
-            _log(
-                method=scope["method"],
-                # What was asked for in a path stays out: the route tells which kind of request it was.
-                route=getattr(route, "path", None),
-                status=told["status"],
-                bytes=told["bytes"],
-                milliseconds=round(1e3 * (time.perf_counter() - start), 3),
-            )
+            # What was asked for in a path stays out: the route tells which kind of request it was.
+            route = getattr(scope.get("route"), "path", None)
+            _log(scope["method"], route, status, size, time.perf_counter() - start)
 
-    def _refusal(self, scope: Scope, headers: dict[bytes, str]) -> tuple[int, str] | None:
-        host = headers.get(b"host", "")
-        if self._settings.is_loopback and _host_name(host) not in LOOPBACK:
+    def _refusal(self, scope: Scope, headers: dict[bytes, bytes]) -> tuple[int, str] | None:
+        host = headers.get(b"host", b"").decode("latin-1")
+        if self._loopback and _host_name(host) not in LOOPBACK:
             return 403, "This service answers to this machine's own names alone."
         origin = headers.get(b"origin")
-        if origin is not None and urlsplit_host(origin) != host:
+        if origin is not None and urlsplit_host(origin.decode("latin-1")) != host:
             return 403, "Requests from pages of other origins are refused."
-        if headers.get(b"sec-fetch-site") == "cross-site" and scope["path"].startswith(API):
+        if headers.get(b"sec-fetch-site") == b"cross-site" and scope["path"].startswith(API):
             return 403, "Requests from pages of other origins are refused."
         length = headers.get(b"content-length")
-        if length is not None and not (length.isdecimal() and int(length) <= self._bounds.body):
+        if length is not None and not (length.isdigit() and float(length) <= self._bounds.body):
             return 413, _too_large(self._bounds.body)
         key = self._settings.key
         needs_key = key is not None and scope["path"].startswith(API) and scope["path"] != SESSION
@@ -114,12 +119,12 @@ def is_key(given: str, key: str) -> bool:
     return hmac.compare_digest(given.encode(), key.encode())
 
 
-def _brings(headers: dict[bytes, str], key: str) -> bool:
-    kind, _, given = headers.get(b"authorization", "").partition(" ")
+def _brings(headers: dict[bytes, bytes], key: str) -> bool:
+    kind, _, given = headers.get(b"authorization", b"").decode("latin-1").partition(" ")
     if kind.lower() == "bearer" and is_key(given, key):
         return True
     try:
-        cookie = SimpleCookie(headers.get(b"cookie", "")).get(COOKIE)
+        cookie = SimpleCookie(headers.get(b"cookie", b"").decode("latin-1")).get(COOKIE)
     except CookieError:
         return False
     return cookie is not None and is_key(cookie.value, key)
@@ -144,5 +149,13 @@ def _too_large(most: int) -> str:
     return f"The body of the request is larger than {most / 1e6:g} MB."
 
 
-def _log(**told: Any) -> None:
-    sys.stderr.write(json.dumps({"time": round(time.time(), 3), **told}) + "\n")
+def _log(method: str, route: str | None, status: int, size: int, seconds: float) -> None:
+    line = {
+        "time": round(time.time(), 3),
+        "method": method,
+        "route": route,
+        "status": status,
+        "bytes": size,
+        "milliseconds": round(1e3 * seconds, 3),
+    }
+    sys.stderr.write(f"{to_json(line).decode()}\n")

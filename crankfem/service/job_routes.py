@@ -72,7 +72,7 @@ def job_routes(store: JobStore, runner: JobRunner, bounds: Bounds) -> APIRouter:
         if name is None:
             raise ProblemError(
                 429,
-                f"{bounds.waiting} jobs wait already; ask again later.",
+                f"{bounds.waiting} jobs are waiting; try again later.",
                 {"Retry-After": RETRY_SECONDS},
             )
         return answer(job_named(name), 202, {"Location": f"/api/jobs/{name}"})

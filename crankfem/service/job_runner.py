@@ -115,7 +115,7 @@ class JobRunner:
         timer.daemon = True
         timer.start()
         try:
-            limits = Limits(bounds.job_seconds, bounds.job_memory)
+            limits = Limits(bounds.job_seconds, bounds.job_memory, tree=True)
             answered(*process.wait(limits, lambda told: self._note(name, told)))
         except ProcessLostError as lost:
             self._settle(name, lost)

@@ -31,7 +31,7 @@ _COLUMNS = {
 VERSION = 1
 FILE, FOLDERS = "jobs.sqlite", "jobs"
 # What a job keeps for itself: its store and the lists of its files.
-OWN_ENDINGS = (".sqlite", ".sqlite-wal", ".sqlite-shm")
+OWN_ENDINGS = (".sqlite", ".sqlite-wal", ".sqlite-shm", ".sqlite-claims")
 
 
 class JobStore:

@@ -2,7 +2,6 @@
 
 from collections.abc import Sequence
 
-from crankbase.errors import InputError
 from crankfem.analyses.record import Record, attributes
 from crankfem.analyses.throw.law_record import end_answers, neighbor_answers
 from fem.material import Material
@@ -36,7 +35,7 @@ def law_answer(
     Raises
     ------
     InputError
-        If the throw or the material is outside the law's range.
+        If the throw or the material is outside the law's range, or the force has a part along the shaft.
     """
     axial, torsional = throw_laws(
         throw, youngs_modulus=material.youngs_modulus, poisson_ratio=material.poisson_ratio
@@ -49,21 +48,17 @@ def law_answer(
         for name, own in neighbor_answers(axial, gamma_deg).items():
             values[f"{name}_neighbors"] = own
     remarks = [
-        "A band holds the true value of 95 in 100 throws, their end sections rigid. Nearest to an end of the "
+        "A band contains the true value for 95 % of throws with rigid end sections. Nearest to an end of the "
         f"law's range: {axial.nearest_limit}."
     ]
     reactions = None
-    if pin_force is not None:
-        try:
-            found = law_reactions(throw, pin_force, support, poisson_ratio=material.poisson_ratio)
-            reactions = reactions_record(found)
-        except InputError as error:  # the compliances are known all the same
-            remarks.append(f"No reactions: {error}")
+    if pin_force is not None and not throw.parts.mirrored:
+        remarks.append("No reactions: the law has those of throws with equal webs only.")
+    elif pin_force is not None:
+        found = law_reactions(throw, pin_force, support, poisson_ratio=material.poisson_ratio)
+        reactions = reactions_record(found)
     return {
-        "values": {
-            name: {key: own[key] for key in ("value", "lower", "upper", "unit")}
-            for name, own in values.items()
-        },
+        "values": values,
         "ratio": axial.ratio,
         "reactions": reactions,
         "tier": axial.tier,

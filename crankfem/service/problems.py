@@ -55,14 +55,10 @@ def problem_response(content: dict[str, Any], headers: dict[str, str] | None = N
     return Response(to_json(content), content["status"], headers, media_type=MEDIA_TYPE)
 
 
-async def answer_refusal(_: Request, error: Exception) -> Response:
-    """Answer a request that is refused."""
-    assert isinstance(error, ProblemError)
-    return problem_response(problem(error.status, error.detail), error.headers)
-
-
-async def answer_input_error(_: Request, error: Exception) -> Response:
-    """Answer input that cannot be used."""
+async def answer_error(_: Request, error: Exception) -> Response:
+    """Answer a request that is refused, or input that cannot be used."""
+    if isinstance(error, ProblemError):
+        return problem_response(problem(error.status, error.detail), error.headers)
     assert isinstance(error, InputError)
     return problem_response(problem(422, error.sentences[0], field_errors(error)))
 
@@ -78,5 +74,5 @@ async def answer_http_error(_: Request, error: Exception) -> Response:
 async def answer_fault(_: Request, error: Exception) -> Response:
     """Answer a fault of the service without telling its inside."""
     return problem_response(
-        problem(500, f"The service met {type(error).__name__}, which nobody expected.")
+        problem(500, f"The service met {type(error).__name__}, an unexpected error.")
     )

@@ -21,11 +21,12 @@ REFUSALS = {
     "403": "a foreign origin",
     "404": "nothing of that name",
     "405": "another method",
+    "408": "the request took too long to arrive",
     "409": "not now",
     "413": "too large",
     "415": "another media type",
     "422": "input that cannot be used, with a sentence for each wrong field",
-    "429": "the queue is full; Retry-After tells when to ask again",
+    "429": "the queue is full; Retry-After gives the time to wait",
     "500": "a fault of the service",
     "503": "busy",
 }
@@ -47,7 +48,7 @@ def described(
     """Describe a route: what it answers (a model, or a media type), what is asked, how it may refuse."""
     codes = {401, 403, *refused}
     if asked is not None:
-        codes |= {400, 413, 415, 422}
+        codes |= {400, 408, 413, 415, 422}
     found: dict[str, Any] = {"response_model": None, "status_code": status}
     if isinstance(kind, str):
         good: dict[str, Any] = {"content": {kind: {"schema": {"type": "string"}}}}

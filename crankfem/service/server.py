@@ -3,15 +3,20 @@
 import asyncio
 import socket
 from collections.abc import Callable
+from http import HTTPStatus
 from typing import Any
 
 import uvicorn
+from pydantic_core import to_json
 from uvicorn.protocols.http.auto import AutoHTTPProtocol
 
 from crankbase.errors import InputError
 from crankfem.service.app import make_app
 from crankfem.service.bounds import Settings
+from crankfem.service.guard import REFUSED
+from crankfem.service.problems import MEDIA_TYPE, problem
 
+LATE = HTTPStatus.REQUEST_TIMEOUT.value
 GRACE = 5  # seconds for requests under way when the service ends
 
 
@@ -29,8 +34,9 @@ def serve(settings: Settings, tell: Callable[[str], None]) -> None:
     InputError
         If the folder or the port cannot be used.
     """
-    app = make_app(settings)
+    app, runner = make_app(settings)
     bounds = settings.bounds
+    late = _late(bounds.seconds)
 
     class Protocol(AutoHTTPProtocol):  # type: ignore[misc, valid-type]
         """A connection that is closed where a request does not come in time."""
@@ -50,6 +56,10 @@ def serve(settings: Settings, tell: Callable[[str], None]) -> None:
             if self.transport.is_closing():
                 return
             if waits and asked is self._asked_before:
+                if asked is None or asked.response_complete or not asked.response_started:
+                    self.transport.write(late)
+                if asked is not None:
+                    asked.scope[REFUSED] = LATE
                 self.transport.close()
             else:
                 self._asked_before = asked
@@ -59,6 +69,7 @@ def serve(settings: Settings, tell: Callable[[str], None]) -> None:
         app,
         http=Protocol,
         ws="none",
+        proxy_headers=False,
         access_log=False,
         log_level="warning",
         server_header=False,
@@ -66,12 +77,19 @@ def serve(settings: Settings, tell: Callable[[str], None]) -> None:
         timeout_graceful_shutdown=GRACE,
         h11_max_incomplete_event_size=65536,
     )
-    server = _Server(config, app.state.runner)
+    server = _Server(config, runner)
     with _listening(settings) as listener:
         host, port = listener.getsockname()[:2]
         shown = f"[{host}]" if ":" in host else host
         tell(f"http://{shown}:{port}/")
         server.run(sockets=[listener])
+
+
+def _late(seconds: float) -> bytes:
+    """The answer to a request that does not arrive."""
+    told = to_json(problem(LATE, f"The request took longer than {seconds:g} s to arrive."))
+    head = f"HTTP/1.1 {LATE} {HTTPStatus(LATE).phrase}\r\nContent-Type: {MEDIA_TYPE}\r\n"
+    return f"{head}Content-Length: {len(told)}\r\nConnection: close\r\n\r\n".encode() + told
 
 
 class _Server(uvicorn.Server):

@@ -24,7 +24,7 @@ routes = APIRouter(prefix="/api/throws", tags=["throws"])
 
 
 @routes.post("/law", **described(Law, LawQuestion))
-async def ask_law(request: Request) -> Response:
+async def evaluate_law(request: Request) -> Response:
     """Tell compliances, c and reactions of a throw by the law, with bands, without finite elements."""
     asked = await read_question(request, LawQuestion)
     return answer(

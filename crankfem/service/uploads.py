@@ -70,5 +70,5 @@ def _check_name(field: str, name: str, endings: tuple[str, ...]) -> None:
         ends = f" that ends in {' or '.join(endings)}" if endings else ""
         raise InputError(
             f"{field}: given {name!r}; allowed is the plain name of a file{ends}, of letters, digits, spaces "
-            "and . ( ) + - _, because uploaded files lie beside each other."
+            "and . ( ) + - _, because uploaded files share a folder."
         )

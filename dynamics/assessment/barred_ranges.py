@@ -335,7 +335,7 @@ def _ends(group: Sequence[_Widened], rule: BarredRangeRule) -> str:
         peak = max(own for own in highest.exceeded.peaks if at_most(own, rule.rated_speed))
         said.append(f"it ends at (18 - r) n/16 above the peak at n = {_speed(peak)}")
     if len(said) > 1:
-        said.append(f"r is n over the rated speed of {_speed(rule.rated_speed)}")
+        said.append(f"r is n divided by the rated speed of {_speed(rule.rated_speed)}")
     return "; ".join(said)
 
 

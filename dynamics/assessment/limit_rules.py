@@ -19,8 +19,9 @@ M68_SOURCE = (
 CRANKSHAFT_SOURCE = "Korean Register, Rules for Steel Ships 2025, Part 5, Chapter 4, 201"
 GENERATOR_SOURCE = "Korean Register, Rules for Steel Ships 2025, Part 5, Chapter 4, 203"
 GENERATOR_READING = (
-    "below 0.9 of the rated speed a set only passes, with the rule's limit for passing; values and speeds "
-    "are read from the 2025 edition alone, no second text confirms them: see the rule before relying on them"
+    "below 0.9 of the rated speed a generating set only passes, with the rule's limit for passing; values "
+    "and speeds come from the 2025 edition alone, and no second source confirms them: check the rule before "
+    "relying on them"
 )
 
 SHAFT_FEATURES: dict[str, tuple[float, bool]] = {
@@ -262,7 +263,7 @@ def generator_set_limit(
 def _has_limits_of_engines_in_line(strokes: int, kind: str, interval: float | None) -> bool:
     if strokes not in (2, 4):
         raise InputError(f"strokes: given {strokes}; allowed are 2 and 4.")
-    check_choice("kind", kind, get_args(Kind), "the rule knows these")
+    check_choice("kind", kind, get_args(Kind), "the rule covers these")
     return strokes == 4 and (kind == "in line" or interval in (45.0, 60.0))
 
 

@@ -17,14 +17,12 @@ def use_in_words(
     reached, allowed = quantities_apart(value, permitted, limit.unit, digits)
     used = value / permitted
     if np.isinf(value):
-        return f"is unbounded at {at}, where {allowed} is permitted"
+        return f"unbounded at {at}, where {allowed} is permitted"
     if used <= 1.0:
-        return f"is at worst {reached} at {at}, {100.0 * used:.3g} % of the permitted {allowed}"
+        return f"at most {reached} at {at}, {100.0 * used:.3g} % of the permitted {allowed}"
     if used < SLIGHT:
-        return (
-            f"reaches {reached} at {at}, which exceeds the permitted {allowed} {shown_excess(used)}"
-        )
-    return f"reaches {reached} at {at}, {used:.3g} times the permitted {allowed}"
+        return f"{reached} at {at}, which exceeds the permitted {allowed} {shown_excess(used)}"
+    return f"{reached} at {at}, {used:.3g} times the permitted {allowed}"
 
 
 def shown_excess(used: float) -> str:

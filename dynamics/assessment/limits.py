@@ -109,7 +109,7 @@ class VibrationLimit:
         if not self.source.strip():
             raise InputError(
                 f"limit on {self.name}: given no source; allowed is a sentence that says where the "
-                "value comes from, because a verdict is worth what its limits are."
+                "value comes from, because a verdict depends on its limits."
             )
 
     @property
@@ -170,8 +170,8 @@ def given_limit(
         passed = positive_number(field, passing, unit, "every engine vibrates")
     if passed is not None and passed < kept:
         raise InputError(
-            f"{field}: given {passed:g} {unit} while a barred range is passed; allowed are finite "
-            f"numbers of {kept:g} {unit} or more, because what may be kept may be passed."
+            f"{field}: given {passed:g} {unit} while a barred range is passed; allowed are finite numbers of "
+            f"{kept:g} {unit} or more, because a permitted continuous vibration may also be passed."
         )
     return VibrationLimit(
         quantity=quantity,
@@ -218,14 +218,14 @@ class AmplitudeCurve:
         if places.size == 0 or not np.all(np.diff(places) > 0.0):
             raise InputError(
                 f"speeds of {name}: given {places.size} values that do not ascend; allowed are one or "
-                "more, each above the last, because ranges of speeds are looked for among them."
+                "more, each above the last, because ranges of speeds are searched among them."
             )
         sizes = np.array(values, dtype=np.float64)
         if sizes.shape != places.shape or np.any(np.isnan(sizes)) or np.any(sizes < 0.0):
             raise InputError(
-                f"values of {name}: given an array of shape {sizes.shape} for {places.size} speeds; "
-                "allowed is an amplitude of zero or more (inf if unbounded) at each speed, because "
-                "each is held against its limit."
+                f"values of {name}: given an array of shape {sizes.shape} for {places.size} speeds; allowed "
+                "is an amplitude of zero or more (inf if unbounded) at each speed, because each is compared "
+                "with its limit."
             )
         object.__setattr__(self, "name", name)
         object.__setattr__(self, "speeds", read_only(places))

@@ -12,7 +12,7 @@ from dynamics.critical import CriticalSpeed
 from dynamics.running_limits import within
 
 MAJOR_SOURCE = "Korean Register, Rules for Steel Ships 2025, Part 5, Chapter 4, 204"
-MAJOR_READING = "read from the 2025 edition alone; no second text confirms it"
+MAJOR_READING = "from the 2025 edition alone; no second source confirms it"
 # Shares of the rated speed between which no major critical speed may lie, by what is driven.
 CLEAR = {"propeller": (0.8, 1.1), "generator": (0.9, 1.1)}
 

@@ -112,7 +112,9 @@ class LimitCheck:
         source = self.limit.source + (", assumed" if self.limit.assumed else "")
         found = use_in_words(self.limit, self.worst_speed, self.worst_value, self.permitted)
         if self.running and not at_most(self.worst_speed, self.highest_running):
-            found = f"{use_in_words(self.limit, *self.running)} at running speeds; above them it {found}"
+            found = (
+                f"{use_in_words(self.limit, *self.running)} at running speeds; above them {found}"
+            )
         text = f"{self.limit.name}, {self.curve.name}: {found} ({source})."
         if self.cause is None:
             return text

@@ -149,7 +149,7 @@ class Balance:
                 return row
         raise InputError(
             f"order: given {order}; allowed are {', '.join(str(row.order) for row in self.rows)}, "
-            "because these were asked for."
+            "because these were calculated."
         )
 
     def plot(self, axes: Axes | None = None, *, show: Literal["force", "moment"] = "force") -> Axes:

@@ -165,7 +165,7 @@ def hinged_rod_effects(
     if all(engine.main_of(number) == number for number in numbers):
         raise InputError(
             f"cylinders: given {numbers}, none of which has a hinged rod; allowed are cylinders with one, "
-            "because their effect is asked for."
+            "because their effect is calculated."
         )
     beside = _side_by_side(engine)
     own = [masses.reciprocating for masses in moving_masses(engine)]

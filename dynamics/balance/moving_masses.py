@@ -122,7 +122,7 @@ def balancing_masses(
     crankpin and is not balanced here.
     """
     share = nonnegative_number(
-        "reciprocating_share", reciprocating_share, "", "the weights stand opposite to the crank"
+        "reciprocating_share", reciprocating_share, "", "the weights are opposite to the crank"
     )
     pins: dict[int, float] = {}
     for number, masses in enumerate(moving_masses(engine), start=1):

@@ -175,7 +175,7 @@ def main_inertia(chain: Chain, node: str | int, mode: int = 1) -> tuple[float, f
     motion = float(modes.shapes[place, column])
     if abs(motion) < STANDS_STILL:
         raise InputError(
-            f"node: given {chain.names[place]!r}, which stands still in mode {number}; allowed is one "
+            f"node: given {chain.names[place]!r}, which does not move in mode {number}; allowed is one "
             "that moves, because nothing else drives a damper."
         )
     inertia = float(modes.modal_inertia[column]) / motion**2

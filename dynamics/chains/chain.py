@@ -358,6 +358,6 @@ def _checked_names(names: Sequence[str] | None, count: int) -> tuple[str, ...]:
     if len(names) != count or len(set(names)) != count:
         raise InputError(
             f"names: given {len(names)} names, {len(set(names))} of them different; allowed is a "
-            f"different one for each of the {count} nodes, because results are told by them."
+            f"different one for each of the {count} nodes, because results are named by them."
         )
     return tuple(names)

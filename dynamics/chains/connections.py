@@ -189,7 +189,7 @@ def check_connected(parts: NDArray[np.int64], dashpots: Sequence[Dashpot]) -> No
     if apart:
         raise InputError(
             f"connections: given ones that do not join node {', '.join(map(str, apart))} to node 0; "
-            "allowed is one chain that hangs together, because its parts do not move each other."
+            "allowed is one connected chain, because separate parts do not move each other."
         )
 
 

@@ -284,7 +284,7 @@ def check_new_names(taken: Sequence[str], names: Sequence[str]) -> None:
         if name in taken:
             raise InputError(
                 f"name: given {name!r}, which a node of the chain has already; allowed is another "
-                "one, or a prefix, because results are told by names."
+                "one, or a prefix, because results are identified by names."
             )
 
 

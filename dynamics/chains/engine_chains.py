@@ -104,7 +104,7 @@ class EngineChain:
         if chain.names[: len(self.chain.names)] != self.chain.names:
             raise InputError(
                 f"chain: given nodes {', '.join(chain.names)}; allowed are ones that begin with "
-                f"{', '.join(self.chain.names)}, because the throws are known by their places."
+                f"{', '.join(self.chain.names)}, because the throws are identified by their positions."
             )
         return replace(self, chain=chain)
 
@@ -357,8 +357,7 @@ def _checked_compliances(throw_compliances: ArrayLike, unit: str) -> FloatArray:
     )
     if compliances.size == 0:
         raise InputError(
-            "throw_compliances: given no values; allowed are one or more, because a crankshaft has "
-            "a throw."
+            "throw_compliances: given no values; allowed are one or more, because a crankshaft has a throw."
         )
     return compliances
 

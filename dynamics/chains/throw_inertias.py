@@ -113,7 +113,7 @@ def throw_inertias(
     Exactly, a cylinder adds m_p |x_p'|^2 + m |x_c'|^2 + J beta'^2, primes being derivatives by the
     shaft angle: piston, rod's center, rod's turning.
     """
-    why = "these are the constants that stand for the inertia of pistons"
+    why = "these are the constants that represent the inertia of pistons"
     check_choice("reciprocating", reciprocating, get_args(Reciprocating), why)
     groups = throws_along_shaft(engine) if throws is None else checked_throws(engine, throws)
     solids = one_for_each(

@@ -212,17 +212,17 @@ def chain_verdict(
     for match in modes:
         name = f"{kind} mode of the chain at {match.chain_frequency:.1f} Hz"
         if match.shaft_frequency is None:
-            reasons.append(f"The {name} has none like it in the whole shaft.")
+            reasons.append(f"The whole shaft has no mode like the {name}.")
             continue
         if abs(match.difference) > FREQUENCY_LIMIT:
             reasons.append(
-                f"The {name} lies {100.0 * match.difference:+.1f} % from that of the whole shaft at "
-                f"{match.shaft_frequency:.1f} Hz, more than {100.0 * FREQUENCY_LIMIT:.0f} %."
+                f"The {name} differs from that of the whole shaft, at {match.shaft_frequency:.1f} Hz, by "
+                f"{100.0 * match.difference:+.1f} %, more than {100.0 * FREQUENCY_LIMIT:.0f} %."
             )
         if match.share < SHARE_LIMIT:
             reasons.append(
-                f"The whole shaft's mode at {match.shaft_frequency:.1f} Hz is {kind} by "
-                f"{100.0 * match.share:.0f} % only, less than {100.0 * SHARE_LIMIT:.0f} %."
+                f"The whole shaft's mode at {match.shaft_frequency:.1f} Hz is only "
+                f"{100.0 * match.share:.0f} % {kind}, less than {100.0 * SHARE_LIMIT:.0f} %."
             )
     if response is not None and abs(response.difference) > RESPONSE_LIMIT:
         reasons.append(

@@ -82,7 +82,7 @@ def pins_of_cylinders(
         if len(set(pin_throws)) != len(pin_throws):
             raise InputError(
                 "pins: given none for throws of several pins; allowed is the pin of each cylinder, because "
-                "its throw does not tell."
+                "its throw does not define it."
             )
         pins = [
             pin_throws.index(throw) if throw in pin_throws else len(pin_throws) for throw in throws

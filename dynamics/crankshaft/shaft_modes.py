@@ -177,7 +177,7 @@ class ShaftModes:
                 "shares": (("kind", "mode"), self.shares, "1", "share of the energy"),
                 "displacement": (over, self.motions[:, :3], "m", "displacement of the station"),
                 "rotation": (over, self.motions[:, 3:], "rad", "rotation of the station"),
-                "position": (("station",), self.positions, "m", "place along the shaft"),
+                "position": (("station",), self.positions, "m", "position along the shaft"),
             },
             {
                 "mode": name_axis(self.names, "mode"),

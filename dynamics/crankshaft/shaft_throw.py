@@ -77,7 +77,7 @@ class ShaftThrow:
         if np.any(np.hypot(self.pins[:, 0], self.pins[:, 1]) == 0.0):
             raise InputError(
                 "pins: given one on the shaft axis; allowed are pins aside of it, because radial and "
-                "tangential forces are told from there."
+                "tangential directions need the pin's radius."
             )
         expected = (len(self.pins), size, 6)
         if self.pin_loads.shape != expected:

@@ -134,7 +134,7 @@ class EngineLayout:
         if main == number or not 1 <= main <= len(self.cylinders):
             raise InputError(
                 f"{name}slave pin: given main cylinder {main}; allowed is another cylinder from 1 to "
-                f"{len(self.cylinders)}, because the rod hangs on that one's rod."
+                f"{len(self.cylinders)}, because the rod is hinged to that one's rod."
             )
         carrier = self.cylinders[main - 1]
         if carrier.slave_pin is not None:
@@ -154,7 +154,7 @@ class EngineLayout:
         if abs(carrier.position - cylinder.position) > SAME_PLACE:
             raise InputError(
                 f"{name}position: given {cylinder.position:g} m; allowed is that of cylinder {main}, "
-                f"{carrier.position:g} m, because its rod hangs on that one's."
+                f"{carrier.position:g} m, because its rod is hinged to that one's."
             )
         if not cylinder.slave_pin.radius < carrier.rod.length:
             raise InputError(
@@ -209,7 +209,7 @@ def check_distinct_positions(engine: EngineLayout) -> None:
             if abs(apart) <= IN_LINE and abs(cylinder.position - earlier.position) <= SAME_PLACE:
                 raise InputError(
                     f"cylinder {number}: position: given {cylinder.position:g} m, where cylinder {other} of "
-                    "the same bank stands; allowed are places apart along the shaft, because moments and "
-                    "bearing loads follow from them."
+                    "the same bank stands; allowed are different positions along the shaft, because moments "
+                    "and bearing loads follow from them."
                 )
         standing.append((number, cylinder))

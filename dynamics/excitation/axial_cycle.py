@@ -36,7 +36,7 @@ class AxialForceOverCycle:
         With which the shaft would press on its two ends, were both held axially and it did not
         vibrate [N].
     thrust_bearing : ndarray of shape (m,) or None
-        Force on the thrust bearing as the shaft vibrates, positive towards the flywheel [N]; None
+        Force on the thrust bearing with vibration, positive towards the flywheel [N]; None
         where that is not known.
 
     Notes

@@ -90,8 +90,7 @@ class CylinderHarmonics:
         speeds = np.atleast_1d(turning_speeds("speeds", speeds))
         if load is not None and not self.takes_load:
             raise InputError(
-                "load: given without a pressure map; allowed is none, because a single diagram "
-                "knows no load."
+                "load: given without a pressure map; allowed is none, because a single diagram has no load."
             )
         found = speeds[:, np.newaxis, np.newaxis] ** 2 * self.inertia[:, np.newaxis]
         known: dict[int, FloatArray] = {}

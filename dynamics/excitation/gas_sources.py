@@ -87,7 +87,7 @@ def gas_sources(
         raise InputError(
             f"motored: given none for misfire in cylinder {min(failing)}; allowed is the pressure without "
             "combustion (of the cycle model with heat=0, measured, or by `motored_from_compression`), "
-            "because a fired diagram alone does not say it."
+            "because a fired diagram alone does not define it."
         )
     cold = _one_for_each("motored", motored, engine)
     made: dict[tuple[int, int, float], GasSource] = {}

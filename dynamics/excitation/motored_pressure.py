@@ -79,7 +79,7 @@ def motored_from_compression(
     motored = np.where(after, np.minimum(pressure.pressure, polytrope), pressure.pressure)
     remark = (
         f"Without combustion: compression with the exponent {-slope:.4g}, fitted from "
-        f"{low:g} to {high:g} deg, went back the way it came."
+        f"{low:g} to {high:g} deg, and expansion along the same curve."
     )
     return gas_pressure(
         motored,

@@ -129,7 +129,7 @@ class PressureMap:
         if self.loads is None and load is not None:
             raise InputError(
                 "load: given for a pressure map with one diagram at each speed; allowed is none, "
-                "because the speed says the load there."
+                "because the speed determines the load."
             )
         if self.loads is None or (self.loads.size == 1 and load is None):
             return self._positive(along, asked)

@@ -68,9 +68,9 @@ def order_indices(orders: ArrayLike, strokes: int, samples: int, what: str) -> N
     if beyond.size:
         first = int(beyond[0])
         raise InputError(
-            f"orders[{first}]: given {values[first]:g}; allowed are orders up to {step * highest:g}, "
-            f"because {what} have {samples} samples over the cycle and a higher order cannot be told "
-            "from a lower one in them."
+            f"orders[{first}]: given {values[first]:g}; allowed are orders up to {step * highest:g}, because "
+            f"{what} have {samples} samples over the cycle and in them a higher order looks like a lower "
+            "one."
         )
     return np.asarray(places, dtype=np.int64)
 

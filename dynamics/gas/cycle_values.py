@@ -204,7 +204,7 @@ USUAL_VALUES: dict[str, UsualValue] = {
         "diesel engines have 0.5 to 1.5 as burning by mixing falls slowly, spark ignition about 2",
     ),
     "wiebe_completeness": UsualValue(
-        _value_by_strokes(0.999, 0.999), "the customary end of the law, whose factor then is 6.908"
+        _value_by_strokes(0.999, 0.999), "it is the customary end of the law, with the factor 6.908"
     ),
     "intake_closes_deg": UsualValue(
         _value_by_strokes(-145.0, -115.0),

@@ -232,8 +232,8 @@ def allowed_heat(state: CycleSamples, heat: float) -> float:
     most = state.heat_for_peak(HIGHEST_PEAK)
     if heat > most:
         raise InputError(
-            f"heat: given {heat:g} J; allowed are 0 to {most:.6g} J, because more drives the peak "
-            f"above {format_mpa(HIGHEST_PEAK)}, which no piston engine stands."
+            f"heat: given {heat:g} J; allowed are 0 to {most:.6g} J, because more drives the peak above "
+            f"{format_mpa(HIGHEST_PEAK)}, which no piston engine withstands."
         )
     return float(heat)
 
@@ -261,7 +261,7 @@ def checked_peak(peak: float, lowest: float) -> float:
         raise InputError(
             f"peak_pressure: given {format_mpa(peak)}; allowed are {mpa_rounded_up(lowest)} to "
             f"{format_mpa(HIGHEST_PEAK)}, because compression alone gives the lowest and no piston engine "
-            "stands more than the highest."
+            "withstands more than the highest."
         )
     return max(float(peak), lowest)
 

@@ -44,9 +44,7 @@ STEEP = np.pi / 6.0
 # What must hold of a guide that can be made, and why.
 MUST_BE = {
     "smallest radius": "above the roller's radius, or the two rollers would meet",
-    "shortest gas column": (
-        f"above {100.0 * LEAST_COLUMN:g} % of the height, or nothing keeps the pistons apart"
-    ),
+    "shortest gas column": (f"above {100.0 * LEAST_COLUMN:g} % of the height, or the pistons meet"),
     "lowest spring pressure": "above ambient, or the rollers would leave the guides",
     "smallest hollow": "above the roller's radius, or its guide would have a cusp",
 }
@@ -253,8 +251,8 @@ class HingeProfile:
         steepest = float(np.radians(np.max(np.abs(self.force_angle_deg))))
         if steepest > STEEP:
             found.append(
-                f"The guides are steep: the force of the rollers stands up to {np.degrees(steepest):.0f} "
-                "deg off the spring's axis (cams are kept below 30 deg), so that friction counts."
+                f"The guides are steep: the roller force is up to {np.degrees(steepest):.0f} "
+                "deg off the spring's axis (cams are kept below 30 deg), so friction matters."
             )
         half = np.roll(self.radius, -(self.radius.size // 2))
         apart = float(np.max(np.abs(half - self.radius)))

@@ -142,7 +142,7 @@ def steady_hinge_turn(
     Raises
     ------
     InputError
-        If a number is out of its range, both speeds are given, or the crank does not come round.
+        If a number is out of its range, both speeds are given, or the crank does not complete a revolution.
 
     Notes
     -----
@@ -256,7 +256,7 @@ def steady_at(energy: TurnEnergy, flywheel: float, speed: float) -> SteadyHingeT
         raise InputError(
             f"speed: given a mean of {format_quantity(speed, 'rad/s', 4)}; allowed is "
             f"{format_quantity(slowest, 'rad/s', 4)} or more with a flywheel of {flywheel:.4g} kg m^2, "
-            "because a slower crank does not come round: over a turn its energy swings by "
+            "because a slower crank does not complete a revolution: over a turn its energy swings by "
             f"{np.ptp(energy.gained) / 1e3:.4g} kJ."
         )
     return _turn(energy, inertia, at_top, flywheel)
@@ -271,7 +271,7 @@ def _from_top(energy: TurnEnergy, flywheel: float, top_speed: float) -> SteadyHi
         needed = math.sqrt(2.0 * lacking / float(inertia[0]))
         raise InputError(
             f"top_speed: given {top_speed:.4g} rad/s; allowed is more than {needed:.4g} rad/s, because "
-            f"over a turn the crank loses {lacking / 1e3:.4g} kJ and must come round."
+            f"over a turn the crank loses {lacking / 1e3:.4g} kJ and must complete a revolution."
         )
     return _turn(energy, inertia, at_top, flywheel)
 

@@ -35,7 +35,7 @@ class BestPressure:
     fluctuation : float
         Coefficient of speed fluctuation with it.
     unchanged : float or None
-        With the pressure of the design; None if the crank does not come round with it.
+        With the pressure of the design; None if the crank does not complete a revolution with it.
     moment_residual : float
         Root mean square of what the hinge's moment then lacks of the one for constant speed, by the
         root mean square of that one.
@@ -170,8 +170,8 @@ def best_pressure(
     )
     if not found.fun < STANDING:
         raise InputError(
-            f"bounds: given {low:g} to {high:g}; allowed are bounds between which the crank comes round "
-            f"at {point.speed:g} rad/s, because there is nothing to compare otherwise."
+            f"bounds: given {low:g} to {high:g}; allowed are bounds between which the crank completes "
+            f"revolutions at {point.speed:g} rad/s, because there is nothing to compare otherwise."
         )
     unchanged = fluctuation(0.0)
     ratio = math.exp(float(found.x))

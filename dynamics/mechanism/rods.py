@@ -94,9 +94,7 @@ class ConnectingRod:
         InputError
             If there is no model of that name.
         """
-        check_choice(
-            "rod model", name, ROD_MODELS, "these are the ways to stand in for a rod's mass"
-        )
+        check_choice("rod model", name, ROD_MODELS, "these are the models of a rod's mass")
         return _MAKERS[name](self)
 
 

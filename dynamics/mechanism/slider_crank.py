@@ -144,5 +144,5 @@ def check_reach(field: str, crank_radius: float, rod_length: float, pin_offset: 
         raise InputError(
             f"{field}: given {crank_radius:g} m with a rod of {rod_length:g} m and a pin offset of "
             f"{offset:g} m; allowed is less than rod length minus offset, {rod_length - offset:g} m, "
-            "because the crank must turn round."
+            "because the crank must complete a revolution."
         )

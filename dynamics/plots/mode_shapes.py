@@ -125,7 +125,7 @@ def draw_shaft_shape(axes: Axes, positions: FloatArray, motion: FloatArray, radi
             label=name,
         )
     axes.set_ylim(-1.1, 1.1)
-    axes.set_xlabel("place along the shaft [mm]")
+    axes.set_xlabel("position along the shaft [mm]")
 
 
 def chain_places(count: int, pairs: Sequence[tuple[int, int]]) -> FloatArray:

@@ -190,7 +190,7 @@ def damped(
     if not (named or own or undamped):
         system = system.with_magnifier(DEFAULT_MAGNIFIER)
         said.append(
-            f"magnifier {DEFAULT_MAGNIFIER:g} of every elastic mode, for want of a given one: "
+            f"magnifier {DEFAULT_MAGNIFIER:g} of every elastic mode, because none is given: "
             f"{MAGNIFIER_SOURCE}"
         )
     if undamped:

@@ -157,8 +157,7 @@ def section_modulus(
     outer, inner = finite_array("diameter", diameter), finite_array("bore", bore)
     if np.any(outer <= 0.0):
         raise InputError(
-            f"diameter: given {np.min(outer):g} m; allowed is more than zero, because a shaft has a "
-            "section."
+            f"diameter: given {np.min(outer):g} m; allowed is more than zero, because a shaft has a section."
         )
     if np.any((inner < 0.0) | (inner >= outer)):
         raise InputError(
@@ -232,8 +231,8 @@ def chain_of(response: ForcedResponse) -> Chain:
     """
     if response.chain is None:
         raise InputError(
-            "response: given that of a system of matrices; allowed is that of a chain, because "
-            "matrices do not tell of elements."
+            "response: given that of a system of matrices; allowed is that of a chain, because matrices "
+            "have no elements."
         )
     return response.chain
 

@@ -188,8 +188,8 @@ def phasors_of(found: Harmonics, orders: ArrayLike) -> ComplexArray:
     if found.samples % 2 == 0 and places[-1] == found.samples // 2 - 1:
         raise InputError(
             f"order: given {wanted[-1]:g}; allowed are those below {found.highest_order:g}, because "
-            f"{found.samples} samples over one cycle show two values to each wave of it, which do "
-            "not tell its amplitude from its phase."
+            f"{found.samples} samples over one cycle show two values to each wave of it, which do not "
+            "separate its amplitude from its phase."
         )
     return np.asarray(found.cosine[places] - 1j * found.sine[places])
 

@@ -375,5 +375,5 @@ def _total(runs: tuple[Orders, ...]) -> float:
 
 
 def _verb(value: float, many: bool) -> str:
-    verb = "make" if value >= 0.0 else "take away"
-    return verb if many else {"make": "makes", "take away": "takes away"}[verb]
+    verb = "contribute" if value >= 0.0 else "subtract"
+    return verb if many else f"{verb}s"

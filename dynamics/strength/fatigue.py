@@ -155,7 +155,7 @@ def added_bending(piston: str, axial_vibration: float | None = None) -> float:
     InputError
         If the piston is neither, or the stress below zero.
     """
-    check_choice("piston", piston, tuple(ADDED), "the rule knows these")
+    check_choice("piston", piston, tuple(ADDED), "the rule covers these")
     seat, vibration = ADDED[piston]
     if axial_vibration is not None and vibration:
         why = "it is an amplitude"

@@ -86,7 +86,7 @@ class ShrinkFit:
             )
         if self.safety < LEAST_SAFETY:
             raise InputError(
-                f"safety: given {self.safety:g}; allowed is 2 or more, because the rule asks for that "
+                f"safety: given {self.safety:g}; allowed is 2 or more, because the rule requires that "
                 "against slipping."
             )
         if not self.journal_bore < self.shrink_diameter < self.web_diameter:
@@ -159,7 +159,7 @@ class ShrinkFit:
         if not low <= self.distance < high:
             return ()
         return (
-            f"pin and journal are {_mm(self.distance)} apart at the fit: special consideration is asked for "
+            f"pin and journal are {_mm(self.distance)} apart at the fit: special consideration is required "
             f"below {_mm(high)}, 0.1 shrink diameters",
         )
 

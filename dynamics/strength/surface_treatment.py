@@ -102,7 +102,7 @@ class SurfaceTreatment:
         """
         if self.process != "nitriding":
             raise InputError(
-                "process: given induction; allowed is nitriding, because the rule tells its hardness alone."
+                "process: given induction; allowed is nitriding, because the rule gives only its hardness."
             )
         core = positive_number("core_hardness", core_hardness, "HV", "it is a hardness")
         above = self.surface_hardness - core

@@ -219,7 +219,7 @@ def _firing_and_strokes(
         raise InputError(
             f"engine: given {type(engine).__name__} with firing_angles_deg "
             f"{'left out' if firing_angles_deg is None else 'given'}; allowed is either an EngineLayout or "
-            "firing_angles_deg, because one tells where the cylinders fire."
+            "firing_angles_deg, because each defines where the cylinders fire."
         )
     if firing.size == 0:
         raise InputError(

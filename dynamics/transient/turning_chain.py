@@ -218,7 +218,7 @@ def turning_chain(
     if gas.of_inertia:
         raise InputError(
             "gas: given forces that hold those of moving masses; allowed is cylinder_forces with "
-            "inertia=False, because the varying inertia brings them itself."
+            "inertia=False, because the varying inertia includes them."
         )
     place = checked_speed_index(speed_index, gas.speeds)
     last = chain.inertia.size - 1

@@ -293,7 +293,7 @@ def _checked_changes(
         if not same or not np.array_equal(other.stiffness, chain.stiffness):
             raise InputError(
                 f"changes[{place}]: given a chain of other inertias or stiffnesses; allowed is the same "
-                "chain with other gas, because the shaft stays what it is."
+                "chain with other gas, because the shaft does not change."
             )
         in_turn.append((value, other))
     return tuple(in_turn)

@@ -386,7 +386,9 @@ def _stop_remark(time: float, angle: float) -> str:
 
 def _output_times(times: ArrayLike | None, samples: int, end: float) -> FloatArray:
     if times is None:
-        return np.linspace(0.0, end, whole_number("samples", samples, 2, "start and end are told"))
+        return np.linspace(
+            0.0, end, whole_number("samples", samples, 2, "start and end are included")
+        )
     given = finite_vector("times", times)
     if given.size == 0 or given[0] < 0.0 or given[-1] > end or np.any(np.diff(given) <= 0.0):
         raise InputError(

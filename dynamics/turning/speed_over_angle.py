@@ -184,7 +184,9 @@ def speed_over_angle(
     first = math.radians(float(finite_array("start_angle_deg", start_angle_deg)))
     speed = positive_number("start_speed", start_speed, "rad/s", "the angle must grow")
     length = 2.0 * math.pi * turns_followed("turns", turns)
-    per_turn = whole_number("samples", samples, 1, "results are told so often per turn")
+    per_turn = whole_number(
+        "samples", samples, 1, "results are given at this many angles per revolution"
+    )
     count = max(1, round(per_turn * turns))
     angles = np.linspace(first, first + length, count + 1)
     states, stopped = _integrate_speed(inertia, moment, angles, speed)

@@ -96,7 +96,9 @@ def steady_turning(
     wanted = positive_number("mean_speed", mean_speed, "rad/s", "the shaft turns")
     period = 2.0 * math.pi * turns_followed("turns", turns)
     first = math.radians(float(finite_array("start_angle_deg", start_angle_deg)))
-    told = whole_number("samples", samples, 1, "results are told so often per turn")
+    told = whole_number(
+        "samples", samples, 1, "results are given at this many angles per revolution"
+    )
     guess, start_energy, comes_round = _beginning(inertia, moment, wanted, first, period)
     first_inertia = inertia(first)
     # Unknowns and misses by this energy; a load changes that over a period by load times period. The

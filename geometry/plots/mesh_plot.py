@@ -104,8 +104,8 @@ def view_frame(eye: Array) -> Array:
     right = np.cross((0.0, 1.0, 0.0), eye) if usable else np.zeros(3)
     if float(np.linalg.norm(right)) <= 1e-6 * float(np.linalg.norm(eye)):
         raise InputError(
-            f"eye: given {eye.tolist()}; allowed are three finite numbers not all along y, because the "
-            "crank stands upright in the view."
+            f"eye: given {eye.tolist()}; allowed are three finite numbers not all along y, because the crank "
+            "is upright in the view."
         )
     towards = eye / np.linalg.norm(eye)
     right = right / np.linalg.norm(right)

@@ -168,7 +168,7 @@ class FittedForm:
                 )
         if len(set(self.terms)) != len(self.terms):
             raise InputError(
-                f"terms: given {[list(term) for term in self.terms]}; each may stand once."
+                f"terms: given {[list(term) for term in self.terms]}; each is allowed once."
             )
 
     def predict(self, x: ArrayLike) -> NDArray[np.float64]:

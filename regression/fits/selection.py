@@ -210,7 +210,7 @@ def choose(fits: Sequence[AnyFit], scatter: float = 0.0) -> Choice:
         if fit.largest_heldout_error is None:
             raise InputError(
                 f"fits: given a {fit.form} fit without held-out designs; all must have them, "
-                "because errors at the fitted runs say nothing about the space between."
+                "because errors at the fitted runs do not show the error between them."
             )
         errors.append(fit.largest_heldout_error)
     smallest = min(errors)

@@ -40,7 +40,7 @@ FORMULA_CONSTANTS: Mapping[str, FormulaConstant] = {
             "Guglielmotti-Macchiotta",
             1.0,
             "correction for the angle between neighboring cranks",
-            "no values are published; 1 stands for opposite neighbors, gamma = 180 deg, where "
+            "no values are published; 1 is for opposite neighbors, gamma = 180 deg, where "
             "the formula's terms are those of a frame",
         ),
         FormulaConstant(
@@ -55,7 +55,7 @@ FORMULA_CONSTANTS: Mapping[str, FormulaConstant] = {
             "Skorchev",
             1.0,
             "factor for the angle between neighboring cranks",
-            "no values are published; 1 stands for opposite neighbors, gamma = 180 deg",
+            "no values are published; 1 is for opposite neighbors, gamma = 180 deg",
         ),
         FormulaConstant(
             "k_n",
@@ -69,7 +69,7 @@ FORMULA_CONSTANTS: Mapping[str, FormulaConstant] = {
             "Gorbunov",
             0.8,
             "number in the angle factor k_phi = 0.8 (1 - cos gamma) of the web's term",
-            "as printed; 0.5 would meet the limit of a slender frame at 180 deg",
+            "as printed; 0.5 would match the limit of a slender frame at 180 deg",
         ),
     )
 }

@@ -73,7 +73,7 @@ def _second_remarks(case: ThrowCase) -> list[Remark]:
     if case.gamma_deg < SMALLEST_ANGLE_DEG:
         remarks.append(
             Remark(
-                f"gamma = {case.gamma_deg:g} deg lies below {SMALLEST_ANGLE_DEG:g} deg: the "
+                f"gamma = {case.gamma_deg:g} deg is below {SMALLEST_ANGLE_DEG:g} deg: the "
                 "factor 2/3 - (1 + cos gamma)/2 of the web falls to zero and below, which no "
                 "throw does.",
                 invalidates=True,

@@ -48,7 +48,7 @@ def _remarks(case: ThrowCase) -> list[Remark]:
             Remark(
                 f"The angle factor k_phi = {number:g} (1 - cos gamma) gives the web "
                 f"{2.0 * number:g} times the compliance of a slender frame at 180 deg; "
-                "the constant k_gorbunov = 0.5 meets the frame."
+                "the constant k_gorbunov = 0.5 matches the frame."
             )
         )
     return remarks

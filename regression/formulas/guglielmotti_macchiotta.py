@@ -55,9 +55,9 @@ def _remarks(case: ThrowCase) -> list[Remark]:
     elif case.throw.overlap > 0.0:
         remarks.append(
             Remark(
-                "Main journal and crankpin overlap by "
-                f"{format_quantity(case.throw.overlap, 'm')}, and the formula is for slow-speed "
-                f"shafts: it counts {100.0 * share**2:.2g} % of the plain web's bending."
+                f"Main journal and crankpin overlap by {format_quantity(case.throw.overlap, 'm')}, and the "
+                f"formula is for slow-speed shafts: it includes {100.0 * share**2:.2g} % of the plain web's "
+                "bending."
             )
         )
     return remarks

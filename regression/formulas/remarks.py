@@ -19,21 +19,21 @@ def shape_remarks(throw: CrankThrow) -> list[Remark]:
     """What of a throw the published formulas do not know, and whether that makes them void."""
     remarks = []
     if throw.further_pins:
-        text = "The throw has several pins between its bearings; the formula knows one."
+        text = "The throw has several pins between its bearings; the formula assumes one."
         remarks.append(Remark(text, invalidates=True))
     if any(
         web.thickness not in (None, throw.web_thickness) or web.width not in (None, throw.web_width)
         for web in (throw.left_web, throw.right_web)
         if web is not None
     ):
-        text = "The webs differ; the formula takes web_width and web_thickness for both."
+        text = "The webs differ; the formula uses web_width and web_thickness for both."
         remarks.append(Remark(text))
     if throw.web_tip_thickness is not None or throw.web_foot_thickness is not None:
-        remarks.append(Remark("The formula takes the web's full thickness; it is thinned."))
+        remarks.append(Remark("The formula uses the full web thickness; this web is tapered."))
     if throw.main_journal_bore_offset or throw.pin_bore_offset:
-        remarks.append(Remark("The formula takes eccentric bores for concentric ones."))
+        remarks.append(Remark("The formula treats eccentric bores as concentric."))
     if throw.oil_holes:
-        remarks.append(Remark("The oil holes do not enter the formula."))
+        remarks.append(Remark("The formula ignores oil holes."))
     return remarks
 
 
@@ -44,9 +44,8 @@ def plain_web_remarks(case: ThrowCase) -> list[Remark]:
         return []
     return [
         Remark(
-            f"Main journal and crankpin overlap by {format_quantity(overlap, 'm')}: a formula with "
-            "the plain web section overestimates the compliance, up to about threefold beside "
-            "finite elements."
+            f"Main journal and crankpin overlap by {format_quantity(overlap, 'm')}: a formula with the plain "
+            "web section overestimates the compliance, up to about three times the finite-element value."
         )
     ]
 
@@ -83,9 +82,9 @@ def open_angle_factor_remarks(case: ThrowCase, constant: str) -> list[Remark]:
         return []
     return [
         Remark(
-            f"The factor {constant} for gamma = {case.gamma_deg:g} deg is not published: the value "
-            f"stands for opposite neighbors, gamma = 180 deg ({constant} = 1), unless "
-            f"the constant {constant} is given.",
+            f"The factor {constant} for gamma = {case.gamma_deg:g} deg is not published: the value applies "
+            f"to opposite neighbors, gamma = 180 deg ({constant} = 1), unless the constant {constant} is "
+            "given.",
             invalidates=True,
         )
     ]
@@ -95,4 +94,4 @@ def unused_bores_remarks(case: ThrowCase) -> list[Remark]:
     """For a formula into which the bores do not enter."""
     if case.throw.main_journal_bore == 0.0 and case.throw.pin_bore == 0.0:
         return []
-    return [Remark("The bores do not enter this formula.")]
+    return [Remark("The formula ignores the bores.")]

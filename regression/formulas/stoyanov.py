@@ -48,7 +48,7 @@ def _remarks(case: ThrowCase) -> list[Remark]:
         remarks.append(
             Remark(
                 f"Main journal and crankpin overlap by {format_quantity(overlap, 'm')}, for which the "
-                "factor k_n is not published: the value stands for no overlap (k_n = 1), unless "
+                "factor k_n is not published: the value applies without overlap (k_n = 1), unless "
                 "the constant k_n is given.",
                 invalidates=True,
             )

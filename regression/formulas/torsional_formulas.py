@@ -120,7 +120,7 @@ def _zimanenko_remarks(case: ThrowCase) -> list[Remark]:
         other = _zimanenko_with(case, case.throw.pin_diameter)
         remarks.append(
             Remark(
-                "Reprints differ in the diameter that stands beside 0.2 B/R: here it is the main "
+                "Reprints differ in the diameter of the term with 0.2 B/R: here it is the main "
                 f"journal's; with the crankpin's the value is {other * 1e9:.4g}e-9 rad/(N m)."
             )
         )
@@ -140,7 +140,7 @@ _FORMULAS: Mapping[str, tuple[Reading, str]] = {
         "W. Ker Wilson, Practical Solution of Torsional Vibration Problems",
     ),
     "Geiger": (
-        Reading(_geiger, lambda _: [Remark("The webs count as slender beams of length R.")]),
+        Reading(_geiger, lambda _: [Remark("The webs are treated as slender beams of length R.")]),
         "J. Geiger",
     ),
     "Timoshenko (free)": (
@@ -148,7 +148,7 @@ _FORMULAS: Mapping[str, tuple[Reading, str]] = {
             _timoshenko_free,
             lambda _: [
                 Remark(
-                    "For journals free to shift in their bearings; the webs count as slender beams."
+                    "For journals free to shift in their bearings; the webs are treated as slender beams."
                 )
             ],
         ),

@@ -58,7 +58,7 @@ def _printed_fault(case: ThrowCase) -> str:
 def _remarks(case: ThrowCase) -> list[Remark]:
     share = case.pin / (case.pin + FRAME_WEB * case.web)
     web_only = Remark(
-        "The formula counts the webs alone: the crankpin, "
+        "The formula includes only the webs: the crankpin, "
         f"{100.0 * share:.2g} % of a slender frame of these dimensions, is left out."
     )
     return [web_only, *no_angle_remarks(case), *unused_bores_remarks(case)]

@@ -103,8 +103,8 @@ def throw_dimensions(throw: CrankThrow) -> dict[str, Any]:
     for name in ("further_pins", "oil_holes"):
         if given := getattr(throw, name):
             raise InputError(
-                f"throw.{name}: given {len(given)}; allowed for the law are none, because the throws "
-                "that it was trained by have none."
+                f"throw.{name}: given {len(given)}; allowed for the law are none, because its training "
+                "throws have none."
             )
     found = {name: getattr(throw, name) for name in (*PLAIN_FIELDS, *MORE_FIELDS)}
     found["rectangle"] = float(throw.web_outline == "rectangle")
@@ -118,7 +118,7 @@ def throw_dimensions(throw: CrankThrow) -> dict[str, Any]:
             if name not in WEB_FIELDS and getattr(own, name) not in (None, common):
                 raise InputError(
                     f"throw.{table}.{name}: given {getattr(own, name)}; allowed for the law is only "
-                    f"{common}, as of both webs, because it knows webs that differ in thickness alone."
+                    f"{common}, as of both webs, because it covers webs that differ in thickness alone."
                 )
     left, right = (
         {
@@ -201,7 +201,7 @@ def check_range(found: Ratios) -> None:
         if thinnest < THINNEST_WALL - ROUND_OFF:
             raise InputError(
                 f"{bore}: leaves a wall of {thinnest:.3g} diameters at its thinnest; allowed for the law is "
-                f"{THINNEST_WALL:g} or more, because the throws that it was trained by have that."
+                f"{THINNEST_WALL:g} or more, because its training throws have that."
             )
     for name, (low, high) in RANGES.items():
         values = found[name]
@@ -211,8 +211,8 @@ def check_range(found: Ratios) -> None:
         if np.any(beyond):
             worst = float(np.asarray(values)[beyond][0]) if np.ndim(values) else float(values)
             raise InputError(
-                f"{ratio_text(name)}: given {worst:.4g}; allowed is {low:g} to {high:g}, the range of "
-                "the throws that the law was trained by."
+                f"{ratio_text(name)}: given {worst:.4g}; allowed is {low:g} to {high:g}, the range of the "
+                "law's training throws."
             )
 
 

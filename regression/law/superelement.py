@@ -75,12 +75,12 @@ def law_reactions(
     if force.shape != (3,) or force[2] != 0.0:
         raise InputError(
             f"pin_force: given {quoted(pin_force)}; allowed are three numbers (x, y, 0), because the law "
-            "knows forces across the shaft."
+            "covers only forces across the shaft."
         )
     if not throw.parts.mirrored:
         raise InputError(
-            "throw: given one of unequal webs; allowed for reactions by the law are equal ones, because "
-            "it knows what the two webs have in common."
+            "throw: given one of unequal webs; allowed for reactions by the law are equal ones, because it "
+            "covers only webs that are alike."
         )
     answers = LawAnswers.of_throw(throw, 1.0, poisson_ratio)
     numbers, widths = (one.ravel() for one in answers.values(NUMBERS))

@@ -149,7 +149,7 @@ def axial_law(
     Raises
     ------
     InputError
-        If a ratio of the throw is outside the range of the throws that the law was trained by, or the
+        If a ratio of the throw is outside the range of the law's training throws, or the
         throw has what they have not.
 
     Examples
@@ -163,7 +163,7 @@ def axial_law(
     1.28e-09 m/N
     """
     found = LawAnswers.of_throw(throw, youngs_modulus, poisson_ratio)
-    return AxialLaw(**found.results(AXIAL))
+    return AxialLaw(**found.results(AXIAL)[0])
 
 
 def torsional_law(
@@ -171,7 +171,7 @@ def torsional_law(
 ) -> TorsionalLaw:
     """Torsional compliance of a throw by the law; parameters and errors as `axial_law`."""
     found = LawAnswers.of_throw(throw, youngs_modulus, poisson_ratio)
-    return TorsionalLaw(**found.results(TORSIONAL))
+    return TorsionalLaw(**found.results(TORSIONAL)[0])
 
 
 def throw_laws(
@@ -179,14 +179,8 @@ def throw_laws(
 ) -> tuple[AxialLaw, TorsionalLaw]:
     """Both laws of a throw in the time of one; parameters and errors as `axial_law`."""
     found = LawAnswers.of_throw(throw, youngs_modulus, poisson_ratio)
-    twists = {f"twist {name}": one for name, one in TORSIONAL.items()}
-    shared = found.results(AXIAL | twists)
-    errors = shared.pop("errors")
-    axial = {name: shared.pop(name) for name in AXIAL}
-    torsional = {name: shared.pop(f"twist {name}") for name in TORSIONAL}
-    axial["errors"] = {name: errors[name] for name in AXIAL}
-    torsional["errors"] = {name: errors[f"twist {name}"] for name in TORSIONAL}
-    return AxialLaw(**axial, **shared), TorsionalLaw(**torsional, **shared)
+    axial, torsional = found.results(AXIAL, TORSIONAL)
+    return AxialLaw(**axial), TorsionalLaw(**torsional)
 
 
 def axial_laws(
@@ -225,7 +219,8 @@ def axial_laws(
     >>> law.pinned.shape
     (3,)
     """
-    return AxialLaw(**LawAnswers(_given(dimensions), youngs_modulus, poisson_ratio).results(AXIAL))
+    found = LawAnswers(_given(dimensions), youngs_modulus, poisson_ratio)
+    return AxialLaw(**found.results(AXIAL)[0])
 
 
 def torsional_laws(
@@ -236,7 +231,7 @@ def torsional_laws(
 ) -> TorsionalLaw:
     """Torsional compliance of many throws by the law; parameters and errors as `axial_laws`."""
     found = LawAnswers(_given(dimensions), youngs_modulus, poisson_ratio)
-    return TorsionalLaw(**found.results(TORSIONAL))
+    return TorsionalLaw(**found.results(TORSIONAL)[0])
 
 
 class LawAnswers:
@@ -250,12 +245,13 @@ class LawAnswers:
     ) -> None:
         check_material(youngs_modulus, poisson_ratio)
         self.ratios = ratios(dimensions)
-        check_range(self.ratios)
+        self.plain = is_plain(self.ratios)
+        if self.plain is not True:  # a plain throw is within the range
+            check_range(self.ratios)
         self.modulus, self.beside = youngs_modulus, poisson_ratio - POISSON_RATIO
         self.diameter = dimensions["main_journal_diameter"]
-        self.plain = is_plain(self.ratios)
         shapes = {value.shape for value in self.ratios.values() if isinstance(value, np.ndarray)}
-        self.shape = np.broadcast_shapes(*shapes)
+        self.shape = np.broadcast_shapes(*shapes) if shapes else ()
 
     @classmethod
     def of_throw(
@@ -293,24 +289,30 @@ class LawAnswers:
         inputs = INPUTS[tier](found).reshape(len(some.low), -1)
         if inputs.shape[1] != count:
             inputs = np.repeat(inputs, count, axis=1)
-        answers, widths = some.answers(inputs), some.half_widths(inputs)
+        answers, widths = some.evaluate(inputs)
         if self.beside:
             mean, spread = some.poisson.T[:, :, None]
             answers = answers * np.exp(mean * self.beside)
             widths = widths + 2.0 * spread * abs(self.beside)
         return answers, widths
 
-    def results(self, kinds: Mapping[str, tuple[str, int]]) -> dict[str, Any]:
-        """Fields of a law: answers in SI units, errors, tier and the nearest limit."""
-        answers, widths = self.values(tuple(name for name, _ in kinds.values()))
-        if not self.shape:
-            answers, widths = answers[:, 0].tolist(), widths[:, 0].tolist()
-        found: dict[str, Any] = {}
-        for (name, (_, power)), answer in zip(kinds.items(), answers, strict=True):
-            found[name] = answer / (self.modulus * self.diameter**power) if power else answer
-        errors = dict(zip(kinds, widths, strict=True))
+    def results(self, *kinds: Mapping[str, tuple[str, int]]) -> list[dict[str, Any]]:
+        """Fields of each law: answers in SI units, errors, tier and the nearest limit."""
+        values, widths = self.values(tuple([name for kind in kinds for name, _ in kind.values()]))
+        every, errors = (
+            iter(one if self.shape else one[:, 0].tolist()) for one in (values, widths)
+        )
         nearest = "" if self.shape else _nearest(self.ratios)
-        return found | {"errors": errors, "tier": self.tier, "nearest_limit": nearest}
+        shared = {"tier": self.tier, "nearest_limit": nearest}
+        return [
+            {
+                name: next(every) / (self.modulus * self.diameter**power if power else 1.0)
+                for name, (_, power) in kind.items()
+            }
+            | {"errors": {name: next(errors) for name in kind}}
+            | shared
+            for kind in kinds
+        ]
 
 
 def check_material(youngs_modulus: float, poisson_ratio: float) -> None:
@@ -329,7 +331,7 @@ def check_material(youngs_modulus: float, poisson_ratio: float) -> None:
     if not (is_number(poisson_ratio) and low <= poisson_ratio <= high):
         raise InputError(
             f"poisson_ratio: given {quoted(poisson_ratio)}; allowed for the law is {low:g} to {high:g}, "
-            "because the throws that it was trained by have 0.3."
+            "because its training throws have 0.3."
         )
 
 
@@ -338,9 +340,7 @@ def _given(dimensions: Mapping[str, ArrayLike]) -> dict[str, Any]:
     known = (*PLAIN_FIELDS, *MORE_FIELDS)
     for name in dimensions:
         if name not in known:
-            raise InputError(
-                f"{name}: no dimension that the law knows; allowed are {', '.join(known)}."
-            )
+            raise InputError(f"{name}: not a dimension of the law; allowed are {', '.join(known)}.")
     for name in PLAIN_FIELDS:
         if name not in dimensions and name != "fillet_radius":
             raise InputError(f"{name}: missing; it must be given, because the law needs its ratio.")

@@ -64,8 +64,8 @@ def mass_law(throw: CrankThrow, *, density: float = 7850.0) -> MassLaw:
     for name, own in {"": throw, **webs}.items():
         if own is not None and own.counterweight is not None:
             raise InputError(
-                f"throw.{name}counterweight: given one; allowed for the law's mass is none, because it "
-                "knows the mass of throws without counterweights: analyze_throw tells that of any."
+                f"throw.{name}counterweight: given one; allowed for the law's mass is none, because it gives "
+                "the mass of throws without counterweights alone: use analyze_throw for others."
             )
     found = LawAnswers.of_throw(throw, 1.0, POISSON_RATIO)
     values, widths = found.values(("volume",))

@@ -35,7 +35,7 @@ def fold_angle(gamma_deg: ArrayLike) -> Any:
     if not angles.size:
         raise InputError(
             f"gamma_deg: given {quoted(gamma_deg)}; allowed are one or more angles in degrees, because each "
-            "has an answer."
+            "has a result."
         )
     if angles.ndim == 0:
         return fold_angle_deg(float(angles))

@@ -115,10 +115,10 @@ class ComplianceModel(ModelValues):
         """
         asked: dict[str, Any] = {**dimensions, "gamma_deg": gamma_deg}
         for name, given in asked.items():
-            if np.ndim(given):
+            if not (given is None or isinstance(given, float | str)) and np.ndim(given):
                 raise InputError(
                     f"{name}: given an array of shape {np.shape(given)}; allowed is one number, "
-                    "because `lookup` tells about one throw: `lookups` takes arrays."
+                    "because `lookup` is for one throw: `lookups` takes arrays."
                 )
         if gamma_deg is None:
             return self._lookup(response, dimensions, strict)

@@ -1,7 +1,7 @@
 """The band in which a looked-up value lies: the equation's error and the finite elements' own.
 
 Two errors stand between an equation and the throw. The equation misses finite elements by up to m,
-|equation / fe - 1| <= m. m is what 95 % of new designs keep to, by designs that the equation did not see: the
+|equation / fe - 1| <= m. m is what 95 % of new designs keep to, at designs not used in the fit: the
 runs, each left out of the fit and of the selection of its terms, and the designs held out of both. And finite
 elements miss the solution by an estimate f, either way. Hence::
 

@@ -63,9 +63,9 @@ class OutOfRange:
     def error_sentence(self) -> str:
         """One sentence for a value that is not given."""
         return (
-            f"{self._given}; allowed is the range of the fit, {self._range}, because an answer "
-            f"{100.0 * self.distance:.3g} % of its width beyond it has no known error and strict "
-            "answers are asked for."
+            f"{self._given}; allowed is the range of the fit, {self._range}, because a result "
+            f"{100.0 * self.distance:.3g} % of its width beyond it has no known error and strict results are "
+            "requested."
         )
 
     def check_distance(self) -> None:
@@ -81,7 +81,7 @@ class OutOfRange:
             hint = " (mm given in place of m?)" if large and self.unit == "m" else ""
             raise InputError(
                 f"{self._given}; allowed is the range of the fit, {self._range}, or what is near it, because "
-                f"{FARTHEST:g} times beyond it the equation says nothing{hint}."
+                f"{FARTHEST:g} times beyond it the equation is meaningless{hint}."
             )
 
     @property

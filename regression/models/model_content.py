@@ -25,8 +25,8 @@ from regression.throw_values import check_dimension
 
 # Of models from files of an older release that lack them.
 UNKNOWN_CONSTRAINTS = (
-    "The model's file does not hold the constraints of its study: whether the study excluded such a "
-    "design is not known."
+    "The model's file does not hold the constraints of its study: it is unknown whether the study excluded "
+    "such a design."
 )
 UNCORRECTED = (
     "The model was fitted to finite elements of an older release, not corrected for discretization: its "

@@ -44,8 +44,8 @@ def plot_section(
     factor = next(iter(family.ranges)) if over is None else over
     if factor != ANGLE and factor not in family.ranges:
         raise InputError(
-            f"over: given {over!r}; allowed are {', '.join((*family.ranges, ANGLE))}, because the model "
-            "answers over these."
+            f"over: given {over!r}; allowed are {', '.join((*family.ranges, ANGLE))}, because the model is "
+            "evaluated over these."
         )
     given = gamma_deg if factor == ANGLE else dimensions.get(factor)
     check_not_given(factor, given, f"over={factor}", "the diagram sweeps it over its whole range")

@@ -102,7 +102,7 @@ def look_reactions_up(
     if missing:
         raise InputError(
             f"support: given {support_words(kind, gamma)}, but the model has no {missing[0]}; reactions "
-            f"there need {', '.join(NEEDED[kind])}: run and fit its study again, for this release has "
+            f"there need {', '.join(NEEDED[kind])}: run and fit its study again, because this release has "
             "studies keep them."
         )
     found = {name: lookups(name, strict=strict, **dimensions) for name in NEEDED[kind]}
@@ -187,7 +187,7 @@ def checked_force(given: ArrayLike) -> Array:
     if np.any(axial):
         raise InputError(
             f"pin_force: given {axial[np.argmax(np.abs(axial))]:g} N along the shaft; allowed are forces "
-            "across it, x and y, because the model knows no others: use analyze_throw for these and for "
+            "across it, x and y, because the model covers no others: use analyze_throw for these and for "
             "moments on a pin."
         )
     return force
@@ -211,7 +211,7 @@ def checked_support(support: object) -> tuple[str, float | None]:
     if (left - right) % 360.0:
         raise InputError(
             f"support: given Neighbors({left:g}, {right:g}); allowed are equal angles, because the model "
-            "knows throws in a helix only: use analyze_throw for others."
+            "covers only throws in a helix: use analyze_throw for others."
         )
     return "neighbors", float(left)
 

@@ -136,7 +136,7 @@ class ResponseModel(InputModel):
             )
         fitted = self.fitted  # its construction checks the equation's numbers
         if len(set(self.factors)) != len(self.factors):
-            raise InputError(f"factors: given {list(self.factors)}; each may stand once.")
+            raise InputError(f"factors: given {list(self.factors)}; each is allowed once.")
         for name, values in (("lowest", self.lowest), ("highest", self.highest)):
             if len(values) != len(fitted.factors):
                 raise InputError(

@@ -234,7 +234,7 @@ class ResponseQuery:
             beyond = "far outside the range of the fit" if found else "small or large"
             raise InputError(
                 f"dimensions: given ones so {beyond} that its equation has no finite value; allowed are "
-                "those near the range, for beyond it the equation says nothing."
+                "those near the range, because beyond it the equation is meaningless."
             )
         if not np.min(values) > self.lower_limit:
             raise InputError(
@@ -359,7 +359,7 @@ def _check_ratio(ratio: Ratio, values: Any) -> None:
     share = f", {100.0 * (given / ratio.value - 1.0):+.3g} %" if ratio.value else ""
     raise InputError(
         f"{ratio.name}: given {given:.6g}{share}; allowed is {ratio.value:.6g}, because this ratio did "
-        "not vary in the study, so that the equation does not know what it does."
+        "not vary in the study, so the equation does not contain its effect."
     )
 
 

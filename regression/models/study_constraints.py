@@ -42,7 +42,7 @@ class BrokenConstraint:
         """One sentence for a value that is not given."""
         return (
             f"{self._given}; allowed are those that keep it, because the study excluded such designs and "
-            "strict answers are asked for."
+            "strict results are requested."
         )
 
     def check_distance(self) -> None:

@@ -234,7 +234,7 @@ def _fractional_factorial(factors: Sequence[Factor], choice: DesignChoice) -> De
     quality = f"resolution {ROMAN.get(found, str(found))}" if found else "all corners"
     runs = _crossed(factors, two_level, 0.5 + 0.5 * coded)
     groups = aliased_effects(coded, tuple(factor.name for factor in two_level))
-    remarks = (f"Effects that cannot be told apart: {'; '.join(groups)}.",) if groups else ()
+    remarks = (f"Confounded effects: {'; '.join(groups)}.",) if groups else ()
     return Design(runs, f"fractional factorial {power}, {quality}, {len(runs)} runs", remarks)
 
 

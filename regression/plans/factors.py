@@ -83,7 +83,7 @@ class Factor:
             )
         if number != len(levels):
             raise InputError(
-                f"{name}: given {', '.join(map(self.format_value, levels))}; each level may stand once, "
+                f"{name}: given {', '.join(map(self.format_value, levels))}; each level is allowed once, "
                 "because repeated finite element runs give the same result."
             )
         if min(levels) < self.lowest or max(levels) > self.highest:

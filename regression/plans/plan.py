@@ -239,8 +239,8 @@ def plan_designs(plan: StudyPlan) -> PlannedStudy:
         statement, remarks = design.statement, design.remarks
         if not runs:
             raise InputError(
-                f"study.factors: none of the {len(design.runs)} designs can be used; the first is "
-                f"excluded because of this: {excluded[0].reason.rstrip('.')}."
+                f"study.factors: none of the {len(design.runs)} designs can be used; reason for the first "
+                f"excluded design: {excluded[0].reason.rstrip('.')}."
             )
         if excluded:
             statement += f", {len(excluded)} of them excluded"
@@ -287,7 +287,7 @@ def _draw_feasible_designs(
         first = next(variant.reason for variant in made if variant.throw is None)
         raise InputError(
             f"study.factors: fewer than {count} of the points drawn for the designs ({role}) can be "
-            f"used; the first is excluded because of this: {first.rstrip('.')}."
+            f"used; reason for the first excluded design: {first.rstrip('.')}."
         )
     # A design that can be built but was not taken belongs to neither.
     points, taken, impossible = found

@@ -196,7 +196,7 @@ def _no_grammar(text: str, field: str, before: str, token: str) -> InputError:
 
 def _unknown_name(token: str, text: str, field: str, units: Units) -> InputError:
     unit = is_unit(token)
-    hint = "a unit stands after a number, like 1 mm; " if unit else did_you_mean(token, units)
+    hint = "a unit follows a number, like 1 mm; " if unit else did_you_mean(token, units)
     return InputError(
         f"{field}: given {text!r}, in which {token} is no known quantity; {hint}allowed are the "
         "factors, the fields of [throw] that have a value, and numbers with units."

@@ -19,7 +19,7 @@ from regression.plans.plan import MODEL_VERSION
 from regression.records import Outcome
 from regression.runs.interrupts import interrupts_deferred, interrupts_ignored
 from regression.runs.process_pool import shared_process_pool
-from regression.runs.work_queue import WorkQueue
+from regression.runs.work_queue import Claim, WorkQueue
 
 # Seconds between two looks at the tasks if none has woken the loop, and at the list of workers.
 WAKE, LOOK = 0.5, 1.0
@@ -221,6 +221,7 @@ def run_on_cluster(
     cluster: Cluster,
     limits: Limits,
     note: Note,
+    claim: Claim | None = None,
 ) -> None:
     """Compute designs on a cluster.
 
@@ -235,6 +236,8 @@ def run_on_cluster(
         What one design may take on its worker.
     note : callable
         Told what the user should know meanwhile, such as that there are no workers.
+    claim : callable, optional
+        As for `WorkQueue`.
 
     Raises
     ------
@@ -243,7 +246,7 @@ def run_on_cluster(
     StudyStoppedError
         If the cluster is gone.
     """
-    work = WorkQueue(designs)
+    work = WorkQueue(designs, claim)
     dispatch = _Dispatch(work, cluster, limits, note)
     try:
         while len(work) or dispatch.given:

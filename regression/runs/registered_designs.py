@@ -83,6 +83,18 @@ def register_designs(results: ResultStore, plan: StudyPlan, planned: PlannedStud
     results.register_study(plan.key, plan.as_record(), own)
 
 
+def is_design(plan: StudyPlan, key: str, shown: Mapping[str, Any]) -> bool:
+    """Whether a registered design's key is that of its factor values."""
+    values = _values(plan, shown)
+    return values is not None and [d.key for d in _added(plan, np.array([values]))] == [key]
+
+
+def is_list_sound(results: ResultStore, plan: StudyPlan) -> bool:
+    """Whether a store lists the designs of a study as they were registered."""
+    listed = [_as_listed(plan, design) for design in registered_designs(results, plan).designs]
+    return listed == list(results.study_designs(plan.key))
+
+
 def registered_designs(results: ResultStore, plan: StudyPlan) -> PlannedStudy:
     """Return a study with the designs under which its store knows it.
 

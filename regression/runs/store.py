@@ -19,6 +19,7 @@ from regression.runs.store_file import (
     check_place,
     damaged_store,
     error_cause,
+    is_ours,
     open_store,
     transaction,
 )
@@ -54,6 +55,8 @@ class ResultStore:
 
     Attributes
     ----------
+    version : int
+        Of the layout of its tables.
     damaged : dict of str to str
         Rows that were left out in reading, by design key or place, and what is wrong with each.
 
@@ -74,6 +77,8 @@ class ResultStore:
         except (sqlite3.Error, OSError) as error:
             if self.path.is_file() and error_cause(error) not in ("", DAMAGED):
                 raise self._stopped(error) from None
+            if self.path.is_file() and is_ours(self.path):
+                raise damaged_store(self.path, str(error)) from None
             if readonly:
                 raise InputError(
                     f"store: given {str(self.path)!r}, which is no result store ({error}); {MADE_BY}."
@@ -83,7 +88,8 @@ class ResultStore:
                 f"({error}); give a new file name."
             ) from None
         self._connection.row_factory = sqlite3.Row
-        self._checked = schema_version(self._connection) >= CHECKSUMS_SINCE
+        self.version = schema_version(self._connection)
+        self._checked = self.version >= CHECKSUMS_SINCE
         self.damaged: dict[str, str] = {}
 
     def close(self) -> None:
@@ -99,7 +105,7 @@ class ResultStore:
     def _stopped(self, error: Exception) -> StudyStoppedError:
         return StudyStoppedError(
             f"store: {self.path} cannot be used now ({error_cause(error) or error}); finished designs are "
-            "kept, and the same command continues when that is mended."
+            "kept, and the same command continues when that is corrected."
         )
 
     @contextmanager
@@ -227,6 +233,14 @@ class ResultStore:
                 if outcome is not None and outcome.responses is not None:
                     yield row["role"], outcome, row.get("model_version")
 
+    def every_outcome(self) -> Iterator[Outcome]:
+        """List the sound rows of all designs, whether a study has them or not."""
+        with self._reading():
+            for row in map(dict, self._connection.execute("SELECT * FROM designs")):
+                outcome = self._read_or_skip(str(row["key"]), read_design, row)
+                if outcome is not None:
+                    yield outcome
+
     def older_results(self, model_version: int) -> dict[int, int]:
         """Number of results of each earlier version of the finite element model."""
         with self._reading():
@@ -242,7 +256,7 @@ class ResultStore:
         """Return the plans of all studies in the store, by study key; None of one that is damaged."""
         with self._reading():
             rows = self._connection.execute("SELECT study, plan FROM studies ORDER BY rowid")
-            return {study: _plan(text) for study, text in rows}
+            return {study: read_plan(text) for study, text in rows}
 
     def added_designs(self, study: str) -> tuple[dict[str, Any], ...]:
         """Return the factor values of the runs that were added to a study, in order, but damaged ones."""
@@ -250,26 +264,26 @@ class ResultStore:
             rows = self._connection.execute(
                 "SELECT * FROM study_designs WHERE study = ? ORDER BY place", (study,)
             ).fetchall()
-        read = [_plan(row["factors"]) for row in map(dict, rows) if row.get("added")]
+        read = [read_plan(row["factors"]) for row in map(dict, rows) if row.get("added")]
         return tuple(factors for factors in read if factors is not None)
 
     def study_designs(self, study: str) -> tuple[tuple[str, str, dict[str, Any]], ...]:
         """Return a study's designs as `register_study` was given them, in order.
 
         Of a study of the first release, which did not keep factor values, there are none; nor of one
-        in which a row of them is damaged.
+        in which a row of them is damaged or missing.
         """
         with self._reading():
             rows = self._connection.execute(
                 "SELECT * FROM study_designs WHERE study = ? ORDER BY place", (study,)
             ).fetchall()
         listed = tuple(
-            (row["role"], row["design"], _plan(row["factors"]))
-            for row in map(dict, rows)
-            if row.get("factors")
+            (row["role"], row["design"], read_plan(row["factors"]))
+            for place, row in enumerate(map(dict, rows))
+            if row.get("factors") and row["place"] == place
         )
         sound = tuple((role, key, factors) for role, key, factors in listed if factors is not None)
-        return sound if len(sound) == len(listed) else ()
+        return sound if len(sound) == len(rows) else ()
 
     def add_extra_rows(self, study: str, rows: Iterable[ExtraRow]) -> int:
         """Keep rows from elsewhere beside a study; return how many of them are new.
@@ -290,13 +304,13 @@ class ResultStore:
             (after,) = connection.execute("SELECT count(*) FROM extra_rows").fetchone()
         return int(after - before)
 
-    def extra_rows(self, study: str) -> tuple[ExtraRow, ...]:
-        """Return the rows from elsewhere that stand beside a study, in the order of import."""
-        if schema_version(self._connection) < EXTRA_ROWS_SINCE:
+    def extra_rows(self, study: str | None = None) -> tuple[ExtraRow, ...]:
+        """Return the rows from elsewhere of a study, or of all, in the order of import."""
+        if self.version < EXTRA_ROWS_SINCE:
             return ()
         with self._reading():
             rows = self._connection.execute(
-                "SELECT * FROM extra_rows WHERE study = ? ORDER BY rowid", (study,)
+                "SELECT * FROM extra_rows WHERE ?1 IS NULL OR study = ?1 ORDER BY rowid", (study,)
             ).fetchall()
         found = (
             self._read_or_skip(f"row {place} from elsewhere", read_extra, dict(row))
@@ -305,7 +319,7 @@ class ResultStore:
         return tuple(row for row in found if row is not None)
 
 
-def _plan(text: object) -> dict[str, Any] | None:
+def read_plan(text: object) -> dict[str, Any] | None:
     """Read the JSON of a plan, or of a design's factors; None if it is damaged."""
     try:
         found = json.loads(text) if isinstance(text, str) else None

@@ -51,7 +51,7 @@ def damaged_store(path: Path, why: str) -> InputError:
     """Return the error that says what is wrong with a store."""
     return InputError(
         f"store: given {str(path)!r}, which is damaged ({why}); allowed is a store as a study leaves it, "
-        "so use a copy of it, or give a new file name."
+        f"so run crankfem doe --repair {path}, use a copy of it, or give a new file name."
     )
 
 
@@ -84,11 +84,8 @@ def open_store(path: Path, readonly: bool) -> sqlite3.Connection:
         If the file is that of another program, of a later release, or lacks a part.
     """
     if readonly or (path.exists() and path.stat().st_size > 0):
-        connection = sqlite3.connect(
-            f"{path.absolute().as_uri()}?mode=ro", uri=True, timeout=PATIENCE
-        )
+        connection = connect_readonly(path)
         try:
-            connection.text_factory = _text
             _check_ours(connection, path, readonly)
         except BaseException:
             connection.close()
@@ -100,11 +97,21 @@ def open_store(path: Path, readonly: bool) -> sqlite3.Connection:
     try:
         connection.text_factory = _text
         connection.execute(f"PRAGMA journal_mode={'DELETE' if _on_network(path) else 'WAL'}")
+        # Each design goes on from the log to the file at once: a copy of the file alone has all of them.
+        connection.execute("PRAGMA wal_autocheckpoint=1")
         with transaction(connection):
             prepare(connection)
     except BaseException:
         connection.close()
         raise
+    return connection
+
+
+def connect_readonly(path: Path) -> sqlite3.Connection:
+    """Connect to a file that stays as it is."""
+    uri = f"{path.absolute().as_uri()}?mode=ro"
+    connection = sqlite3.connect(uri, uri=True, timeout=PATIENCE)
+    connection.text_factory = _text
     return connection
 
 
@@ -159,6 +166,14 @@ def is_database(path: Path) -> bool:
     """Whether a file is an SQLite database, of whatever program."""
     with path.open("rb") as file:
         return file.read(16) == b"SQLite format 3\0"
+
+
+def is_ours(path: Path) -> bool:
+    """Whether a file's header is that of a store which this release knows, whatever became of the rest."""
+    with path.open("rb") as file:
+        header = file.read(100)
+    version, mark = int.from_bytes(header[60:64]), int.from_bytes(header[68:72])
+    return is_database(path) and mark == APPLICATION_ID and version <= SCHEMA_VERSION
 
 
 def _on_network(path: Path) -> bool:

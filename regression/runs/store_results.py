@@ -80,9 +80,9 @@ def read_store(store: ResultStore, plan: StudyPlan, keys: Iterable[str]) -> Stor
     if not finished and not rows:
         damaged = f"; {damaged_rows_warning(store.damaged, store.path)}" if store.damaged else ""
         raise InputError(
-            f"import: given {str(store.path)!r}, in which {left_out} results are of another throw, "
-            f"material, accuracy or model version ({others} of another version than {MODEL_VERSION}, with "
-            f"which they must not be mixed); allowed is a store with results of this study{damaged}."
+            f"import: given {str(store.path)!r}, in which {left_out} results are of another throw, material, "
+            f"accuracy or model version ({others} of another version than {MODEL_VERSION}, which must not be "
+            f"mixed); allowed is a store with results of this study{damaged}."
         )
     return StoreResults(tuple(finished), tuple(rows), left_out)
 

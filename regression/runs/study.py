@@ -17,6 +17,7 @@ from regression.plans.plan import (
     StudyPlan,
 )
 from regression.records import HELD_OUT, MEASURED, RUN, ExtraRow, Outcome, content_key
+from regression.runs.claims import Claims
 from regression.runs.exchange import read_rows
 from regression.runs.registered_designs import (
     known_designs,
@@ -31,6 +32,7 @@ from regression.runs.store_rows import damaged_rows_warning
 from regression.runs.study_memory import check_study_memory
 from regression.runs.study_table import StudyTable, study_table
 from regression.runs.supervised import design_limits
+from regression.runs.work_queue import Claim
 from regression.runs.workers import run_designs
 from regression.throw_values import SAME
 
@@ -116,7 +118,7 @@ def run_plan(
 
         check_address(dask)
     own = plan.planned  # a study that cannot be planned leaves no store behind
-    with ResultStore(store) as results:
+    with ResultStore(store) as results, Claims(results.path) as claims:
         register_designs(results, plan, own)
         planned = with_added(results, plan)
         unique = {design.key: design.inputs for design in planned.designs}
@@ -125,27 +127,48 @@ def run_plan(
             note(
                 f"{damaged_rows_warning(results.damaged, store)}; their designs are computed again."
             )
-        finished = len(known)
+        finished, computed, shared = len(known), 0, False
         if progress:
             progress(finished, len(unique), None)
 
-        def keep(outcome: Outcome) -> None:
+        def count(outcome: Outcome) -> None:
             nonlocal finished
-            results.record(outcome, MODEL_VERSION)
+            claims.release(outcome.key)
             finished += 1
             if progress:
                 progress(finished, len(unique), outcome)
+
+        def keep(outcome: Outcome) -> None:
+            nonlocal computed
+            results.record(outcome, MODEL_VERSION)
+            computed += 1
+            count(outcome)
+
+        def claim(key: str) -> bool | None:
+            nonlocal shared
+            if not claims.take(key):
+                if not shared and note is not None:
+                    note(
+                        f"another program computes designs of this study in {store}: they are shared."
+                    )
+                shared = True
+                return False
+            found = results.outcomes([key]).get(key)
+            if found is None or found.lost:
+                return True
+            count(found)
+            return None
 
         missing = [(key, inputs) for key, inputs in unique.items() if key not in known]
         older = results.older_results(MODEL_VERSION)
         if missing and older and note is not None:
             note(_older_results_text(older, store))
         if missing and dask is not None:
-            _run_on_dask(missing, keep, dask, limits, note or _silent)
+            _run_on_dask(missing, keep, dask, limits, note or _silent, claim)
         else:
             check_study_memory([inputs for _, inputs in missing], workers)
-            run_designs(missing, keep, workers, limits)
-        return _table(results, plan, planned, len(missing))
+            run_designs(missing, keep, workers, limits, claim)
+        return _table(results, plan, planned, computed)
 
 
 def _older_results_text(older: Mapping[int, int], store: str | Path) -> str:
@@ -163,16 +186,28 @@ def _run_on_dask(
     address: str,
     limits: Limits,
     note: Note,
+    claim: Claim,
 ) -> None:
     from regression.runs.cluster import run_on_cluster
     from regression.runs.dask_cluster import DaskCluster
 
     with closing(DaskCluster(address)) as cluster:
-        run_on_cluster(designs, keep, cluster, limits, note)
+        run_on_cluster(designs, keep, cluster, limits, note, claim)
 
 
 def _silent(_: str) -> None:
     """Tell nobody."""
+
+
+def current_plans(store: str | Path) -> tuple[StudyPlan, ...]:
+    """Return the plans in a store that are sound and of this version of the finite element model."""
+    with ResultStore(store, readonly=True) as results:
+        recorded = results.studies()
+    return tuple(
+        StudyPlan.from_record(plan)
+        for key, plan in recorded.items()
+        if plan is not None and content_key(plan) == key and plan["model_version"] == MODEL_VERSION
+    )
 
 
 def read_study(store: str | Path, study: str | None = None) -> StudyTable:

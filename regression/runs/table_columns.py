@@ -178,6 +178,6 @@ def _number(cell: str, where: str) -> float:
     if not math.isfinite(value):
         raise InputError(
             f"{where}: given {cell!r}; allowed is a finite number, like 68 or 1.5e-9, with a point for "
-            "decimals, because its unit stands in the header."
+            "decimals, because the header gives its unit."
         )
     return value

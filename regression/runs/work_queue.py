@@ -1,10 +1,14 @@
 """The queue of designs that still wait, and how often each was tried."""
 
 from collections import deque
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from typing import Any
 
 from regression.records import Outcome
+
+# Claims a design: True if it is to be computed, False while another program computes it, None once it is
+# finished.
+Claim = Callable[[str], bool | None]
 
 # A design is tried once more after its worker is lost, then set aside.
 TRIES = 2
@@ -16,9 +20,14 @@ class WorkQueue:
     Parameters
     ----------
     designs : iterable of (key, inputs)
+    claim : callable, optional
+        Called with a key before its design is handed out; by default every design is.
     """
 
-    def __init__(self, designs: Iterable[tuple[str, Mapping[str, Any]]]) -> None:
+    def __init__(
+        self, designs: Iterable[tuple[str, Mapping[str, Any]]], claim: Claim | None = None
+    ) -> None:
+        self._claim: Claim = claim or (lambda _: True)
         self._inputs = dict(designs)
         self._waiting = deque(self._inputs)
         self._tries = dict.fromkeys(self._inputs, 0)
@@ -28,12 +37,16 @@ class WorkQueue:
         return len(self._waiting)
 
     def next_request(self) -> dict[str, Any] | None:
-        """Hand out the next design as a request to a worker; None if none waits."""
-        if not self._waiting:
-            return None
-        key = self._waiting.popleft()
-        self._tries[key] += 1
-        return {"key": key, "inputs": self._inputs[key]}
+        """Hand out the next design as a request to a worker; None if none can be had now."""
+        for _ in range(len(self._waiting)):
+            key = self._waiting.popleft()
+            claimed = self._claim(key)
+            if claimed:
+                self._tries[key] += 1
+                return {"key": key, "inputs": self._inputs[key]}
+            if claimed is False:
+                self._waiting.append(key)
+        return None
 
     def outcome(self, answer: Mapping[str, Any], worker: str) -> Outcome:
         """Make the outcome of a worker's answer."""

@@ -9,7 +9,7 @@ from crankbase.calls import WATCH, Limits, Message, Messages, ProcessLostError
 from regression.records import Outcome
 from regression.runs.interrupts import interrupts_deferred
 from regression.runs.supervised import TIME_LIMIT, SupervisedProcess
-from regression.runs.work_queue import WorkQueue
+from regression.runs.work_queue import Claim, WorkQueue
 
 
 def run_designs(
@@ -17,6 +17,7 @@ def run_designs(
     on_outcome: Callable[[Outcome], None],
     workers: int,
     limits: Limits | None = None,
+    claim: Claim | None = None,
 ) -> None:
     """Compute designs in worker processes.
 
@@ -30,6 +31,8 @@ def run_designs(
         Number of processes.
     limits : Limits, optional
         What one design may take before its worker is ended.
+    claim : callable, optional
+        As for `WorkQueue`: designs of other programs are waited for.
 
     Notes
     -----
@@ -38,17 +41,18 @@ def run_designs(
     workers are ended; what arrived is kept, for Ctrl-C waits while an answer is taken and stored.
     """
     limits = limits or Limits(TIME_LIMIT)
-    work = WorkQueue(designs)
+    work = WorkQueue(designs, claim)
     # Each process with the key of the design it works on.
     pool: dict[SupervisedProcess, str] = {}
     messages: Messages = SimpleQueue()
 
-    def start() -> None:
+    def start() -> bool:
         request = work.next_request()
         if request is not None:
             process = SupervisedProcess(messages)
             pool[process] = request["key"]
             process.compute(request)
+        return request is not None
 
     def record_loss(process: SupervisedProcess, loss: ProcessLostError) -> None:
         outcome = work.lost(pool.pop(process), str(loss), loss.seconds, process.name)
@@ -73,9 +77,9 @@ def run_designs(
         on_outcome(work.outcome(answer, process.name))
 
     try:
-        for _ in range(min(workers, len(work))):
-            start()
-        while pool:
+        while pool or len(work):
+            while len(pool) < workers and start():
+                pass
             with contextlib.suppress(Empty):
                 process, message = messages.get(timeout=WATCH)
                 if process in pool:  # no last word of one that was ended

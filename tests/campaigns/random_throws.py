@@ -1,7 +1,7 @@
 """Mesh 300 random throws that mix all features, each in the isolated process.
 
 Run by hand: ``python tests/campaigns/random_throws.py [COUNT] [FIRST SEED]`` (about five minutes for
-300); its figures stand in docs/method.md. Every throw must give a mesh that passes the checks, or
+300); its figures are in docs/throws.md. Every throw must give a mesh that passes the checks, or
 one sentence why not before meshing; the process must not crash or hang.
 """
 

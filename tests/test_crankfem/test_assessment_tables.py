@@ -60,7 +60,7 @@ def test_speeds_above_the_running_range_are_explained(record, capsys):
     print_assessment(record, parse_output_units("rpm"))
     lines = capsys.readouterr().out.splitlines()
     assert (
-        f"Limit on {STRESS}: A rule, assumed; judged from 200 to 575 rpm, for it holds above the "
+        f"Limit on {STRESS}: A rule, assumed; judged from 200 to 575 rpm, because it also applies above the "
         "highest running speed of 515 rpm too." in lines
     )
     assert f"Limit on {TWIST}: The maker; judged from 200 to 515 rpm." in lines
@@ -80,5 +80,5 @@ def test_a_verdict_that_only_its_barred_ranges_hang_on_says_so(record, capsys):
     print_assessment(record)
     assert capsys.readouterr().out.splitlines()[-2:] == [
         "Verdict: Fine.",
-        "It hangs on what is assumed or uncertain: no speeds need be barred with this.",
+        "It depends on assumed or uncertain values: no speeds need be barred with this.",
     ]

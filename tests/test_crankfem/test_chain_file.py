@@ -256,7 +256,10 @@ SPRING = '[[chain.elements]]\nstiffness = "3 N m/rad"\n'
         (NODES + SPRING + SPRING, r"chain.elements\[1\].nodes: missing"),
         (NODES + SPRING + 'nodes = ["a", "c"]\n', r"chain.elements\[0\].nodes: given 'c'; .*a, b"),
         (NODES + SPRING + 'nodes = ["a", "a"]\n', r"elements\[0\].nodes: given 'a' twice"),
-        (NODES + SPRING + 'diameter = "1 m"\n', r"elements\[0\].diameter: given beside stiffness"),
+        (
+            NODES + SPRING + 'diameter = "1 m"\n',
+            r"elements\[0\].diameter: given together with stiffness",
+        ),
         (NODES + "[[chain.elements]]\n", r"elements\[0\].stiffness: given neither it nor shape"),
         (
             NODES + '[[chain.elements]]\nshape = "cone"\nlength = "1 m"\nleft_diameter = "1 m"\n',

@@ -162,7 +162,7 @@ def test_the_command(base, call, tmp_path, monkeypatch):
     assert answer.code == 0, answer.err
     text = " ".join(answer.out.split())
     assert (
-        " throws that both models know: web_width 270 mm to 330 mm, pin_length 120 mm to 160"
+        " throws in the ranges of both models: web_width 270 mm to 330 mm, pin_length 120 mm to 160"
         in text
     )
     assert "Largest difference, of axial compliance: at web_width" in text

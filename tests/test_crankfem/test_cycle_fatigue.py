@@ -253,11 +253,11 @@ def test_sentences_of_misfiring_and_of_places_without_a_factor():
     )
     said = EngineFatigue((place,), 0.1566, ()).sentence
     assert "safety factor is 1.50" in said
-    assert "while cylinder 3 misfires; UR M53 does not judge that place." in said
+    assert "while cylinder 3 misfires; UR M53 does not cover that location." in said
     weak = replace(place, value=3.3e8, rule_factor=0.9)
     said = EngineFatigue((weak, place), 0.1566, ()).sentence
     assert "is 0.50 at" in said
-    assert "; 1 of 2 places are below 1; UR M53 has Q = 0.90 for that place." in said
+    assert "; 1 of 2 locations are below 1; UR M53 has Q = 0.90 for that location." in said
 
 
 @pytest.mark.slow

@@ -81,7 +81,7 @@ def test_designs_go_out_and_results_of_another_program_come_back(call, folder):
     assert linear["coefficients"]["pin_length"] == close(slope)
     assert "are not used" not in answer.err
     again = call(*taken)
-    assert "0 finished designs and 0 further rows taken over" in again.err
+    assert "0 finished designs and 0 further rows imported" in again.err
     model = call("fit", "runs.sqlite")
     assert model.code == 0
     assert call("lookup", "model.json", "pin_length=130mm").code == 0

@@ -104,6 +104,40 @@ def test_doe_tells_how_the_runs_lie(call, study):
     assert 0.0 < quality["discrepancy"] < 0.1
 
 
+def test_doe_checks_a_store_and_repairs_it(call, study, tmp_path):
+    assert call("doe", study).code == 0
+    for line in (("runs.sqlite",), (study, "--store", "runs.sqlite")):
+        sound = call("doe", "--check", *line)
+        assert sound.code == 0
+        assert "runs.sqlite: 12 done; no row damaged." in sound.out
+        assert "12 designs, 0 without a result." in sound.out
+    connection = sqlite3.connect("runs.sqlite")
+    connection.execute(
+        "UPDATE designs SET responses = replace(responses, '1', '2') WHERE rowid = 3"
+    )
+    connection.commit()
+    connection.close()
+    damaged = call("doe", "--check", "runs.sqlite")
+    assert damaged.code == 2
+    assert "11 done; 1 damaged." in damaged.out
+    assert "its checksum does not fit its content." in damaged.out
+    assert "12 designs, 1 without a result." in damaged.out
+    assert "Error: runs.sqlite is damaged; crankfem doe --repair runs.sqlite" in damaged.err
+    record = call("doe", "--repair", "runs.sqlite", "--json").json()
+    assert (record["sound"], record["kept"], record["computed_now"]) == (True, 11, 1)
+    assert record["designs"] == {"done": 12, "failed": 0, "lost": 0}
+    assert record["original"] == "runs.sqlite.damaged"
+    (tmp_path / "runs.sqlite").write_bytes((tmp_path / "runs.sqlite").read_bytes()[:9000])
+    lost = call("doe", "--repair", "runs.sqlite")
+    assert lost.code == 0
+    assert (
+        "was damaged: 0 sound designs are kept; the damaged file is now runs.sqlite.d" in lost.out
+    )
+    assert "It holds no study: run one from its file" in lost.out
+    again = call("doe", "--repair", study)
+    assert "12 designs computed now." in again.out
+
+
 @pytest.mark.slow
 def test_doe_adds_runs_once(call, study, monkeypatch):
     monkeypatch.setattr("crankfem.analyses.study.growth.PLACES", 40)
@@ -169,8 +203,8 @@ def test_doe_takes_earlier_and_measured_results_over(call, study, tmp_path):
     taken = ("--import", "a.sqlite", "--import", "bench.csv")
     answer = call("doe", study, "--store", "b.sqlite", *taken, "--export", "b.csv")
     assert answer.code == 0
-    assert "a.sqlite: 12 finished designs and 0 further rows taken over." in answer.err
-    assert "bench.csv: 0 finished designs and 1 further rows taken over." in answer.err
+    assert "a.sqlite: 12 finished designs and 0 further rows imported." in answer.err
+    assert "bench.csv: 0 finished designs and 1 further rows imported." in answer.err
     assert "0 computed now, 0 without a result, 1 imported rows." in answer.out
     assert rows(tmp_path / "b.csv")[:12] == rows(tmp_path / "a.csv")
     assert [row["role"] for row in rows(tmp_path / "b.csv")[12:]] == ["measured"]
@@ -196,6 +230,13 @@ def test_doe_takes_earlier_and_measured_results_over(call, study, tmp_path):
         (["--mesh", "inp"], "--mesh: given without --export, or with --import"),
         (["--mesh", "stl", "--export", "out"], "mesh: given 'stl'; allowed are msh, vtu"),
         (["--mesh", "inp", "--export", "a.csv"], "--export: given a.csv with --mesh; allowed is a"),
+        (
+            ["--check", "--plan"],
+            "--check: given with another task; allowed are --check or --repair",
+        ),
+        (["--repair", "--check"], "--check: given with another task"),
+        (["--repair", "--more", "2"], "--repair: given with another task"),
+        (["--check"], "store: given 'runs.sqlite'; there is no such file"),
         (["--no-compute"], "store: given 'runs.sqlite'; there is no such file"),
     ],
 )

@@ -132,7 +132,7 @@ def test_both_stand_side_by_side_and_the_smaller_formula_is_named(judge, stresse
     assert f"beta_T (up to {more:.2g} %)" in found.warning
     assert "beta_Q" not in found.warning or "beta_shear" in smaller
     assert judge().warning == ""
-    assert "beta_torsion" in smaller  # the short rigid journal: see docs/strength.md
+    assert "beta_torsion" in smaller  # a journal thicker than the pin: see docs/stress.md
     for name, symbol in (("beta_torsion", "beta_T"), ("beta_shear", "beta_Q")):
         assert (f"{symbol} is {getattr(formulas, name):.3f} by the formula" in said) == (
             name in smaller

@@ -440,7 +440,7 @@ def test_a_file_that_is_none(call, given, fragment):
 def test_a_name_that_no_file_can_have():
     with pytest.raises(InputError) as told:
         load_engine("x" * 100_000)
-    assert "cannot be looked for, because the system says: File name too long" in str(told.value)
+    assert "cannot be searched for; the system reports: File name too long" in str(told.value)
     assert len(str(told.value)) < 1000
 
 

@@ -303,7 +303,7 @@ def test_sensitivities_under_a_constraint(capsys):
     print_fits(record["fits"])
     told = " ".join(capsys.readouterr().out.split())
     assert "Shapley" in told
-    assert "shares of the variance over what the constraints leave of the ranges" in told
+    assert "shares of the variance over the ranges within the constraints" in told
 
 
 def test_nominal_of_free_names_is_the_middle(family, outlines):
@@ -425,7 +425,7 @@ def test_tables(table, fits, capsys):
         "slightly optimistic",
         "ln(e_n / (1e-9 m/N)) = ",
         "Left out, because the runs do not determine them",
-        "no replication noise",
+        "not random error",
         "Sensitivity of the axial compliance",
         "68 mm",
     ):
@@ -451,7 +451,7 @@ def test_measured_values_are_compared(tmp_path, capsys):
     assert "crank_radius: given 175 mm" in found[2]["reason"]
     print_comparisons(found)
     text = capsys.readouterr().out
-    assert "Measured values beside the equations" in text
+    assert "Measured values compared with the equations" in text
     assert "Not compared: B" in text
     print_comparisons([])
     assert capsys.readouterr().out == ""

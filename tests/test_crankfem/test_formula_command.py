@@ -39,7 +39,7 @@ def test_remarks_stand_below_the_table_once(call):
     assert [cell.strip() for cell in row.strip("│").split("│")][1:] == ["2.976", "yes", "4, 5"]
     assert answer.out.count("the formula's shear term is negative there") == 1
     assert "  5. The angle factor k_phi = 0.8 (1 - cos gamma)" in answer.out
-    assert "beside FE" not in answer.out
+    assert "ratio to FE" not in answer.out
 
 
 def test_printed_says_what_is_left_out(call):
@@ -88,7 +88,7 @@ def test_the_title_tells_the_angle_and_the_constants(call):
     assert out.splitlines()[0].strip().endswith("gamma = 240 deg (counts as 120), k_n = 0.3, C = 2")
     # No remark is written in the syntax of Python.
     assert "unless the constant k_or is given." in out
-    assert "the constant k_gorbunov = 0.5 meets the frame." in out
+    assert "the constant k_gorbunov = 0.5 matches the frame." in out
     assert "constants=" not in out
     assert call(*given, "--json").json()["constants"] == {"k_n": 0.3, "C": 2.0}
 

@@ -176,7 +176,7 @@ def test_partial_sums_against_the_samples(call):
         left = torque - basis @ np.linalg.lstsq(basis, torque, rcond=None)[0]
         assert record["residual_rms"][place] == close(np.sqrt(np.mean(left**2)))
         assert record["residual_largest"][place] == close(np.max(np.abs(left)))
-    assert "meets every sample" in call("harmonics", TABLE).out
+    assert "matches every sample" in call("harmonics", TABLE).out
     told = call("harmonics", TABLE, "--orders", "2").out
     assert "The sum up to order 2 differs from the samples by at most 1530.2 N m." in told
 
@@ -195,7 +195,9 @@ def test_the_picture_of_a_table_ends_at_the_order_asked_for(tmp_path):
 
 def test_the_order_of_which_one_phase_is_seen_has_no_star(call):
     answer = call("harmonics", TABLE, "--firing-order", "1-2")
-    assert "Note: order 9 is left out, because 36 samples see one phase of it only" in answer.out
+    assert (
+        "Note: order 9 is left out, because 36 samples resolve only one phase of it" in answer.out
+    )
     assert "2 cylinders, each with this torque, fired at 0, 360 deg: mean torque 246.72 N m." in (
         answer.out
     )

@@ -249,7 +249,7 @@ def shaft(count=14):
 def test_motion_along_the_shaft():
     modes, radius = shaft(), 0.2
     traces, layout = shaft_modes(modes, radius, "x")
-    assert layout["xaxis"]["title"]["text"] == "place along the shaft [mm]"
+    assert layout["xaxis"]["title"]["text"] == "position along the shaft [mm]"
     assert len(traces) == 4 * 10
     order = [0, 2, 3, 1]
     for mode, four in enumerate(zip(*[iter(traces)] * 4, strict=True), start=1):

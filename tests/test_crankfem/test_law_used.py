@@ -74,7 +74,7 @@ def test_the_sentence_tells_value_and_band_or_the_ratio_outside():
     assert json.loads(json.dumps(record)) == record
     refused = law_record(OUTSIDE, STEEL)
     assert refused["answers"] is None
-    assert law_sentence(refused).startswith("The law says nothing of this throw: ")
+    assert law_sentence(refused).startswith("The law does not apply to this throw: ")
     assert "crank_radius" in refused["reason"] or "plain" in refused["reason"]
 
 
@@ -120,7 +120,7 @@ def test_a_throw_of_pairs_or_of_an_engine_that_they_change():
 
 def test_lookup_law(call):
     out = call("lookup", "law", *PAIRS, "--gamma", "120 deg", "--pin-force", "0, -100 kN, 0").out
-    assert "A band holds the true value of 95 in 100 throws, their end sections rigid." in out
+    assert "A band contains the true value for 95 % of throws with rigid end sections." in out
     assert "Axial reaction neighbors 120 deg: within" in out
     found = call("lookup", "law", *PAIRS, "--json").json()
     assert (
@@ -141,7 +141,7 @@ def test_check_and_formulas_tell_the_law(call):
     assert "the law" in out
     assert "The law, fitted to finite elements with rigid end sections, has a band of" in out
     # Axial compliances stand beside finite elements between neighbors, torsional ones beside pinned ends.
-    assert out.count(", and leaves out that sections between neighbors bend.") == 1
+    assert out.count(", and omits the bending of sections between neighbors.") == 1
 
 
 def test_throws_outside_are_told_by_formulas_too(call, tmp_path):
@@ -150,7 +150,7 @@ def test_throws_outside_are_told_by_formulas_too(call, tmp_path):
         f'{name} = "{1e3 * value:g} mm"' for name, value in (PLAIN | {"crank_radius": 0.48}).items()
     )
     path.write_text("[throw]\n" + "\n".join(lines), encoding="utf-8")
-    assert "The law says nothing of this throw: " in call("check", path).out
+    assert "The law does not apply to this throw: " in call("check", path).out
     assert "Left out: the law, " in call("formulas", path, "--no-fe").out
 
 
@@ -190,6 +190,6 @@ def test_engines_whose_throws_the_law_does_not_cover_refuse_it(tmp_path, call):
     )
     path.write_text(bored, encoding="utf-8")
     with pytest.raises(
-        InputError, match=r"vibration.axial_source: given 'law', which says nothing of"
+        InputError, match=r"vibration.axial_source: given 'law', which does not apply to"
     ):
         refuse_law(load_engine(path))

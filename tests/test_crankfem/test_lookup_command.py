@@ -104,8 +104,8 @@ def test_values_with_bands(run, path):
     )
     assert len(lines) == len(SIZES) + 1
     assert lines[-1] == (
-        "Bands: error that 95 % of throws keep to by designs that the equation did not see (0.5 %) and the "
-        "finite elements' own estimate (1 %); --json tells them by response."
+        "Bands: error not exceeded by 95 % of throws at designs not used in the fit (0.5 %) and the "
+        "finite elements' own estimate (1 %); --json lists them by response."
     )
     assert out.count("inside the range") == len(SIZES)
     assert "mass: 100 kg (pinned)" in out
@@ -166,7 +166,7 @@ def test_what_depends_on_gamma_stands_first(run, path):
     ComplianceModel(**(model.model_dump() | {"responses": responses})).save(path)
     lines = run("lookup", path, *PAIRS, "--gamma", "120").splitlines()
     assert lines[0].startswith("axial compliance: ")
-    assert lines[1] == "Whatever the angle of --gamma:"
+    assert lines[1] == "Independent of --gamma:"
     assert lines[2].startswith("mass: ")
     assert len(lines) == len(SIZES) + 2
 
@@ -185,7 +185,7 @@ def test_bands_tell_what_is_not_known(run, path):
     )
     *_, bands, unjudged, estimates = run("lookup", path, *PAIRS).splitlines()
     assert "(0.5 % to 3 %)" in bands
-    assert unjudged == "  Without held-out designs, too small an error: mass."
+    assert unjudged == "  Error underestimated for lack of held-out designs: mass."
     assert estimates == "  The error of the finite elements was not estimated: mass."
 
 
@@ -203,7 +203,7 @@ def test_gamma_without_its_numbers(run, path):
 def test_outside_and_strict(run, path):
     outside = ("web_width=345mm", "web_thickness=68mm")
     out = run("lookup", path, *outside)
-    assert out.count("OUTSIDE the range, where no band holds") == len(SIZES)
+    assert out.count("OUTSIDE the range, where no band applies") == len(SIZES)
     assert out.count("and 25 % of its width beyond it the error is unknown") == 1
     assert " to 1." not in out.split("web_width:")[0]
     assert "Bands:" not in out
@@ -325,7 +325,7 @@ def test_reactions_to_a_pin_force(run, reaction_path):
 def test_reactions_outside_the_range(run, reaction_path):
     outside = ("web_width=345mm", "web_thickness=68mm", "--pin-force", "40, -100, 0 kN")
     out = run("lookup", reaction_path, *outside)
-    assert "Axial reaction guided: OUTSIDE the range, where no band holds" in out
+    assert "Axial reaction guided: OUTSIDE the range, where no band applies" in out
     found = json.loads(run("lookup", reaction_path, *outside, "--json"))
     assert found["reactions"]["supports"]["guided"]["band"]["left"]["force"] == [None] * 3
     with pytest.raises(

@@ -170,7 +170,7 @@ def test_a_pressure_table_beside_the_file(tmp_path):
         (
             "6chn25-34",
             {"[gas]\n": '[gas]\npressure_table = "x.csv"\n'},
-            r"^gas\.peak_pressure: given beside pressure_table; allowed is one of the two",
+            r"^gas\.peak_pressure: given together with pressure_table; allowed is one of the two",
         ),
         (
             "6chn25-34",

@@ -152,7 +152,7 @@ fillet_radius = "4 mm"
 
 # What is changed in the file of two throws, and what the refusal must say.
 REFUSED = {
-    "both": ([("[rod]", f"[throw]\n{FULL}\n[rod]")], r"throws: given beside the section \[throw\]"),
+    "both": ([("[rod]", f"[throw]\n{FULL}\n[rod]")], r"throws: given together with the section \[throw\]"),
     "unknown": ([(SHAFT, 'throws = ["heavy", "plane", "plain"]')], r"shaft\.throws: given 'plane'; all"),
     "unused": ([(SHAFT, 'throws = ["plain", "plain", "plain"]')], r"throws\.heavy: given, but no crank"),
     "few": ([(SHAFT, 'throws = ["heavy", "plain"]')], r"shaft\.throws: given 2 names; allowed is 3"),
@@ -160,7 +160,7 @@ REFUSED = {
     "empty": ([(SHAFT, "")], r"shaft\.throw_angles: missing; allowed are throw_angles, throws or both"),
     "plain": (
         [("[throws.plain]", "[throw]"), ('like = "plain"\n', "")],
-        r"throws: given beside the section \[throw\]",
+        r"throws: given together with the section \[throw\]",
     ),
     "radius": (
         [('pin_length = "38 mm"\n', 'pin_length = "38 mm"\ncrank_radius = "64.01 mm"\n')],
@@ -226,7 +226,9 @@ def test_names_beside_one_throw_are_refused(tmp_path):
     path = tmp_path / "one.toml"
     shaft = '[shaft]\nthrows = ["a", "a", "a", "a"]\n'
     path.write_text(text[: text.index("[torque]")] + shaft, encoding="utf-8")
-    with pytest.raises(InputError, match=r"^shaft\.throws: given beside the section \[throw\]"):
+    with pytest.raises(
+        InputError, match=r"^shaft\.throws: given together with the section \[throw\]"
+    ):
         load_engine(path)
 
 
@@ -271,7 +273,7 @@ def test_one_of_several_throws_is_changed(write):
             "throw: given for an engine with throws",
         ),
         ({"throws": {"plain": 3}}, r"throws\.plain: given 3; allowed are fields"),
-        ({"throws": {"third": engine.throw}}, r"throws\.third: given, but no crank is it"),
+        ({"throws": {"third": engine.throw}}, r"throws\.third: given, but no crank uses it"),
         ({"throws": 3}, "throws: given 3; allowed are names with changes"),
         ({"shaft": None}, r"shaft\.throws: missing"),
     ):
@@ -402,7 +404,9 @@ def test_a_regression_that_does_not_know_a_throw_is_left_out():
     plain = Model([engine.named_throws["plain"]])
     unknown = axial_vibration(engine, analyses, shaft, plain)
     assert "regression" not in [own.source for own in unknown.others]
-    assert unknown.unusable[0].startswith("regression: says nothing of throw heavy: counterweight")
+    assert unknown.unusable[0].startswith(
+        "regression: does not apply to throw heavy: counterweight"
+    )
     formulas = next(own for own in unknown.others if own.source == "Dorey").compliances
     assert formulas[0] != close(formulas[1], rel=1e-3)
 
@@ -433,7 +437,7 @@ def test_check_shows_each_throw(call):
 
 def test_commands_take_the_throw_they_are_told(call):
     first, told = call("formulas", UNEQUAL, "--no-fe", "--json"), []
-    assert "throw heavy is taken; the file has plain too" in first.err
+    assert "throw heavy is used; the file has plain too" in first.err
     for name in ("heavy", "plain"):
         answer = call("formulas", UNEQUAL, "--throw", name, "--no-fe", "--json")
         assert answer.err == ""
@@ -501,4 +505,4 @@ def test_an_engine_of_two_throws_runs_to_a_report(coarsely, call, tmp_path):
 def test_help_says_which_sections_throws_are(call):
     """Square brackets would be read as markup, and vanish."""
     answer = call("throw", "--help")
-    assert "each a section throws.NAME;" in " ".join(answer.out.replace("│", " ").split())
+    assert "(sections throws.NAME);" in " ".join(answer.out.replace("│", " ").split())

@@ -70,7 +70,9 @@ def test_sections_that_do_not_fit_each_other(engine):
     with pytest.raises(InputError, match=r"load: given without the section \[gas\]"):
         engine.changed(gas=None, load=propeller)
     table = {"pressure_table": "p.csv", "peak_pressure": None}
-    with pytest.raises(InputError, match=r"load: given beside gas.pressure_table; allowed are"):
+    with pytest.raises(
+        InputError, match=r"load: given together with gas.pressure_table; allowed are"
+    ):
         engine.changed(gas=table, load=propeller)
     short = LoadSection.from_text({"points": [POINTS[0], POINTS[1] | {"speed": "450 1/min"}]})
     with pytest.raises(InputError, match=r"load.points: given speeds from 200 1/min to 450 1/min"):
@@ -78,7 +80,7 @@ def test_sections_that_do_not_fit_each_other(engine):
     mapped = {
         "points": [{"speed": 20.0, "pressure_table": "a"}, {"speed": 60.0, "pressure_table": "b"}]
     }
-    with pytest.raises(InputError, match=r"load: given beside the section \[gas_map\]"):
+    with pytest.raises(InputError, match=r"load: given together with the section \[gas_map\]"):
         engine.changed(gas_map=mapped, load=propeller)
 
 
@@ -107,7 +109,7 @@ def test_without_rated_power_nothing_checks(engine):
     assert power.mechanical_efficiency is power.mean_effective_pressure is None
     assert power.sentence == (
         "indicated power 570.2 kW at 500 1/min, mean indicated pressure 1.367 MPa; engine.rated_power is "
-        "not given, so that nothing checks the gas pressure"
+        "not given, so the gas pressure is not checked"
     )
 
 
@@ -161,8 +163,8 @@ def test_a_constant_load_is_what_no_section_says(engine):
     found = [engine_load(one, cf.engines.mechanism_of(one)) for one in (engine, given)]
     assert [one.law for one in found] == ["constant", "constant"]
     assert found[0].mean_pressure == close(found[1].mean_pressure)
-    assert "the file gives no section [load]" in found[0].sentence
-    assert "as [load] says" in found[1].sentence
+    assert "the file has no section [load]" in found[0].sentence
+    assert "as given in [load]" in found[1].sentence
     assert "intake_pressure" not in load_record(found[0])["speeds"][0]
 
 
@@ -186,7 +188,7 @@ def test_a_pressure_map_is_checked_in_place_of_the_gas(engine, tmp_path):
     assert told.law == "map"
     assert told.mean_pressure == close(mean, 1e-4)
     assert told.rated.indicated == close(570.2277e3 * mean[3] / 1.366668e6, 1e-4)
-    assert "load of the section [gas_map]" in told.sentence
+    assert "load in the section [gas_map]" in told.sentence
 
 
 def test_console_tells_power_and_load(call, tmp_path):
@@ -214,7 +216,7 @@ def test_power_that_does_not_fit_and_the_load_are_told(engine):
         "efficiencies are 0.75 to 0.97, so correct engine.rated_power or the section [gas]"
     )
     assert told["sentence"].startswith(
-        "each speed is taken at the load of a propeller: mean indicated pressure"
+        "each speed is calculated at the load of a propeller: mean indicated pressure"
     )
     # Rated and indicated power that do not fit tell nothing of friction.
     assert "friction" not in told["sentence"]
@@ -226,6 +228,6 @@ def test_the_console_tells_the_load_of_each_speed(engine, capsys):
     print_load(told)
     out = " ".join(capsys.readouterr().out.split())
     assert "rated power 480 kW (mean effective pressure 1.15 MPa) is 0.842 of it" in out
-    assert "power at the flywheel with its cube, friction takes 2.16 bar at every speed" in out
+    assert "power at the flywheel to its cube; friction takes 2.16 bar at every speed" in out
     assert "Load of the engine" in out
     assert out.count("570.2") == 2

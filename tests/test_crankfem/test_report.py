@@ -182,7 +182,7 @@ def test_without_gas_pressure_critical_speeds_stand_in_for_resonances(results, p
     found = page(without_gas(results))
     first = found.section("verdict")
     assert first.startswith("Not judged: no gas pressure is given")
-    assert "11 critical speeds of orders up to 12 lie in the running range" in first
+    assert "11 critical speeds of orders up to 12 are in the running range" in first
     assert "axial 384 12 1 76.8 1.00" in found.section("campbell")
     assert "Amplitudes and stresses against limits" not in first
     there = {own["id"] for own, _ in found.all("section")}
@@ -196,7 +196,7 @@ def test_without_any_critical_speed_that_is_said(results, page):
         results["vibration"][kind]["criticals"] = []
     found = page(results)
     assert "0 critical speeds" in found.section("verdict")
-    assert "No axial critical speed lies in the running range" in found.section("campbell")
+    assert "No axial critical speed is in the running range" in found.section("campbell")
 
 
 @pytest.mark.parametrize(
@@ -459,7 +459,7 @@ AS_STORED = [
     ("verdict", "en 1.29e-9 m/N"),
     # A record of a release that did not correct its answers.
     ("verdict", "too small by about 0.96 %"),
-    ("verdict", "First axial frequency 76.8 Hz 76.5 to 76.8 Hz with what is uncertain"),
+    ("verdict", "First axial frequency 76.8 Hz uncertainty range 76.5 to 76.8 Hz"),
     ("verdict", "crankshaft in its bearings: 81.1 Hz"),
     ("verdict", "cylinder 4 - cylinder 5, 498 1/min 24.5 MPa 21.2 MPa 115 %"),
     ("inputs", "Crank radius R 170 mm Main journal diameter 220 mm Crankpin diameter 180 mm"),
@@ -471,25 +471,25 @@ AS_STORED = [
     ("inputs", "27 of 37 values are assumed"),
     ("throw", "pinned 1.29 41.3 0.616 0.478 guided"),
     ("throw", "guided 0.258 25.7 0.0662 0.257"),
-    ("throw", "0.96 % (asked for: 1 %), not corrected: the true compliance is larger"),
+    ("throw", "0.96 % (requested: 1 %), not corrected: the true compliance is larger"),
     ("throw", "rigid, 15 597 unknowns."),
     ("throw", "axial 0.76, 0.63, 0.36, 0.36, 0.63, 0.76; torsional 0.91, 0.78, 0.91"),
     ("throw", "Mass of the throw 189 kg Center of mass, towards the pin 79.3 mm"),
     ("throw", "about the shaft 4.40 kg m² Static unbalance of the throw 15.0 kg m Crankshaft"),
     ("throw", "without rods: mass 1131 kg Crankshaft: moment of inertia 26.4 kg m²"),
     ("reactions", "Z = 417 kN towards the shaft axis, the gas force at peak pressure;"),
-    ("reactions", "P = c Z / en = 199 kN where they are pinned"),
+    ("reactions", "P = c Z / en = 199 kN"),
     (
         "reactions",
         "pinned left 0.000 209 199 0.000 0.000 0.000 pinned right 0.000 209 -199",
     ),
     ("reactions", "guided left 0.000 209 107 -11.4 0.000 0.000"),
-    ("fillets", "at most 2.7 % (asked for: 10 %): enough"),
+    ("fillets", "at most 2.7 % (requested: 10 %): sufficient"),
     ("fillets", "left journal -0.913 0.807 0.774 1.18 0 117 66 pin, left web"),
     ("fillets", "left journal 1.35 1.84 0.478 2.83 77.0 87.5 66.2 pin, left web"),
     (
         "formulas",
-        "give 0.588 to 2.31 of the axial compliance by finite elements and 0.994 to 1.14 of",
+        "give 0.588 to 2.31 times the axial compliance by finite elements and 0.994 to 1.14 times",
     ),
     (
         "formulas",
@@ -503,12 +503,12 @@ AS_STORED = [
         "formulas",
         "finite elements, pinned 41.3 1.00 80.8 finite elements, mean in the shaft 35.7 0.86",
     ),
-    ("formulas", "its largest error at designs held out is 1.5 %"),
+    ("formulas", "its largest error at held-out designs is 1.5 %"),
     ("formulas", "e0 = 0.258e-9 m/N, e180 = 1.29e-9 m/N and ρ = 2.73,"),
-    ("study", "27 designs (full factorial) were fitted; 8 further ones"),
+    ("study", "27 designs (full factorial) were fitted; 8 further designs"),
     ("study", "Largest estimated error of the finite elements: 1.8 %."),
     ("study", "web width 270 mm, 300 mm, 330 mm web thickness 38 mm, 68 mm, 98 mm"),
-    ("study", "6 coefficients; largest error at designs held out 1.5 %."),
+    ("study", "6 coefficients; largest error at held-out designs 1.5 %."),
     ("study", "web width -0.22 0.002 0.002 web thickness -1.08 0.994 0.994"),
     (
         "study",
@@ -567,11 +567,11 @@ AS_STORED = [
     ("whole", "433 µm by the chain, 411 µm by the whole"),
     ("whole", "6.42 mrad by the chain, 5.80 mrad by the whole"),
     ("whole", "rotation about the shaft axis 0.00 torsional 100 % mode 1 50.1 bending 86 %"),
-    ("checks", "10 of 12 checks that are judged hold."),
+    ("checks", "10 of 12 judged checks hold."),
     ("checks", "Error of the axial compliance 0.96 % at most 1 % yes Estimated"),
     ("checks", "Symmetry of the stiffness 4e-15 at most 1e-8 yes"),
     ("checks", "Elements mended 5 elements not bounded not judged"),
-    ("checks", "axial chain beside the whole crankshaft -5.4 % by its criteria no First"),
+    ("checks", "axial chain compared with the whole crankshaft -5.4 % by its criteria no First"),
     ("repeat", "Made 21 November 2026, 22:26 UTC Time taken 1 min 9 s Equation solver pardiso"),
     ("repeat", "Analyzing the throw 5.5 s Calculating stresses at the fillets 32 s"),
 ]
@@ -595,18 +595,18 @@ CHANGED = [
     ("reactions", "Z = 100 kN towards the shaft axis (a round value"),
     (
         "throw",
-        "0.96 % (asked for: 1 %, not met), after a correction by 1.7 %: the true error is smaller",
+        "0.96 % (requested: 1 %, not met), after a correction by 1.7 %: the true error is smaller",
     ),
-    ("verdict", "within 0.96 % of the exact solution, in 95 of 100 throws"),
-    ("fillets", "at most 27 % (asked for: 10 %, not met): enough"),
+    ("verdict", "within 0.96 % of the exact solution, for 95 % of throws"),
+    ("fillets", "at most 27 % (requested: 10 %, not met): sufficient"),
     ("verdict", "2450 MPa at 498 1/min, 11545 % of the permitted 21.2 MPa"),
     (
         "verdict",
         "torsional stress of crankshaftcylinder 4 - cylinder 5, 498 1/min 2450 MPa 21.2 MPa 11545 %",
     ),
-    ("campbell", "5 to 95 % of 200 samples lie from 341 µm to 512 µm."),
+    ("campbell", "5 to 95 % of 200 samples are from 341 µm to 512 µm."),
     ("campbell", "axial 384 383 384 384 12 1 1.00 unbounded 1.25 inside major"),
-    ("checks", "7 of 11 checks that are judged hold."),
+    ("checks", "7 of 11 judged checks hold."),
 ]
 
 

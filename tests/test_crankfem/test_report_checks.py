@@ -87,17 +87,17 @@ def test_all_checks_of_a_run(stored):
     assert found["Axial reaction by reciprocity"]["figure"] == reciprocity["axial_reaction"]
     # With the reasons beside the constants.
     allowed = {name: own["allowed"] for name, own in found.items() if own["unit"] == "1"}
-    assert allowed.pop("Opposite neighbors beside pinned ends") == SYMMETRIC
+    assert allowed.pop("Opposite neighbors compared with pinned ends") == SYMMETRIC
     assert allowed.pop("Energy of the crank mechanism") == 1e-10
     assert {allowed.pop(f"Power of the {kind} vibration") for kind in ("axial", "torsional")} == {
         1e-6
     }
     assert set(allowed.values()) == {1e-8}
     assert found["Elements mended"]["met"] is None
-    assert found["The axial chain beside the whole crankshaft"]["figure"] == close(
+    assert found["The axial chain compared with the whole crankshaft"]["figure"] == close(
         76.7632 / 81.1461 - 1.0, abs=1e-5
     )
-    assert found["The axial chain beside the whole crankshaft"]["met"] is False
+    assert found["The axial chain compared with the whole crankshaft"]["met"] is False
     json.dumps(list(found.values()), allow_nan=False)
 
 
@@ -134,7 +134,7 @@ def change(results, path, value):
             -0.01,
             "Equilibrium of the reactions",
         ),
-        (("formulas", "fe", "axial"), 1.28939e-9, "Opposite neighbors beside pinned ends"),
+        (("formulas", "fe", "axial"), 1.28939e-9, "Opposite neighbors compared with pinned ends"),
         (("fillets", "accuracy_met"), False, "Error of the fillet stresses"),
         (("mechanism", "energy_error"), -1e-9, "Energy of the crank mechanism"),
         (
@@ -145,7 +145,7 @@ def change(results, path, value):
         (
             ("vibration", "whole", "chains", "torsional", "suffices"),
             False,
-            "The torsional chain beside the whole crankshaft",
+            "The torsional chain compared with the whole crankshaft",
         ),
     ],
 )
@@ -164,7 +164,7 @@ def test_a_figure_may_be_negative_but_not_large(stored):
     results["formulas"]["fe"]["axial"] *= 1.0 - 0.5 * SYMMETRIC
     results["mechanism"]["energy_error"] = -0.5e-10
     found = checks_of(results)
-    angle = found["Opposite neighbors beside pinned ends"]
+    angle = found["Opposite neighbors compared with pinned ends"]
     assert angle["figure"] == close(-0.5 * SYMMETRIC, rel=1e-6)
     assert angle["met"] is True
     assert found["Energy of the crank mechanism"]["met"] is True

@@ -67,9 +67,7 @@ def test_one_plot_that_fails_leaves_the_others(pictures, told, tmp_path):
     assert {path.name for path in tmp_path.glob("[!.]*")} == {"a.svg", "c.svg", "a.json", "b.json"}
     assert told == pictures.notes
     first, second = told
-    assert first.startswith(
-        "There is no picture b: ValueError: no such thing, which nobody expected"
-    )
+    assert first.startswith("There is no picture b: ValueError: no such thing, an unexpected error")
     assert second == "There is no interactive plot c: b.json: No space left on device."
 
 

@@ -140,7 +140,7 @@ def test_what_is_said_of_a_strong_and_of_a_weak_shaft(usual, judged):
     weak = judged(tensile_strength=4e8, manufacture="cast and cold rolled")
     wrong = sum(one.acceptability < 1.15 for one in weak.places)
     assert 0 < wrong < 18
-    assert weak.sentence.endswith(f"1.15 is required; {wrong} of 18 places fall short.")
+    assert weak.sentence.endswith(f"1.15 is required; {wrong} of 18 locations are below it.")
     assert not weak.passed
     text = " ".join(usual.remarks)
     for said in (

@@ -99,7 +99,7 @@ def test_half_of_a_symmetric_throw_is_printed(found, capsys):
     assert text.count("left journal") == text.count("pin, left web") == 5
     assert "right journal" not in text
     assert "right web have the same stresses, under a torque with the opposite sign" in text
-    assert "Places at -x have the same stresses" in text
+    assert "Locations at -x have the same stresses" in text
     peak = record["loads"][0]["fillets"][1]
     # kPa per N are MPa per kN.
     assert f"{peak['principal'] / 1e3:.4g}" in text
@@ -158,7 +158,7 @@ def test_sharp_corners_get_no_number(found, capsys):
     text = printed(stress_record(found["half"]), capsys)
     assert text.count("left journal") == text.count("right journal") == 5
     assert "No stress is given at pin, left web; pin, right web: without a fillet" in text
-    assert "Places at -x have the same stresses" in text
+    assert "Locations at -x have the same stresses" in text
 
 
 @pytest.mark.slow
@@ -217,7 +217,7 @@ def test_command_writes_pictures(computed, monkeypatch, tmp_path):
 
 def test_command_refuses_a_folder_that_cannot_be_made(computed, tmp_path):
     (tmp_path / "file").touch()
-    with pytest.raises(InputError, match="a file stands in its way"):
+    with pytest.raises(InputError, match="a file of that name exists"):
         command("--pictures", tmp_path / "file" / "made")
     assert not computed
 

@@ -209,7 +209,7 @@ ERRORS = [
     (study('design = "box-behnken"\nface = "faced"'), "study.face: given 'faced' with the design"),
     (
         study('design = "fractional factorial"\nresolution = "IV"\ngenerators = "a b c ab"'),
-        "study.generators: given beside study.resolution",
+        "study.generators: given together with study.resolution",
     ),
     (study('design = "file"'), "study.file: missing; the design 'file' needs the CSV file"),
     (study('design = "sobol"'), "study.runs: missing; the design 'sobol' needs the number"),
@@ -291,7 +291,7 @@ ERRORS = [
     ),
     (
         study('constraints = ["web_width > 1 m"]'),
-        "study.factors: none of the 3 designs can be used; the first is excluded because of this",
+        "study.factors: none of the 3 designs can be used; reason for the first excluded design",
     ),
 ]
 
@@ -383,7 +383,7 @@ def test_ratios_in_a_file(read, tmp_path):
         (
             "web_width [mm],web_width [mm]\n270,3\n",
             "",
-            "study.file: web_width stands twice in runs.csv",
+            "study.file: web_width is twice in runs.csv",
         ),
         (
             "web_width [mm]\n270\n300\n",
@@ -437,7 +437,7 @@ def test_a_plan_is_shown(read, capsys, monkeypatch):
     assert "web_width [mm]" in shown
     assert "rectangle" in shown
     assert "pin_fillet_radius = 0.07 * pin_diameter" in shown
-    assert "Excluded before any finite elements: 7 designs." in shown  # one held out among them
+    assert "Excluded before any finite-element run: 7 designs." in shown  # one held out among them
     assert "38 mm is not > 40 mm" in " ".join(shown.split())
     record = plan_record(planned)
     assert json.loads(json.dumps(record)) == record

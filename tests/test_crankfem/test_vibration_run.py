@@ -455,7 +455,7 @@ def test_vibration_command(call, monkeypatch, tmp_path):
     assert "Torsional resonances at the speeds judged: the running range to" in words
     assert "Verdict: Not acceptable: torsional stress of crankshaft" in words
     assert (tmp_path / "csv" / "axial.csv").is_file()
-    assert "Axial force on the thrust bearing at 2100 1/min, as the shaft vibrates: " in words
+    assert "Axial force on the thrust bearing at 2100 1/min, with vibration: " in words
     head, names, *rows = (tmp_path / "csv" / "axial_force.csv").read_text("utf-8").splitlines()
     assert head.startswith("# axial forces over the cycle at 2100 1/min: on the thrust bearing")
     assert names.split(",")[:3] == ["shaft_angle_deg", "thrust_bearing_N", "held_N"]

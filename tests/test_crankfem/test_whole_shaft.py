@@ -227,8 +227,9 @@ def test_difference_of_the_whole_shaft_is_told_beside_the_verdict():
     )
     bad = ShaftComparison(None, good, verdict("torsional", 13.1e-3, 8.752e-3, (118.5, 126.4)))
     assert whole_shaft_remark(bad) == (
-        "Judged with chains; lumped model inadequate, the whole crankshaft differs: largest "
-        "torsional amplitude of the free end, over all speeds calculated, 8.75 instead of 13.1 mrad.",
+        "The verdict uses lumped models (chains), which are inadequate here; the whole crankshaft differs: "
+        "largest torsional amplitude of the free end, over all speeds calculated, 8.75 instead of 13.1 "
+        "mrad.",
     )
     other = verdict("axial", 1.266e-3, 1.27e-3, (105.6, 115.0))
     mixed = verdict("torsional", 1e-2, 1e-2, share=0.48)

@@ -164,7 +164,7 @@ def test_a_file_gives_way_only_if_the_command_made_it(line, call):
         assert output.read_bytes() == before
 
     model = words[0] == "fit" and output.suffix == ".json"
-    unknown = "it is no model that crankfem made" if model else None
+    unknown = "it is not an unchanged model made by crankfem" if model else None
     output.write_text("precious", encoding="utf-8")
     refused(unknown or "crankfem has not made it")
     # After that the same line works again and again.

@@ -1,4 +1,4 @@
-"""Pages for developers name files that there are, and the map shows the house as it is."""
+"""Pages for developers name files that there are, and the code overview shows the packages."""
 
 import importlib.util
 import re

@@ -4,6 +4,7 @@ import ast
 import importlib.util
 import json
 import math
+import re
 from pathlib import Path
 
 import numpy as np
@@ -38,8 +39,23 @@ def figures(build):
     return json.loads(build.FIGURES.read_text(encoding="utf-8"))
 
 
-def test_page_is_current(build):
-    assert (ROOT / "docs" / "validation.md").read_text(encoding="utf-8") == build.page()
+def test_pages_are_current(build):
+    for name, text in build.pages().items():
+        assert (ROOT / "docs" / name).read_text(encoding="utf-8") == text, name
+
+
+def test_first_table_has_a_line_for_each_case_and_leads_to_its_details(build):
+    written = build.pages()
+    table = written["validation.md"].partition("| case |")[2].partition("\n\n")[0]
+    links = re.findall(r"^\| \[.*?\]\(([\w-]+\.md)#(test_\w+)\)", table, flags=re.MULTILINE)
+    assert sorted(file for _, file in links) == FILES
+    assert all(f'<a id="{file}"></a>' in written[page] for page, file in links)
+    assert list(dict.fromkeys(page for page, _ in links)) == list(build.DETAILS.values())
+
+
+def test_principal_figures_are_recorded_ones(build, figures):
+    for file, what in build.PRINCIPAL.items():
+        assert build.principal(file, figures[file])["what"] == what
 
 
 def test_every_file_has_its_section_and_figures(build, figures):

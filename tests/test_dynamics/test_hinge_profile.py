@@ -263,7 +263,7 @@ def test_checks_of_guides(moment, profile):
         assert (check.met, check.limit) == (enough, 0.01)
         assert check.value == close(1.0 - compression, rel=1e-12)
     remarks = " ".join(small.remarks)
-    assert "stands up to" in remarks
+    assert "is up to" in remarks
     assert "guide of its own" in remarks
 
 

@@ -48,7 +48,7 @@ def test_each_kind_gives_a_magnifier_of_40(chain, speed, choice):
     said = found.record[0]
     assert said.endswith(": a test bed") if choice else "1997/01151" in said
     if not choice:
-        assert said.startswith("magnifier 40 of every elastic mode, for want of a given one")
+        assert said.startswith("magnifier 40 of every elastic mode, because none is given")
 
 
 def test_own_damping_is_told_value_by_value_with_its_places():

@@ -374,7 +374,7 @@ def test_a_shrink_fit_that_is_not_allowed(change, said):
 
 def test_a_near_pin_asks_for_special_consideration():
     (said,) = ShrinkFit(**FIT | {"distance": 0.06}).remarks
-    assert "special consideration is asked for below 70 mm" in said
+    assert "special consideration is required below 70 mm" in said
 
 
 @pytest.mark.parametrize(

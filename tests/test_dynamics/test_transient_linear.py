@@ -69,6 +69,12 @@ def test_steady_motion_is_the_harmonic_answer(name):
     assert np.allclose(found.torque, (waves @ springs).real, atol=EXACT * np.abs(springs).max())
 
 
+def test_a_step_covers_half_a_radian_of_the_highest_order():
+    found = steady_motion(row(), excitation(4), 80.0)
+    reach = 2.0 * np.pi * found.turns * ORDERS[-1] / found.shaft_angle_deg.size
+    assert 0.46 < reach <= 0.5
+
+
 def test_stiff_chain_needs_no_shorter_steps():
     chain = Chain([1.0, 2.0, 0.5, 8.0], [9e4, 4e12, 7e4], damping=3.0)
     acting = excitation(4)

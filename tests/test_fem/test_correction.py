@@ -221,7 +221,7 @@ def test_answers_stay_plain_where_too_much_is_short(throw, mesh, analysis, monke
     print_throw(record)
     told = capsys.readouterr().out
     assert f"(e_n too small by about {100 * plain.error_estimate:.2g} %)" in told
-    assert "Note: Not all answers are corrected for discretization" in told.replace("\n", " ")
+    assert "Note: Not all results are corrected for discretization" in told.replace("\n", " ")
 
 
 def test_corrected_answers_are_told_as_such(throw, analysis, capsys):

@@ -8,6 +8,7 @@ import pytest
 
 from comparing import close
 from crankbase.errors import InputError
+from geometry.drilled_solid import on_drilling
 from geometry.gmsh_session import gmsh_session
 from geometry.mass import mass_properties, mesh_mass_properties
 from geometry.mesh import mesh_throw
@@ -153,6 +154,16 @@ def test_oil_holes_are_cut_alike_out_of_quarter_half_and_full(build):
     # Walls and roundings, which are somewhat larger than the walls would be without them.
     walls = sum(2.0 * hole.volume / hole.radius for hole in parts.drillings)
     assert 1.0 < areas[0] / walls < 1.4
+
+
+@pytest.mark.parametrize(("share", "belongs"), [(0.5, True), (3.0, False)])
+def test_a_rounding_belongs_to_the_oil_hole_if_it_is_at_its_exit(build, share, belongs):
+    parts = build(**FEATURES["tilted oil hole"]).parts
+    hole = parts.drillings[0]
+    beside = np.array([hole.radius + share * hole.exit_radius, 0.0])
+    along = hole.exits[0].surface(*beside[:, None])
+    point = hole.middle + np.append(beside, along) @ hole.frame
+    assert on_drilling(None, parts, "BSpline surface", 0, point) == belongs
 
 
 def test_a_part_that_the_symmetry_does_not_allow_is_refused(build):

@@ -123,7 +123,7 @@ def test_what_an_earlier_release_wrote_is_known_by_its_content(file):
     file.write_text("ours, long ago", encoding="utf-8")
     write_text(file, "new", "model", recognized=recognized)
     file.write_text("mine", encoding="utf-8")
-    with pytest.raises(InputError, match="it is no model that crankfem made"):
+    with pytest.raises(InputError, match="it is not an unchanged model made by crankfem"):
         write_text(file, "new", "model", recognized=recognized)
 
 

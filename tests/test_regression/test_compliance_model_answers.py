@@ -228,7 +228,10 @@ def test_outside_the_range_there_is_no_band(model):
             1000.0,
             r"given 68000 mm; allowed is the range of the fit, 38 mm .* \(mm given in place of m\?\)",
         ),
-        (0.001, r"given 0\.068 mm; allowed is .* 100 times beyond it the equation says nothing\.$"),
+        (
+            0.001,
+            r"given 0\.068 mm; allowed is .* 100 times beyond it the equation is meaningless\.$",
+        ),
     ],
 )
 def test_a_dimension_of_another_unit_is_refused(model, factor, match):
@@ -264,7 +267,7 @@ def test_distance_from_the_range(model, beyond, above, name):
     assert not found.inside
     told = float(re.search(r"and (\S+) % of its width beyond", remark)[1])
     assert told == close(100.0 * beyond, rel=6e-3)  # three digits
-    with pytest.raises(InputError, match=r"because an answer \S+ % of its width beyond it"):
+    with pytest.raises(InputError, match=r"because a result \S+ % of its width beyond it"):
         model.value("mass", strict=True, **(MIDDLE | {name: value}))
     with pytest.raises(InputError, match=f"{name}: given .*; allowed is the range of the fit"):
         model.lookup("mass", strict=True, **(MIDDLE | {name: value}))
@@ -302,7 +305,7 @@ def test_one_number_beside_a_large_array_is_told_once(model):
 
 def test_far_outside_there_is_an_error_and_no_infinite_number(model):
     for width in (0.3, [0.3, 0.31]):
-        with pytest.raises(InputError, match="100 times beyond it the equation says nothing"):
+        with pytest.raises(InputError, match="100 times beyond it the equation is meaningless"):
             model.axial_compliance(web_width=width, web_thickness=1e-300)
 
 

@@ -170,9 +170,7 @@ def test_what_the_published_fractions_confuse():
         "B x E = C x D",
     }
     design = fixed_design(unit_factors(4), DesignChoice("fractional factorial"))
-    assert design.remarks == (
-        "Effects that cannot be told apart: A x B = C x D; A x C = B x D; A x D = B x C.",
-    )
+    assert design.remarks == ("Confounded effects: A x B = C x D; A x C = B x D; A x D = B x C.",)
     # An effect and the negative of another are as little apart.
     assert "A = B x D" in aliased_effects(corners_by_generators("a b c -ab", 4), names)
 

@@ -560,7 +560,7 @@ def test_results_of_an_earlier_model_are_left_out(store, tmp_path, monkeypatch):
     with pytest.raises(
         InputError,
         match=r"in which 3 results are of another throw, .*model version \(3 of another version than 6, "
-        r"with which they must not be mixed\); allowed is",
+        r"which must not be mixed\); allowed is",
     ):
         import_results(PLAN, store, other)
 

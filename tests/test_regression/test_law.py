@@ -6,12 +6,19 @@ import pytest
 
 from comparing import close
 from crankbase.errors import InputError
+from crankfem import load_throw
 from fem.supports import Neighbors
 from geometry.throw import CrankThrow
 from geometry.throw_dimensions import OilHole, Web
 from regression.law.hand_formula import hand_formula
 from regression.law.superelement import law_reactions
-from regression.law.throw_law import axial_law, axial_laws, torsional_law, torsional_laws
+from regression.law.throw_law import (
+    axial_law,
+    axial_laws,
+    throw_laws,
+    torsional_law,
+    torsional_laws,
+)
 from regression.law.throw_mass import mass_law
 
 DIMENSIONS = {
@@ -56,6 +63,30 @@ def test_many_throws_have_the_answers_of_each():
                 np.testing.assert_allclose(found.errors[name][place], law.errors[name], 1e-13)
             assert found.tier[place] == law.tier
     assert np.all(np.diff(axial.pinned) < 0.0)
+
+
+@pytest.mark.parametrize(
+    ("engine", "compliance"), [("8chn26-26", 7.3733e-10), ("6chn15-18", 7.1019e-09)]
+)
+def test_throws_with_bores_are_near_finite_elements(engine, compliance):
+    # Corrected finite elements at 1 %, as in tests/validation/test_law.py; the law's own band is wider.
+    throw, steel = load_throw(engine)
+    law = axial_law(throw, youngs_modulus=steel.youngs_modulus, poisson_ratio=steel.poisson_ratio)
+    assert law.tier == "real"
+    assert law.pinned == close(compliance, rel=0.01)
+
+
+def test_plain_and_bored_throws_together_have_the_answers_of_each():
+    bores = [0.0, 0.060, 0.090]
+    found = axial_laws(**DIMENSIONS, pin_bore=bores, poisson_ratio=0.28)
+    both = [throw_laws(THROW.changed(pin_bore=bore), poisson_ratio=0.28) for bore in bores]
+    assert [axial.tier for axial, _ in both] == found.tier.tolist() == ["plain", "real", "real"]
+    for place, (axial, torsional) in enumerate(both):
+        for name in found.errors:
+            np.testing.assert_allclose(getattr(found, name)[place], getattr(axial, name), 1e-13)
+        alone = torsional_law(THROW.changed(pin_bore=bores[place]), poisson_ratio=0.28)
+        np.testing.assert_allclose(torsional.pinned, alone.pinned, 1e-13)
+        assert torsional.errors.keys() == alone.errors.keys()
 
 
 def test_the_band_lies_about_the_value():
@@ -105,7 +136,7 @@ def test_other_poisson_ratios_are_refused(poisson_ratio):
 @pytest.mark.parametrize(
     ("changes", "message"),
     [
-        ({"web_depth": 0.1}, "web_depth: no dimension that the law knows"),
+        ({"web_depth": 0.1}, "web_depth: not a dimension of the law"),
         ({"pin_length": None}, "pin_length: missing"),
         ({"pin_length": -0.1}, "pin_length: given -0.1; allowed is a positive length"),
         ({"pin_length": float("nan")}, "pin_length"),

@@ -63,7 +63,7 @@ def test_bands_of_arrays_are_those_of_each_throw(model, gamma):
     frame = found.to_pandas()
     assert frame["value"].tolist() == found.value.ravel().tolist()
     assert frame.attrs["units"] == {"value": "m/N", "lower": "m/N", "upper": "m/N", "inside": ""}
-    with pytest.raises(InputError, match=r"web_width: given .* strict answers are asked for"):
+    with pytest.raises(InputError, match=r"web_width: given .* strict results are requested"):
         model.lookups("influence_coefficient", gamma_deg=gamma, strict=True, **asked)
 
 

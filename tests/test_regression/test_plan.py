@@ -274,8 +274,8 @@ def test_a_relation_without_a_value_excludes_the_design():
     [
         (
             DesignChoice(),
-            r"^study\.factors: none of the 4 designs can be used; the first is excluded because of "
-            r"this: the constraint 'web_width < 0.2 m' is broken: 270 mm is not < 200 mm\.",
+            r"^study\.factors: none of the 4 designs can be used; reason for the first excluded design:"
+            r" the constraint 'web_width < 0.2 m' is broken: 270 mm is not < 200 mm\.",
         ),
         (HYPERCUBE, r"^study\.factors: fewer than 12 of the points drawn .*\(run\) can be used; "),
     ],

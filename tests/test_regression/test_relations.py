@@ -95,7 +95,7 @@ def test_the_names_that_an_expression_uses():
         ("", "allowed is an expression in quotes"),
         (True, "allowed is an expression in quotes"),
         ("pin_diametre * 2", "pin_diametre is no known quantity; did you mean pin_diameter"),
-        ("mm * ratio", "mm is no known quantity; a unit stands after a number"),
+        ("mm * ratio", "mm is no known quantity; a unit follows a number"),
         ("3 furlongz", "furlongz is no known quantity"),
         ("__import__('os')", 'with "\'" in it'),
         ("max(pin_diameter)", "max is no known quantity"),

@@ -5,6 +5,7 @@ import socket
 import subprocess
 import sys
 import time
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import pytest
@@ -127,12 +128,25 @@ def test_large_bodies_are_refused_before_they_are_read(service):
 
 
 @pytest.mark.slow
-def test_slow_heads_and_bodies_are_refused(service):
+def test_slow_heads_and_bodies_are_refused(serve, tmp_path):
+    service = serve(tmp_path, seconds=0.5)
     start = time.monotonic()
-    assert raw(service, b"POST /api/throws/validate HTTP/1.1\r\nHost: loc") == b""
-    assert time.monotonic() - start < 30.0
-    head = b"POST /api/throws/validate HTTP/1.1\r\nHost: localhost\r\nContent-Type: application/json\r\n"
-    assert raw(service, head + b"Content-Length: 100\r\n\r\n", b'{"throw"') == b""
+    heads = [
+        b"POST /api/throws/law HTTP/1.1\r\nHost: localhost\r\nContent-Type: application/json\r\n"
+    ]
+    heads.append(heads[0].replace(b"law", b"validate"))
+    slow = [(heads[0], b"")]
+    slow += [(head + b"Content-Length: 100\r\n\r\n", b'{"throw"') for head in heads]
+    with ThreadPoolExecutor() as pool:
+        answers = list(pool.map(lambda parts: raw(service, *parts), slow))
+    assert time.monotonic() - start < 10.0
+    for told in answers:
+        assert told.startswith(
+            b"HTTP/1.1 408 Request Timeout\r\nContent-Type: application/problem+json"
+        )
+        assert json.loads(told.partition(b"\r\n\r\n")[2])["status"] == 408
+    lines = service.log.read_text().splitlines()
+    assert [json.loads(line)["status"] for line in lines[-2:]] == [408, 408]
     assert "Traceback" not in service.log.read_text()
 
 
@@ -204,6 +218,7 @@ def test_each_request_has_one_log_line_without_contents(service):
     assert not any(word in "".join(lines) for word in ("secret", "123.456"))
 
 
+@pytest.mark.slow
 def test_a_second_service_does_not_take_the_folder(service):
     done = subprocess.run(
         [
@@ -224,6 +239,7 @@ def test_a_second_service_does_not_take_the_folder(service):
     assert "which no other service uses" in " ".join(done.stderr.split())
 
 
+@pytest.mark.slow
 def test_a_busy_port_is_told(service, tmp_path):
     port = service.address.rpartition(":")[2]
     done = subprocess.run(
@@ -236,6 +252,7 @@ def test_a_busy_port_is_told(service, tmp_path):
     assert "cannot be listened at" in " ".join(done.stderr.split())
 
 
+@pytest.mark.slow
 def test_without_the_extra_the_command_says_which_one(tmp_path):
     script = (
         "import sys; sys.modules['uvicorn'] = None; from crankfem.cli.entry import main; main()"

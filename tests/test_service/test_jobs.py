@@ -129,6 +129,18 @@ def finished(service, name, least):
 
 
 @pytest.mark.further
+def test_the_memory_of_a_job_is_that_of_all_its_processes(serve, tmp_path):
+    # Neither the process of the job nor one of its two workers alone takes as much.
+    service = serve(tmp_path, job_memory=0.6e9, workers=2)
+    _, told = service.json("/api/studies", {"text": STUDY, "name": "study.toml"})
+    ended = service.wait(told["id"], "done", "failed")
+    assert ended["state"] == "failed"
+    assert "GB of memory, more than the limit of 0.6 GB" in ended["problem"]["detail"]
+    assert "GB of memory" in ended["notes"][0]
+    assert service.end() == 0
+
+
+@pytest.mark.further
 def test_a_study_goes_on_after_server_and_worker_were_killed(serve, tmp_path):
     first = serve(tmp_path)
     status, told = first.json("/api/studies", {"text": STUDY, "name": "study.toml"})

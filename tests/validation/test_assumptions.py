@@ -1,4 +1,4 @@
-"""What is assumed is counted, and a verdict that hangs on it is undecided.
+"""Assumed inputs are counted; a verdict that depends on one is undecided.
 
 Each value that an engine file leaves open is given here one by one: every time the list is shorter by that
 value alone. The steel at which a verdict changes follows from a formula by hand where nothing may be barred,

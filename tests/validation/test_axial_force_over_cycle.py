@@ -1,4 +1,4 @@
-"""Axial force of a crankshaft over the cycle, against a shaft assembled by hand angle by angle.
+"""Axial force of a crankshaft over the working cycle.
 
 There is no printed figure: A. I. Yamanin, V. A. Zhukov, Vestnik AGTU, Morskaya tekhnika i tekhnologiya
 2021 no. 4, pp. 75-83, doi 10.24143/2073-1574-2021-4-75-83, show in figure 5 the reactions of main bearings

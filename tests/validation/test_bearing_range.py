@@ -1,4 +1,4 @@
-"""The range of the main bearings' stiffness, against calculations in bearings of one stiffness each.
+"""Results over the range of the main bearings' stiffness.
 
 Source: no outside one. The engine is calculated again with a stiffness given without a range, at its
 full grid of speeds with the worst speeds looked for between them; the sweep, at a coarse grid, must find

@@ -1,4 +1,4 @@
-"""Throws of all features against CalculiX, on the same mesh with the same supports and loads.
+"""Compliances and reactions of throws with all features, on the same mesh.
 
 Source: CalculiX 2.20 (G. Dhondt, https://www.calculix.de), element C3D10, end sections as rigid bodies,
 linear static steps; each throw is meshed whole and coarsely, for the mesh is the same on both sides.

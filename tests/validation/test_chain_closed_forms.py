@@ -1,4 +1,4 @@
-"""Chains against closed forms of vibration theory.
+"""Natural vibration of chains.
 
 Sources: the free chain of N equal masses m and springs k, f_j = (1/pi) sqrt(k/m) sin(j pi / (2N))
 with shapes cos(j pi (i + 1/2) / N), and the uniform free rod, f_j = j/(2L) sqrt(E/rho): textbook

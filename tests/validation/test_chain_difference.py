@@ -1,4 +1,4 @@
-"""What makes a whole crankshaft differ from its chain, on five engines, put together here by hand.
+"""Difference between a whole crankshaft and its chain, on five engines.
 
 Source: no outside one; statics and an eigenproblem of its own. The throws' stiffness is joined here row
 by row, with springs of the main bearings, coupling and damper's ring. Inertia stands where the chain has

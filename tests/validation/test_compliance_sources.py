@@ -1,4 +1,4 @@
-"""Every source of compliances carries its own error: bands, bounds, barred speeds and the verdict.
+"""Error of each source of compliances, carried to bands, bounds and verdict.
 
 Source: no outside one. Models are made here of known equations, so that their bands are known: an error m
 of 8 % at held-out designs leaves 1/1.08 to 1/0.92 times the value. Bounds of frequencies are those of
@@ -130,7 +130,7 @@ def test_the_verdict_is_undecided_where_the_band_decides(judged):
         assert own.status == judged(factor, limit, highest).verdict.status
         assert own.taken == (factor == 1.0)
     told = found.decision.sentence
-    assert "torsional compliance beside that by the regression of" in told
+    assert "torsional compliance, ratio to that by the regression of" in told
     assert "within the error of its source, set by vibration.torsional_source" in told
 
 
@@ -182,7 +182,7 @@ def test_as_no_source_it_is_left_out(plain, analysis, make_model):
     assert [own.source for own in found.torsional.others if own.source == "regression"]
     assert not [own.source for own in found.axial.others if own.source == "regression"]
     assert found.axial.unusable[0] == (
-        "regression: says nothing of this throw: the model holds torsional_compliance and no "
+        "regression: says nothing of this throw: the model has torsional_compliance and no "
         "axial_compliance"
     )
 

@@ -1,4 +1,4 @@
-"""How the axial compliance converges with the mesh: from below, at the order that its corners allow.
+"""Convergence of the axial compliance with the mesh.
 
 Sources. Where the stresses grow like r^(s - 1) at an edge, the energy, and with it a compliance, has an
 error of order 2 s on evenly refined meshes; smooth parts of the field leave one of order 4 with ten-node

@@ -1,10 +1,10 @@
-"""Crankshaft strength by UR M53: factors, fatigue strength and nominal stresses worked out by hand.
+"""Crankshaft strength by UR M53: factors, fatigue strength, nominal stresses.
 
 Source of the formulas: Korean Register, Rules for the Classification of Steel Ships 2025, Part 5 Guidance,
 Annex 5-3 (IACS unified requirement M53 Rev.5). The factors of three cranks were worked out from the printed
 polynomials with 40 digits, apart from this program: half of the last digit shown is allowed. Nominal
-stresses follow in docs/strength.md step by step from pressures and masses; they are written out here once
-more, with plain numbers, and may be off by 0.1 %, for the pressure is read with five digits.
+stresses are written out here step by step from pressures and masses, with plain numbers, and may be off by
+0.1 %, for the pressure is read with five digits.
 """
 
 import math

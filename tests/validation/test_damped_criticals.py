@@ -1,4 +1,4 @@
-"""Critical speeds with damping, damped modes and the cause of a peak against equations written out here.
+"""Critical speeds with damping, damped modes and the cause of a peak.
 
 An engine of six cylinders with a viscous damper is written down as matrices M, C, K and H, and solved
 with numpy alone: each order at each of very many speeds, of which the largest neighbors are the peaks;

@@ -1,4 +1,4 @@
-"""Dampers found by search against the closed forms for one main inertia.
+"""Dampers found by search.
 
 Sources:
 

@@ -1,4 +1,4 @@
-"""The direct-drive plant of a Wartsila 5RT-flex50D: its chain, a critical speed, a barred range.
+"""The direct-drive plant of a Wartsila 5RT-flex50D.
 
 Source: data of Wartsila for the plant (inertias, stiffnesses, damper, shafts) in a public Matlab
 file, which prints natural frequencies of 330.08, 502.10 and 1872.20 1/min and an order-5 critical

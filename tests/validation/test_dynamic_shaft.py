@@ -1,4 +1,4 @@
-"""Modes of straight bars against closed forms, and of a shaft of four throws against its limit.
+"""Modes of straight bars and of a shaft of four throws.
 
 Bars. Sources: natural frequencies of a free bar of length L, n c/(2 L) with the wave speed sqrt(E/rho)
 along it and sqrt(G/rho) in torsion; the first divided by sqrt(1 + (n pi nu r/L)^2), r the polar radius of

@@ -1,4 +1,4 @@
-"""Chains of engines in elastic main bearings, against shafts put together here by hand.
+"""Chains of engines in elastic main bearings.
 
 Source: no outside one; statics. The stiffness of each throw, turned to its crank angle, is put into the
 shaft's matrix row by row, sections that bend shared by neighbors and free at the shaft's ends, a spring per

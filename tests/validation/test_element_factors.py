@@ -1,4 +1,4 @@
-"""Factors of stress concentration by finite elements, on the rule's mesh and on one twice as fine.
+"""Factors of stress concentration by finite elements on the rule's mesh.
 
 Source: the same throw on a finer mesh. Appendix III of IACS UR M53 (Rev.5) asks for elements of a quarter of
 the fillet's radius, layers of one, two and three times that below, and six across the web. Sizes asked for

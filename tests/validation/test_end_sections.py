@@ -1,4 +1,4 @@
-"""Rigid and averaged end sections bound a continuous shaft, in two cases where symmetry tells the truth.
+"""Rigid and averaged end sections as bounds of a continuous shaft.
 
 Source: own derivation; no print gives e_n of a continuous solid shaft. Throws of equal webs in line (0
 deg) are mirror images of each other in the middles of their main journals. Under an axial pull these

@@ -1,4 +1,4 @@
-"""Critical speeds and causes of peaks of three engines of our own making, that nothing was tuned for.
+"""Critical speeds and causes of peaks of three engines of our own.
 
 Each order is solved here at very many speeds with the dynamic stiffness of the chain's matrices, numpy
 alone: the critical speeds found must be the peaks, within 0.2 % of the speed and 1 % of the amplitude.

@@ -1,4 +1,4 @@
-"""Axial force of a loaded throw: by its own c, by a shaft's influence, and held in finite elements.
+"""Axial force of a loaded throw in a shaft.
 
 There is no printed figure: A. I. Yamanin, V. A. Zhukov, Vestnik AGTU, Morskaya tekhnika i tekhnologiya
 2021 no. 4, pp. 75-83, doi 10.24143/2073-1574-2021-4-75-83, take the axial force as the reaction of the

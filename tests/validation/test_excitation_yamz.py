@@ -1,4 +1,4 @@
-"""Excitation from the printed torque of one throw of the YaMZ-5340 diesel.
+"""Excitation from the printed torque of one throw of the YaMZ-5340.
 
 Source: Yu. P. Makushev, T. A. Polyakova, Harmonic analysis of the torque of the YaMZ-5340 engine,
 Omsk Scientific Bulletin 2024 no. 3 (191), pp. 39-47, doi 10.25206/1813-8225-2024-191-39-47: table 2

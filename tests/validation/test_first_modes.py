@@ -1,4 +1,4 @@
-"""Which mode is told as the first: that of the crankshaft itself, not of a soft coupling or a damper's ring.
+"""The first mode reported is that of the crankshaft, not of a coupling or a ring.
 
 Source: no outside one. Against two inertias on the coupling alone, in closed form: an engine behind a
 coupling of 1e5 N m/rad swings against its generator as one body at 1/(2 pi) sqrt(k (1/J1 + 1/J2)).

@@ -1,4 +1,4 @@
-"""The published axial formulas against the exact compliance of a throw made of slender beams.
+"""Published axial formulas in the limit of slender beams.
 
 The source is the theory of plane frames: an Euler-Bernoulli frame of journal halves, webs and pin,
 clamped nowhere, solved here by its own small stiffness method, which shares nothing with the

@@ -1,4 +1,4 @@
-"""Throws made of slender parts against the exact compliances of a frame of thin beams.
+"""Throws of slender parts.
 
 Source: the theory of frames, derived here. The throw is cut open at its right end and pulled by a unit
 force along z, or twisted by a unit moment about z. Half journals and pin lie along z at y = 0 and

@@ -1,4 +1,4 @@
-"""The cycle model against closed forms of engine thermodynamics.
+"""The cycle model of the gas pressure.
 
 Sources: textbook results for a gas with constant heat capacities, such as in J. B. Heywood,
 Internal Combustion Engine Fundamentals, the chapter on ideal models of engine cycles: isentropic

@@ -1,4 +1,4 @@
-"""The elastic hinge with a given gas force, and the surface that rollers of some radius run on.
+"""The elastic hinge with a given gas force, and the surface of its rollers.
 
 Source: A. N. Zotov, E. Sh. Imaeva, Transport i khranenie nefteproduktov i uglevodorodnogo syr'ya 2024
 no. 1-2, pp. 50-55, doi 10.24412/0131-4270-2024-1-2-50-55: equations (5) and (8) for any gas force, figure 4
@@ -88,7 +88,7 @@ def test_the_gas_force_is_given_once_and_whole(given, tmp_path):
         ),
         (
             'gas_force_table = "force.csv"\nmean_pressure = "1 MPa"',
-            "mean_pressure: given beside gas_force",
+            "mean_pressure: given together with gas_force",
         ),
         (
             'mean_pressure = "1 MPa"',

@@ -1,4 +1,4 @@
-"""Balance of well-known engines against what textbooks state, derived by hand.
+"""Balance of well-known engines.
 
 Source: one cylinder with crank radius R, lambda = R/L and reciprocating mass m has the inertia force
 m R w^2 (cos a + A_2 cos 2a + A_4 cos 4a + ...) along its axis. From s = R cos a + L sqrt(1 - lambda^2

@@ -1,4 +1,4 @@
-"""The law beside finite-element answers of throws that it has not seen.
+"""The law on throws excluded from its fit.
 
 Source: data/tables/law_throws.csv.gz, corrected superelements of this program's finite elements for random
 throws of the samples plain-test and real-test, which took part neither in training nor in any choice; and

@@ -1,4 +1,4 @@
-"""Ordinary least squares against statsmodels, and Longley's data against certified values.
+"""Ordinary least squares, and Longley's data.
 
 Longley (J. W. Longley, Journal of the American Statistical Association 62, 1967, pp. 819-841) is
 the standard test of accuracy on nearly dependent columns; the certified values are those of the

@@ -1,4 +1,4 @@
-"""Limits of classification rules at single speeds, worked out by hand from their text.
+"""Limits of classification rules at single speeds.
 
 Source: Korean Register, Rules for the Classification of Steel Ships, RA-05-E, 2025, Part 5,
 Chapter 4 (Torsional vibration of shaftings), 201 (crankshafts), 202 (propulsion shafts: the

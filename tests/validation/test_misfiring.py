@@ -1,4 +1,4 @@
-"""The worst misfiring cylinder of engines of our own making, by a calculation of its own.
+"""The worst misfiring cylinder of engines of our own.
 
 The combustion of each cylinder in turn is cut out by hand: torque is the gas force times the piston's
 travel per angle, its orders are plain Fourier sums, the torsional chain's matrices are solved by numpy for

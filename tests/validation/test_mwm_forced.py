@@ -1,4 +1,4 @@
-"""Forced torsional vibration of the MWM six-cylinder diesel, against equations written out here.
+"""Forced torsional vibration of the MWM six-cylinder diesel.
 
 Source: Mendes, Meirelles, Zampieri, Analysis of torsional vibration in internal combustion engines:
 modelling and experimental validation, Proc. IMechE K 222 (2008) 155-178, doi

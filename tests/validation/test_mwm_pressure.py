@@ -1,4 +1,4 @@
-"""Torque in the crankshaft of the MWM six-cylinder diesel under its digitized cylinder pressure.
+"""Crankshaft torque of the MWM six-cylinder diesel under its digitized cylinder pressure.
 
 Source: A. S. Mendes, P. S. Meirelles, D. E. Zampieri, Proc. IMechE K 222 (2008) 155-178, doi
 10.1243/14644193JMBD126: the chain (shipped as mwm-six), bore 105, stroke 137, rod 207 mm, 2.521 kg

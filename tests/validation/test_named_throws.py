@@ -1,4 +1,4 @@
-"""A shaft of two different throws against a calculation by hand.
+"""A shaft of two different throws.
 
 Three cranks at 0, 240 and 120 deg (`tests/data/unequal-three.toml`), the first with a counterweight and
 longer, the others without: the shaft is out of balance, and no two throws stand alike. Mass properties and

@@ -1,4 +1,4 @@
-"""Oil holes: what they weigh by closed forms, and the stress at their exits against published factors.
+"""Oil holes: volume, and stress at their exits.
 
 Sources and tolerances:
 

@@ -1,4 +1,4 @@
-"""The paper's regression done anew, and a family of engines, on golden numbers of our own.
+"""The paper's regression repeated, and a family of engines.
 
 Yamanin and Zhukov (Vestnik AGTU, Morskaya tekhnika, 2021 no. 4, pp. 75-83) fit the axial compliance
 of a 25/34 throw by ``e = 1e-10 (6.1 - 0.0583 B - 0.0386 h + 0.0102 L_shm)`` for B 270 ... 330,

@@ -1,4 +1,4 @@
-"""Power of the gas and load over the speed, against an own integration and a published engine.
+"""Power of the gas and load over the speed.
 
 The work of a cylinder is integrated here over the volume of a slider crank, Simpson's rule over the
 pressure's own samples and the volume's derivative written out, numpy alone. A propeller takes power with

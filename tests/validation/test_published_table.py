@@ -1,4 +1,4 @@
-"""The survey's table of axial compliances, as printed and with its lost powers of ten.
+"""The survey's table of axial compliances, as printed and repaired.
 
 Source: A. I. Yamanin, V. A. Zhukov, Vestnik AGTU, Ser. Marine Engineering and Technologies, 2021,
 no. 4, pp. 75-83, doi 10.24143/2073-1574-2021-4-75-83, its table and the sentence below it.

@@ -1,4 +1,4 @@
-"""Reactions from a study's equations beside those of finite elements, for 50 fresh throws
+"""Reactions from a study's equations, for 50 fresh throws.
 
 The study of 6chn25-34 (web width, web thickness, pin length) is run and fitted anew; the throws are drawn
 evenly over its box by another seed than its designs. Each is analyzed by itself, and its axial reaction

@@ -1,4 +1,4 @@
-"""Crankpin load by two rod models, as ``crankfem mechanism --model two-mass --model three-mass`` gives it.
+"""Crankpin load by two and by three masses, as in figure 4.
 
 Source: A. I. Yamanin, V. A. Zhukov, S. O. Baryshnikov, Vestnik GUMRF im. adm. S. O. Makarova 10
 (2018) no. 1, pp. 191-200, doi 10.21821/2309-5180-2018-10-1-191-200, figure 4: (a) ChN 13/14 at the

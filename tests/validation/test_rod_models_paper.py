@@ -1,4 +1,4 @@
-"""Rod models, accelerations and forces of a published force analysis, as printed and as they must be.
+"""Rod models, accelerations and forces, as printed and corrected.
 
 Source: A. I. Yamanin, V. A. Zhukov, S. O. Baryshnikov, Vestnik GUMRF im. adm. S. O. Makarova 10
 (2018) no. 1, pp. 191-200, doi 10.21821/2309-5180-2018-10-1-191-200: masses (1), inertia force (2),

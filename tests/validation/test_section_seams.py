@@ -1,4 +1,4 @@
-"""A uniform shaft cut into pieces, and put together again by section motions.
+"""A uniform shaft cut and joined again by section motions.
 
 Source: the uncut shaft itself, on the same mesh and with the same (rigid) ends. Two pieces of one
 diameter's length share a section in the middle; whatever the section cannot do is a seam. In torsion a

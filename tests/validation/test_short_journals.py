@@ -1,4 +1,4 @@
-"""Shafts by superelements whose sections bend, against finite elements of the whole solid.
+"""Frequencies of shafts whose sections bend.
 
 Source: the project's own finite elements of whole shafts, free in space, nothing condensed and no section
 rigid. Four throws with short journals: R 64, D 88/75, L 34/38, B 112 mm obround, h 22, fillets 4 mm, cranks

@@ -1,4 +1,4 @@
-"""Straight shafts, solid and hollow, by the throw's own condensation, against beam theory.
+"""Straight shafts, solid and hollow, by the throw's condensation.
 
 Sources: the strength of materials of a prismatic shaft of length L: L/(E A) in tension, L/(G J) in torsion,
 L/(E I) and L^2/(2 E I), slope and deflection of the end under a moment there, and Timoshenko's deflection

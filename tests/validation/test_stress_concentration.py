@@ -1,4 +1,4 @@
-"""Stress concentrations by the throw's own elements and surface stresses, against published ones.
+"""Stress concentrations by the throw's elements.
 
 Sources and tolerances:
 

@@ -1,4 +1,4 @@
-"""Where a model ends: its study's constraints and ranges, by arithmetic on the dimensions alone.
+"""Range of a model: constraints and ranges of its study.
 
 A study of three dimensions with two constraints and a relation; its responses are closed forms of a frame
 of beams in place of finite elements. Which of 2,000 random throws belong to the study is decided here by

@@ -1,4 +1,4 @@
-"""One throw meshed as a quarter, as a half and whole: three meshes that share no node, one answer.
+"""One throw meshed as a quarter, as a half and whole.
 
 Source: the symmetry of the throw itself. Its quarter is solved in four classes of motion, its half in two,
 the whole in one, so that a sign or a factor of two wrong in any class shows between the three; a mesh

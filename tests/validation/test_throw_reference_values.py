@@ -1,4 +1,4 @@
-"""Compliances of throws against finite element calculations made independently of this code.
+"""Compliances of throws by independent finite elements.
 
 All throws: crank radius 170 mm, journals 220 and 180 mm, journal lengths 120 and 139 mm, obround webs
 300 mm wide, E = 2.1e11 Pa, nu = 0.3, end sections rigid.

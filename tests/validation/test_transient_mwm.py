@@ -1,4 +1,4 @@
-"""Time integration against the harmonic solution, other integrators and closed forms.
+"""Time integration of the MWM diesel's vibration.
 
 Source of the engine: Mendes, Meirelles, Zampieri 2008, doi 10.1243/14644193JMBD126, six-cylinder MWM
 diesel: inertias, stiffnesses, absolute damping of 2 N m s/rad at each cylinder (nodes 3 to 8), loss

@@ -1,4 +1,4 @@
-"""A V6 whose crank angle is integrated freely, against Modelica and against a Lagrange equation.
+"""A freely turning V6.
 
 Engine: Modelica.Mechanics.MultiBody.Examples.Loops.EngineV6_analytic of the Modelica Standard
 Library 4.0.0 (its Utilities CylinderBase, Cylinder_analytic_CAD, EngineV6_analytic, GasForce2):

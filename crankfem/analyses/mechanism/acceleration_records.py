@@ -161,8 +161,9 @@ def acceleration_table(record: Record, units: OutputUnits = SI) -> Table:
             Column("phase", "deg", missing=""),
         ],
         rows,
-        note="Of largest: amplitude over the piston's largest acceleration. Against main rod: difference of "
-        "the amplitudes. Phase: order k is a cos(k alpha - phase), alpha 0 with crank along cylinder.",
+        note="Of largest: amplitude divided by the piston's largest acceleration. Against main rod: "
+        "difference of the amplitudes. Phase: order k is a cos(k alpha - phase), with alpha 0 when the "
+        "crank is along the cylinder axis.",
     )
 
 

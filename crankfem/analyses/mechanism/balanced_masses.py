@@ -83,7 +83,7 @@ def moving_mass_table(record: Record) -> Table:
             Column("cylinder", words=True),
             Column("reciprocating", "kg"),
             Column("rotating, at the crankpin", "kg"),
-            Column("static moment beside the rod's axis", "kg m"),
+            Column("static moment about the rod's axis", "kg m"),
         ],
         [
             [
@@ -119,8 +119,8 @@ def throw_mass_table(record: Record) -> Table:
             ]
             for row in record["throws"]
         ],
-        note="The solid is all of the throw, counterweights included. Sum: of rods and solid, at an angle "
-        "from the crank.",
+        note="Solid: the whole throw, counterweights included. Sum: rods and solid, at an angle from the "
+        "crank.",
         merged=True,
     )
 
@@ -138,6 +138,6 @@ def balance_contents(record: Record, units: OutputUnits = SI) -> str:
         return f"{kind} {now}, without the solids {bare}"
 
     return (
-        "The balance has the throws' solids with their counterweights in it; flywheel and free end count as "
-        f"balanced. First order: {both('force', units.of('kN'))}; {both('moment', units.of('kN m'))}."
+        "The balance includes the throws' solids with counterweights; flywheel and free end are assumed to "
+        f"be balanced. First order: {both('force', units.of('kN'))}; {both('moment', units.of('kN m'))}."
     )

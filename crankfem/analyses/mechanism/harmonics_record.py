@@ -70,7 +70,7 @@ def fired_record(
     amplitude = sums * found.amplitude[:count]
     phase = np.where(amplitude > 0.0, (found.phase[:count] - directions) % (2.0 * np.pi), 0.0)
     left_out = [
-        f"order {order:g} is left out, because {found.samples} samples see one phase of it only"
+        f"order {order:g} is left out, because {found.samples} samples resolve only one phase of it"
         for order in found.orders[count:].tolist()
     ]
     return {

@@ -62,7 +62,7 @@ def crankpin_table(record: Record) -> Table:
 def bearing_table(record: Record) -> Table:
     """Return loads and specific pressures of the main bearings."""
     return Table(
-        "Main bearings, each throw carried by its two neighbors, shaft angle",
+        "Main bearings, each throw supported by its two bearings, shaft angle",
         [Column("bearing", words=True), *LOAD_COLUMNS],
         [
             [str(place), *_load_cells(row, row["largest_angle_deg"])]
@@ -77,7 +77,7 @@ def rod_model_table(record: Record) -> Table | None:
     if all(row["crankpin_beside_mean"] < ROUND_OFF for row in rows):
         return None
     return Table(
-        "Rod models beside the rigid rod, largest differences",
+        "Rod models compared with the rigid rod, largest differences",
         [
             Column("model", words=True),
             Column("crankpin force / its mean", "%", decimals=2),

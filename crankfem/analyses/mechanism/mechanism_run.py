@@ -195,7 +195,7 @@ def run_mechanism(
     model : str, optional
         Of the rods' masses.
     motored : bool, optional
-        Turn the engine without combustion.
+        Motor the engine without combustion.
     masses : MassProperties or sequence of such, optional
         Of the throw, or of each crank's throw from the free end; from their solids if not given.
 

@@ -65,7 +65,7 @@ def rod_mass_table(records: list[Record]) -> Table:
     """Return the table of `rod_mass_records`."""
     several = len(records) > 1
     return Table(
-        "Masses that stand in for the rod" + ("s" if several else ""),
+        "Equivalent masses of the rod" + ("s" if several else ""),
         [
             *([Column("cylinders", words=True)] if several else []),
             Column("model", words=True),

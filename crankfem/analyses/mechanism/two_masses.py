@@ -72,8 +72,8 @@ def read_two_masses(content: TomlFile) -> TwoMassFile:
     given = content.model("two_mass_check", TwoMassInput)
     if given is None:
         raise InputError(
-            f"{content.path.name}: the section [two_mass_check] is missing; it is required here, because "
-            "it has the shaft and the inertias (crankfem fields two_mass_check)."
+            f"{content.path.name}: the section [two_mass_check] is missing; it is required here, because it "
+            "defines the shaft and the inertias (crankfem fields two_mass_check)."
         )
     engine = content.model("engine", Engine)
     settings = content.model("vibration", VibrationSettings)

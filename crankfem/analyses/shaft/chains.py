@@ -17,7 +17,7 @@ from dynamics.response.damping import UNIT, DampedChain, damped
 from dynamics.response.linear_system import DEFAULT_MAGNIFIER, MAGNIFIER_SOURCE
 
 Array = NDArray[np.float64]
-ASSUMED = f"assumed: {MAGNIFIER_SOURCE}"
+ASSUMED = f"assumed ({MAGNIFIER_SOURCE})"
 
 
 def engine_axial_chain(

@@ -35,7 +35,7 @@ def law_values(engine_file: EngineFile, quantity: str) -> dict[CrankThrow, LawVa
             own = law_answers(throw, engine_file.material)[quantity]
         except InputError as error:
             which = f"throw {name}" if engine_file.throws_by_name else "this throw"
-            raise InputError(f"says nothing of {which}: {str(error).rstrip('.')}") from None
+            raise InputError(f"does not apply to {which}: {str(error).rstrip('.')}") from None
         found[throw] = LawValue(own["value"], own["lower"], own["upper"])
     return found
 

@@ -35,7 +35,7 @@ def throw_lookup(
         the material is another one, or the error leaves the band without an end.
     """
     if response not in model.responses:
-        raise InputError(f"the model holds {', '.join(model.responses)} and no {response}")
+        raise InputError(f"the model has {', '.join(model.responses)} and no {response}")
     for name, unit in ELASTIC.items():
         fitted, own = model.material.get(name), getattr(material, name)
         if isinstance(fitted, float) and not same_dimension(own, fitted):
@@ -67,7 +67,7 @@ def throw_lookups(
             found[throw] = throw_lookup(model, response, throw, engine_file.material)
         except InputError as error:
             own = f"throw {name}" if engine_file.throws_by_name else "this throw"
-            raise InputError(f"says nothing of {own}: {str(error).rstrip('.')}") from None
+            raise InputError(f"does not apply to {own}: {str(error).rstrip('.')}") from None
     return found
 
 
@@ -101,5 +101,5 @@ def refused(kind: str, reason: str) -> InputError:
     """Return the error of a regression that cannot be the source of a kind of vibration."""
     return InputError(
         f"vibration.{kind}_source: given 'regression', which {reason.rstrip('.')}; give a model whose range "
-        "holds the throw, because its error is known nowhere else, or another source, such as 'fe'."
+        "contains the throw, because its error is known nowhere else, or another source, such as 'fe'."
     )

@@ -128,7 +128,7 @@ def _free_end(engine_file: EngineFile) -> tuple[EndBody | None, Remarks]:
         if across is None:
             missing.append("has half its inertia about a diameter (free_end.diametral_inertia)")
         if missing:
-            remarks = (f"assumed: what turns at the free end {' and '.join(missing)}",)
+            remarks = (f"assumed: the free end {' and '.join(missing)}",)
         mass += given.mass
         polar += given.inertia
         diametral += 0.5 * given.inertia if across is None else across

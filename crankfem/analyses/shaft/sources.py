@@ -109,8 +109,8 @@ def _fitted_sources(
         FE: (in_shaft, "superelements assembled at the crank angles, in elastic main bearings"),
         FE_PINNED: (
             pinned,
-            "a single throw with ends free to tilt: what every throw has in journals that move sideways "
-            "freely; bearings stiffen it",
+            "a single throw with ends free to tilt, as in journals that move freely sideways; bearings "
+            "stiffen it",
         ),
     }
     ratios = in_shaft / pinned

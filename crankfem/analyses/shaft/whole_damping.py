@@ -42,9 +42,9 @@ def damping_remarks(engine_file: EngineFile) -> tuple[str, ...]:
     axial, torsional, bending = (100.0 * ratio for ratio in _damping_ratios(engine_file))
     given = engine_file.damping
     known = given is not None and given.bending_magnifier is not None
-    assumed = "" if known else f", which is assumed (a magnifier of {DEFAULT_MAGNIFIER:g})"
+    assumed = "" if known else f", assumed (magnifier {DEFAULT_MAGNIFIER:g})"
     found = [
-        "modes are damped as the chains are, by the shares of their energy: "
+        "modes have the damping of the chains, weighted by their energy shares: "
         f"{axial:.3g} % of critical damping for axial motion, {torsional:.3g} % for torsion, "
         f"{bending:.3g} % for bending{assumed}"
     ]

@@ -68,7 +68,8 @@ def whole_shaft_remark(comparison: ShaftComparison) -> tuple[str, ...]:
     if not differing:
         return ()
     return (
-        f"Judged with chains; lumped model inadequate, the whole crankshaft differs: {'; '.join(differing)}.",
+        "The verdict uses lumped models (chains), which are inadequate here; the whole crankshaft differs: "
+        f"{'; '.join(differing)}.",
     )
 
 
@@ -99,6 +100,6 @@ def _difference(verdict: ChainVerdict, causes: dict[tuple[str, int], FrequencyDi
             return f"{said} ({own.shown_causes})" if own and own.shown_causes else said
     mixed = min(verdict.modes, key=lambda match: match.share)
     return (
-        f"its {verdict.kind} mode at {mixed.shaft_frequency:.1f} Hz is {verdict.kind} by "
-        f"{100.0 * mixed.share:.0f} % only"
+        f"its {verdict.kind} mode at {mixed.shaft_frequency:.1f} Hz is only {100.0 * mixed.share:.0f} % "
+        f"{verdict.kind}"
     )

@@ -64,7 +64,7 @@ def _tilts(whole: WholeShaft, comparison: ShaftComparison) -> Record | None:
     return {
         "inertia": inertia,
         "modes": [attributes(one, "kind", "mode", "without", "shaft") for one in comparison.tilts],
-        "sentence": f"The flywheel's inertia about a diameter, assumed as half of that about the shaft, "
+        "sentence": "The flywheel's inertia about a diameter, assumed to be half of that about the shaft, "
         f"{inertia:.3g} kg m^2, moves {moved}.",
     }
 

@@ -253,8 +253,8 @@ def whole_shaft(
     left = unmodeled_sections(engine_file)
     if left:
         remarks += (
-            f"{' and '.join(left)} are left out of the whole crankshaft, though not of the chains, which "
-            "are not compared with it therefore",
+            f"{' and '.join(left)} are included in the chains but not in the whole crankshaft, so the two "
+            "are not compared",
         )
     return WholeShaft(
         crankshaft=crankshaft,

@@ -142,10 +142,10 @@ class EngineFatigue:
         )
         broken = sum(one.safety < 1.0 for one in self.places)
         if broken:
-            said += f"; {broken} of {len(self.places)} places are below 1"
+            said += f"; {broken} of {len(self.places)} locations are below 1"
         if least.rule_factor is None:
-            return f"{said}; UR M53 does not judge that place."
-        return f"{said}; UR M53 has Q = {least.rule_factor:.2f} for that place."
+            return f"{said}; UR M53 does not cover that location."
+        return f"{said}; UR M53 has Q = {least.rule_factor:.2f} for that location."
 
     def to_pandas(self) -> DataFrame:
         """Return a row for each place, the least safety first.
@@ -310,30 +310,30 @@ def _remarks(
     file = vibration.engine_file
     failing = [case for case in cases if case]
     yield (
-        "torque and axial force through the throws are those of the chains with their vibration, in phase "
-        "with the rods' forces, which bend the whole shaft in its elastic main bearings without inertia"
+        "torque and axial force through the throws include the vibration of the chains, in phase with the "
+        "rods' forces; these bend the whole shaft in its elastic main bearings, without inertia effects"
     )
     if failing:
         yield (
-            f"besides normal firing, misfiring of {', '.join(named(case) for case in failing)} is followed, "
-            "which twists some throw most"
+            "besides normal firing, the case with the largest torsion in some throw is covered: misfiring "
+            f"of {', '.join(named(case) for case in failing)}"
         )
     yield (
-        "fatigue strength in bending is the rule's for the place; that in torsion is assumed as 1/√3 of it, "
-        f"whence k = {findley_factor():.4f}; the shear amplitude is the radius of the smallest circle round "
-        "its path"
+        "the bending fatigue strength is the rule's for the location; the torsional one is assumed to be "
+        f"1/√3 of it, hence k = {findley_factor():.4f}; the shear amplitude is the radius of the smallest "
+        "circle around its path"
     )
     yield (
-        "mean stresses count, of a throw's own mass as if it went round with the pin; the rule's additional "
-        "stress for misalignment is not added"
+        "mean stresses are included, with a throw's own mass assumed to rotate with the pin; the rule's "
+        "additional stress for misalignment is not added"
     )
     if section.hardening is not None:
-        yield "of hardened places the surface alone is judged, without residual stresses"
+        yield "only the surface of hardened locations is assessed, without residual stresses"
     drilled = any(site.kind == "oil hole" for own in fields.values() for site in own.sites)
     if section.oil_hole_diameter is not None and not drilled:
         yield (
-            "the throw is meshed without the pin's oil hole, which is left out here: name it in the throw's "
+            "the mesh has no oil hole in the pin, so the hole is not assessed here: give it in the throw's "
             "oil_holes"
         )
     if len(set(file.throws)) < len(file.throws):
-        yield "rods side by side load the pin at their own places, each spread over the whole pin"
+        yield "rods side by side load the pin at their own positions, each distributed over the whole pin"

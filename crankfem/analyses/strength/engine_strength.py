@@ -115,7 +115,7 @@ class EngineStrength:
             f"Crankshaft strength by UR M53{how}: the least acceptability factor is {shown_factor(least)} "
             f"at the {least.place} of throw {least.throw}, {REQUIRED:g} is required"
         )
-        said += f"; {wrong} of {len(self.places)} places fall short." if wrong else "."
+        said += f"; {wrong} of {len(self.places)} locations are below it." if wrong else "."
         fits = [own for own in self.throws if own.fit is not None and not own.fit.passed]
         if fits and fits[0].fit is not None:
             said += f" Shrink fit of throw {fits[0].number}: {fits[0].fit.refusals[0]}."
@@ -153,10 +153,9 @@ class EngineStrength:
                     error = elements.shear_error if symbol == "beta_Q" else elements.error
                     assert error is not None
                     text = (
-                        f"{symbol} is {formula:.3f} by the formula and {other:.3f} by finite elements"
-                        f"{_method(symbol)}, "
-                        f"{_more(formula, other)} more (estimated error {100.0 * error:.2g} %): the "
-                        "formula is on the unsafe side"
+                        f"{symbol} is {formula:.3f} by the formula and {other:.3f} by finite "
+                        f"elements{_method(symbol)}, {_more(formula, other)} more (estimated error "
+                        f"{100.0 * error:.2g} %): the formula is not conservative"
                     )
                     webs.setdefault(text, []).append(name)
             said += [
@@ -179,8 +178,8 @@ class EngineStrength:
             f"{symbol} (up to {_more(*both)}{_method(symbol)})" for symbol, both in most.items()
         )
         return named and (
-            "By finite elements factors of stress concentration are larger than by the formulas of UR M53: "
-            f"{named}. There the formulas are on the unsafe side."
+            "Finite elements give larger stress concentration factors than the formulas of UR M53: "
+            f"{named}. There the formulas are not conservative."
         )
 
 
@@ -274,7 +273,7 @@ def _shrunk(own: ThrowWeb) -> str:
     """Say where a shaft without fillets at its journals is described."""
     if own.web.journal_fillet_radius or own.web.semi_built:
         return ""
-    return " Journals that are shrunk into the webs have a section [strength.shrink_fit]."
+    return " Journals shrunk into the webs need a section [strength.shrink_fit]."
 
 
 def shown_factor(place: PlaceStrength) -> str:

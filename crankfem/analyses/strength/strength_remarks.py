@@ -37,8 +37,8 @@ def strength_remarks(
     file = vibration.engine_file
     engine, asked = file.engine, HIGHEST_ORDER[file.engine.strokes]
     yield (
-        f"bending is that of the rods' forces at rated speed, {RPM * engine.rated_speed:.4g} 1/min, each "
-        "throw supported by itself"
+        f"bending is due to the rods' forces at rated speed, {RPM * engine.rated_speed:.4g} 1/min, each "
+        "throw supported separately"
     )
     left_out = ", ".join(shown_range(*one) for one in loads.barred)
     yield (
@@ -48,34 +48,34 @@ def strength_remarks(
         f"{'in normal firing and while cylinders misfire' if loads.misfiring else 'in normal firing'}"
     )
     if not loads.misfiring:
-        yield f"{vibration.misfiring_note or 'misfiring is not calculated'}; the rule asks for it"
+        yield f"{vibration.misfiring_note or 'misfiring is not calculated'}; the rule requires it"
     if file.vibration.highest_order < asked:
         yield (
-            f"the rule asks for orders up to {asked:g}: those above {file.vibration.highest_order:g} are not "
+            f"the rule requires orders up to {asked:g}: those above {file.vibration.highest_order:g} are not "
             "calculated (vibration.highest_order)"
         )
     if section.axial_vibration == "calculated":
         yield (
-            "the calculated axial force bends the web with the crank radius as lever, its largest; that "
-            "stands in place of the rule's 20 MPa"
+            "the calculated axial force bends the web with the crank radius as lever arm, the largest "
+            "possible; this replaces the rule's 20 MPa"
         )
     if section.oil_hole_diameter is not None and section.oil_hole_angle is None:
-        yield "the oil hole's outlet is taken where the pin's bending stress is largest"
+        yield "the oil hole's outlet is assumed where the pin's bending stress is largest"
     if any(throw.pin_bore_offset or throw.main_journal_bore_offset for throw in file.crank_throws):
-        yield "bores that lie aside of their journals' axes are taken as if they were in the middle"
+        yield "eccentric bores are treated as concentric"
     if any(web.slopes for throw in file.crank_throws for web in throw.parts.webs):
-        yield "webs that get thinner to their ends are taken with their full thickness"
+        yield "tapered webs are used with their full thickness"
     if any(web.overlap < 0.0 for web in webs):
         yield (
-            "pin and journal do not overlap: the web is taken at the middle of its thickness, where the rule "
-            "has a figure of its own that was not at hand"
+            "pin and journal do not overlap: the web section is assumed at mid-thickness, because the "
+            "rule's own figure was not available"
         )
     if elements:
         met = "meet" if all(own.as_ruled for own in elements) else "do not meet"
         yield (
-            "finite elements: ends are rigid discs, the force in three-point bending is spread over the pin; "
-            "beta_Q is by method 1 of Appendix III, the difference of two large numbers; "
-            f"mesh and stresses {met} the criteria of the rule's Appendix III at all fillets"
+            "finite elements: ends are rigid discs, the force in three-point bending is distributed over "
+            "the pin; beta_Q follows method 1 of Appendix III, as the difference of two large numbers; mesh "
+            f"and stresses {met} the criteria of the rule's Appendix III at all fillets"
         )
     changes = dict.fromkeys(
         f"{name} {100.0 * one:+.2g} %"
@@ -88,4 +88,4 @@ def strength_remarks(
             f"two coefficients are doubtful, the {section.coefficients} ones are used: {other_cubic:g} in "
             f"place of the printed {cubic:g}, and {other_square:g} of {square:g}, change {', '.join(changes)}"
         )
-    yield "the formulas are read from one text of the rule; no second text confirms their coefficients"
+    yield "the formulas come from one text of the rule; no second source confirms their coefficients"

@@ -20,8 +20,8 @@ from regression.records import MEASURED, ExtraRow
 from regression.runs.study_table import StudyTable
 
 LACK_OF_FIT = (
-    "Finite elements repeat exactly and have no replication noise: R2, standard errors, t and F "
-    "measure how well the form follows them (lack of fit), not chance."
+    "Finite-element runs repeat exactly: R2, standard errors, t and F measure the lack of fit of the form, "
+    "not random error."
 )
 # What records say of a factor, of a form and of its statistics, under the names that they have there.
 FACTOR = ("unit", "lowest", "highest", "levels", "labels")
@@ -174,13 +174,13 @@ def warnings_of(fit: Fit) -> list[str]:
     if inflated:
         told.append(
             f"Variance inflation above {LARGEST_VIF:g} of {_listed(inflated)}: "
-            "these coefficients depend on each other, and only their sum is meant."
+            "these coefficients are correlated, and only their combined effect is meaningful."
         )
     high = np.flatnonzero(fit.statistics.leverage > LARGEST_LEVERAGE)
     if high.size:
         told.append(
-            f"Leverage above {LARGEST_LEVERAGE:g} of {high.size} of {fit.runs} runs: each of them "
-            "nearly decides a coefficient alone, and its error at the runs says nothing."
+            f"Leverage above {LARGEST_LEVERAGE:g} of {high.size} of {fit.runs} runs: each of them nearly "
+            "determines a coefficient alone, so its error at the runs is not meaningful."
         )
     return told
 

@@ -94,7 +94,7 @@ def check_study_can_be_fitted(planned: PlannedStudy) -> None:
         else:
             return
     excluded = [design for design in planned.excluded if design.role == RUN]
-    first = f"; the first is excluded because of this: {excluded[0].reason}" if excluded else ""
+    first = f"; reason for the first excluded design: {excluded[0].reason}" if excluded else ""
     raise InputError(
         f"study.factors: given {len(runs) + len(excluded)} designs of which {len(runs)} can be built, to "
         f"which no equation can be fitted ({reason.rstrip('.')}); allowed are ranges in which throws can be "

@@ -302,6 +302,6 @@ def _remarks(first: ComplianceModel, second: ComplianceModel) -> tuple[str, ...]
         old = "first" if first.uncorrected else "second"
         remarks.append(
             f"The {old} model was fitted to finite elements of an older release, not corrected for "
-            "discretization; the other's were: compliances differ by the error that was corrected."
+            "discretization; those of the other model were: compliances differ by the corrected error."
         )
     return tuple(remarks)

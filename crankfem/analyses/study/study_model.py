@@ -29,7 +29,7 @@ def compliance_model(
     fits : mapping
         As `fit_study` returns them.
     form : str, optional
-        Form to take for every response, instead of the chosen ones.
+        Form to use for every response in place of the chosen ones.
 
     Raises
     ------

@@ -114,7 +114,7 @@ def _failing_sentence(cases: FiringCases, way: str) -> str:
     at = format_quantity(own.speed, "rad/s", 4)
     within = "kept" if own.used <= 1.0 else "exceeded"
     return (
-        f"With {way} the limits of stress are {within}. The worst case is {name} with cylinder "
+        f"With {way} the stress limits are {within}. The worst case is {name} with cylinder "
         f"{numbers[name]} failing: {own.value / 1e6:.4g} MPa at {at}, {100.0 * own.used:.3g} % of the "
         "permitted stress."
     )
@@ -164,9 +164,9 @@ def _modes(run: EngineVibration) -> DocumentPart:
         "holzer",
         "Natural frequencies, Holzer tables and mode shapes",
         (
-            f"Holzer tables follow for the modes that orders up to "
-            f"{run.engine_file.vibration.highest_order:g} reach below {100.0 * HIGHEST_SHARE:g} % of the "
-            f"rated speed, {mode_tables.LEAST_MODES} at least and {mode_tables.MOST_MODES} at most.",
+            "Holzer tables are given for the modes excited by orders up to "
+            f"{run.engine_file.vibration.highest_order:g} below {100.0 * HIGHEST_SHARE:g} % of the rated "
+            f"speed, {mode_tables.LEAST_MODES} at least and {mode_tables.MOST_MODES} at most.",
         ),
         tuple(items),
     )
@@ -187,8 +187,8 @@ def _vectors(run: EngineVibration) -> DocumentPart:
         "vectors",
         "Phase vectors and vector sums",
         (
-            "Diagrams: phase vectors of the cylinders, their lengths those of the mode shape; orders that "
-            "look alike stand together, the dark arrow is the sum of a minor order.",
+            "Diagrams: phase vectors of the cylinders, with lengths from the mode shape. Orders with equal "
+            "diagrams share one; the dark arrow is the sum of a minor order.",
         ),
         (DocumentTable("vector_sums", mode_tables.vector_table(run)), *drawn),
     )
@@ -217,8 +217,8 @@ def _criticals(run: EngineVibration) -> DocumentPart:
             DocumentTable("critical_speeds", mode_tables.critical_table(run)),
             DocumentPicture(
                 "campbell",
-                "Campbell diagram: running range shaded, frequencies with damping; dots mark resonances and "
-                "grow with their amplitude.",
+                "Campbell diagram: running range shaded, damped frequencies; dots mark resonances, larger "
+                "for larger amplitudes.",
                 campbell,
             ),
         ),
@@ -240,8 +240,8 @@ def _normal(run: EngineVibration, cases: FiringCases) -> DocumentPart:
         "Torsional stresses in normal firing",
         (
             *(f"{_upper(note)}." for note in cases.notes),
-            "Diagrams: stress over the speed, ranges to be barred shaded red, speeds outside of the running "
-            "range gray; with a cylinder failing the worst of all cylinders.",
+            "Diagrams: stress over speed; ranges to be barred are red, speeds outside the running range "
+            "gray. With a cylinder failing: the worst of all cylinders.",
         ),
         (
             DocumentTable("stress_normal", stress_tables.normal_table(cases)),
@@ -276,13 +276,14 @@ def _barred(run: EngineVibration, verdict: Verdict) -> DocumentPart:
     rule = (run.engine_file.limits or LimitsInput()).barred_rule(run.engine_file.engine.rated_speed)
     peaks = sorted({peak for one in verdict.barred for peak in one.peaks})
     ends = Table(
-        "Ends by the rule about each peak in these ranges",
+        "Ends by the rule for each peak in these ranges",
         [
             Column(name, "1/min", decimals=2)
             for name in ("peak n", "16 n/(18 - r)", "(18 - r) n/16")
         ],
         [[peak, *rule.bounds(peak)] for peak in peaks],
-        note="r is n over the rated speed (IACS M68). A range ends where limits are kept, if that is wider.",
+        note="r is n divided by the rated speed (IACS M68). A range extends to where limits are kept, if "
+        "that is wider.",
     )
     if not (verdict.barred or verdict.started_through):
         return DocumentPart("barred", "Barred speed ranges", ("No speed range has to be barred.",))
@@ -290,8 +291,8 @@ def _barred(run: EngineVibration, verdict: Verdict) -> DocumentPart:
     if peaks:
         tables.append(DocumentTable("barred_by_rule", ends))
     said = (
-        "Ranges that may be barred are to be passed quickly; stresses while passing stand in the table of "
-        "normal firing."
+        "Barred ranges are to be passed quickly; the table of normal firing gives the stresses while "
+        "passing."
     )
     return DocumentPart("barred", "Barred speed ranges", (said,), tuple(tables))
 
@@ -303,12 +304,12 @@ def _dampers(run: EngineVibration, cases: FiringCases) -> DocumentPart:
         "generator": machine_tables.generator_table(run, cases),
     }
     missing = {
-        "dampers": "Dampers and couplings: the torsional chain has none that turn vibration into heat.",
+        "dampers": "Dampers and couplings: the torsional chain has none that dissipate vibration energy.",
         "gears": "Gear hammer: the torsional chain has no gears.",
-        "generator": "Generator: the engine drives none, so that there is no electrical angle."
+        "generator": "Generator: the engine drives none, so there is no electrical angle."
         if run.engine_file.engine.drives != "generator"
-        else "Generator: its poles are not given (engine.generator_poles), so that its electrical angle "
-        "is not known.",
+        else "Generator: its poles are not given (engine.generator_poles), so its electrical angle is not "
+        "known.",
     }
     return DocumentPart(
         "dampers",
@@ -345,7 +346,7 @@ def _assumptions(run: EngineVibration, cases: FiringCases) -> DocumentPart:
             DocumentTable(
                 "assumptions",
                 Table(
-                    "Values that nobody gave",
+                    "Assumed values",
                     [Column(name, words=True) for name in ("field", "value", "why")],
                     [[one.field, one.given, one.source] for one in values],
                 ),

@@ -38,8 +38,8 @@ HIGHEST_SHARE = 1.2
 STRESS, TORQUE, DASHPOTS, GEARS, GENERATOR = "stress", "torque", "dashpots", "gears", "generator"
 MISFIRING, CUT_OUT = "one cylinder misfiring", "one cylinder cut out"
 MEANING = {
-    MISFIRING: "nothing burns in the cylinder, which still compresses",
-    CUT_OUT: "no gas acts in the cylinder, whose running gear still moves",
+    MISFIRING: "no combustion in the cylinder, which still compresses",
+    CUT_OUT: "no gas force in the cylinder, whose running gear still moves",
 }
 # Of what drives a generator, from the most particular on.
 GENERATOR_NODES = ("driven machine", "generator", "flywheel")
@@ -130,7 +130,7 @@ def firing_cases(run: EngineVibration) -> FiringCases:
     if not at_most(share * file.engine.rated_speed, speeds[-1]):
         notes.append(
             f"speeds are calculated up to {speeds[-1] / file.engine.rated_speed:.3g} of the rated one, "
-            "where the load of the engine file ends"
+            "where the load in the engine file ends"
         )
     limits = place_limits(file)
     damping = heat_factors(run.torsional_chain)

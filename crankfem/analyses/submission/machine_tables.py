@@ -73,7 +73,7 @@ def damper_table(run: EngineVibration, cases: FiringCases) -> Table | None:
             Column("used", "%", 3, missing="-"),
         ],
         rows,
-        note="Outside of ranges to be barred; torque with all orders together, heat the mean of the cycle. "
+        note="Outside ranges to be barred; torque with all orders together, mean heat over the cycle. "
         "Permitted values are the maker's: damper_torque, damper_heat, coupling_torque, coupling_heat of "
         "[limits].",
         marks=marks,
@@ -137,8 +137,8 @@ def gear_table(run: EngineVibration, cases: FiringCases) -> Table | None:
             Column("gear hammer", words=True),
         ],
         rows,
-        note="Torques on the driven wheel, the mean one that of the gas, without friction. Teeth part where "
-        "the vibratory torque exceeds the mean one.",
+        note="Torques on the driven wheel; the mean torque is that of the gas, without friction. Teeth "
+        "separate where the vibratory torque exceeds the mean torque.",
         marks=marks,
     )
 
@@ -179,6 +179,6 @@ def generator_table(run: EngineVibration, cases: FiringCases) -> Table | None:
             for way, angle, speed in ways
         ],
         note=f"{engine.generator_poles} poles: an electrical degree is {2.0 / engine.generator_poles:.4g} "
-        "mechanical ones; the whole motion counts, that of the rotor as one with the shaft included.",
+        "mechanical degrees; the whole motion counts, including rigid-body motion.",
         marks=["over" if limit is not None and angle > limit else "" for _, angle, _ in ways],
     )

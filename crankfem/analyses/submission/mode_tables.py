@@ -311,8 +311,8 @@ def major_sentences(run: EngineVibration) -> tuple[str, ...]:
     ]
     if engine.bank_angles is not None:
         sentences.append(
-            "The rule names these orders for engines in line; for this V engine they are taken from the "
-            "number of its cylinders all the same."
+            "The rule names these orders for engines in line; for this V engine they are assumed to follow "
+            "from the number of cylinders in the same way."
         )
     return tuple(sentences)
 

@@ -28,7 +28,7 @@ def engine_data_table(run: EngineVibration) -> Table:
     load = run.load
     said = [
         ("engine", engine.name),
-        ("drives", engine.drives or "not told: a propeller is assumed"),
+        ("drives", engine.drives or "not given: a propeller is assumed"),
         ("cylinders", f"{engine.cylinders} {'in line' if engine.bank_angles is None else 'in V'}"),
         ("strokes per cycle", f"{engine.strokes}"),
         ("firing order", "-".join(str(number) for number in engine.firing_order)),
@@ -40,7 +40,7 @@ def engine_data_table(run: EngineVibration) -> Table:
         ("bore", format_quantity(engine.bore, "m")),
         ("stroke", format_quantity(engine.stroke, "m")),
         ("length of the connecting rod", format_quantity(file.rod.length, "m")),
-        ("mass that goes up and down, each cylinder", _reciprocating(run)),
+        ("reciprocating mass of each cylinder", _reciprocating(run)),
         ("rated speed", format_quantity(engine.rated_speed, "rad/s", 5)),
         (
             "running range",
@@ -136,7 +136,7 @@ def chain_shaft_table(run: EngineVibration) -> Table:
                 strict=True,
             )
         ],
-        note="Of the crankshaft the weaker of main journal and crankpin.",
+        note="For the crankshaft: the weaker of main journal and crankpin.",
     )
 
 
@@ -177,8 +177,8 @@ def harmonics_by_load(run: EngineVibration) -> tuple[list[str], FloatArray, str]
             for share, mean in zip(LOADS, means.tolist(), strict=True)
         ]
         note = (
-            "Loads are shares of the brake mean effective pressure at rated speed; mean indicated pressures "
-            "beside them. Boost of part loads goes with the power, as along a propeller's law."
+            "Loads are shares of the brake mean effective pressure at rated speed, with mean indicated "
+            "pressures. Boost at part load is proportional to the power, as for a propeller."
         )
     else:
         told = [run.load.speeds.tolist()[-1]] if steady else run.load.speeds.tolist()
@@ -226,7 +226,8 @@ def harmonics_table(run: EngineVibration) -> Table:
     """Return the harmonics of the tangential force of one cylinder by load."""
     loads, amplitudes, note = harmonics_by_load(run)
     return Table(
-        "Harmonics of the tangential force of cylinder 1 over the piston's area: gas by load, moving masses",
+        "Harmonics of the tangential force of cylinder 1 divided by the piston area: gas by load, moving "
+        "masses",
         [Column("order", digits=None), *(Column(load, "MPa", digits=4) for load in loads)],
         [
             [order, *row]

@@ -63,9 +63,9 @@ def normal_table(cases: FiringCases) -> Table:
             Column("used", "%", 3, missing="-"),
         ],
         rows,
-        note="Half of the range over the cycle, nominal, all orders together. Largest: at any speed up to "
-        "the highest calculated. Kept: where most of the continuous limit is used at running speeds not in "
-        "ranges to be barred. Passed: the same within these ranges, of the limit for passing.",
+        note="Nominal stress amplitude (half the range over the cycle), all orders together. Largest: at "
+        "any calculated speed. Kept: largest use of the continuous limit at running speeds outside ranges "
+        "to be barred. Passed: largest use of the limit for passing within these ranges.",
         marks=marks,
     )
 
@@ -103,7 +103,7 @@ def permitted_table(run: EngineVibration, cases: FiringCases) -> Table:
             *(Column(f"{100.0 * share:g} %", STRESSES, missing="-") for share in shares),
         ],
         rows,
-        note="Shafts by their numbers; a dash where the rule states none.",
+        note="Shafts by number; a dash where the rule states no limit.",
         merged=True,
     )
 
@@ -189,9 +189,9 @@ def failing_table(cases: FiringCases, way: str) -> Table:
             Column("used", "%", 3, missing="-"),
         ],
         rows,
-        note=f"{MEANING[way][0].upper()}{MEANING[way][1:]}; the others fire as before, at the speeds "
-        "of normal firing. Held against the limit for passing at speeds for which it is stated, else against "
-        "that for continuous running, outside of ranges to be barred.",
+        note=f"{MEANING[way][0].upper()}{MEANING[way][1:]}; the others fire as before, at the speeds of "
+        "normal firing. Compared with the limit for passing at speeds where it is stated, otherwise with "
+        "the continuous limit, outside ranges to be barred.",
         marks=marks,
     )
 
@@ -243,7 +243,7 @@ def torque_table(cases: FiringCases) -> Table:
         "Vibratory torque in every shaft, synthesized: largest at running speeds that are not to be barred",
         columns,
         rows,
-        note="With a cylinder failing the worst of all cylinders.",
+        note="With a cylinder failing: the worst of all cylinders.",
     )
 
 

@@ -17,7 +17,7 @@ def check_submission(engine: EngineFile) -> None:
     if engine.gas is None and engine.gas_map is None:
         raise InputError(
             f"{engine.path.name}: has no gas pressure; allowed is a file with a section [gas] or [gas_map], "
-            "because the document tells stresses."
+            "because the document reports stresses."
         )
     limits = engine.limits or LimitsInput()
     if limits.generator_angle is not None and engine.engine.generator_poles is None:

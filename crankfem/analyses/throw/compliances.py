@@ -77,9 +77,7 @@ def compliance_tables(results: Mapping[str, Any]) -> Record:
         law = (results["formulas"].get("law") or {}).get(f"{kind}_compliance")
         if law is not None:
             width = percent(law["upper"] / law["value"] - 1.0)
-            said = (
-                f"Fitted to finite elements of thousands of throws; 95 in 100 are within {width} %."
-            )
+            said = f"Fitted to finite elements of thousands of throws; 95 % are within {width} %."
             rows.append(row("the law", law["value"], "law", [said]))
         own_rows = [
             row(f["name"], f["value"], f["name"], f["remarks"], f["valid"])
@@ -150,6 +148,6 @@ def _fit_remark(fit: ResponseModel) -> str:
     judged = (
         "none was held out to judge it"
         if held is None
-        else f"its largest error at designs held out is {percent(held)} %"
+        else f"its largest error at held-out designs is {percent(held)} %"
     )
     return f"{fit.form.capitalize()} equation fitted to {fit.runs} designs; {judged}."

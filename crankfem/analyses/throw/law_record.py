@@ -106,7 +106,7 @@ def law_sentence(record: Record, units: OutputUnits = SI) -> str:
     """Say what the law makes of a throw, from its `law_record`."""
     answers = record["answers"]
     if answers is None:
-        return units.text(f"The law says nothing of this throw: {record['reason']}")
+        return units.text(f"The law does not apply to this throw: {record['reason']}")
     own, twist = answers[AXIAL], answers[TORSIONAL]
     axial, torsional = units.of("1e-9 m/N"), units.of("1e-9 rad/(N m)")
     width = percent(own["upper"] / own["value"] - 1.0)
@@ -144,7 +144,7 @@ def law_lookups(
             remarks=(),
             error=None,
             equation="networks of the law",
-            band="holds 95 of 100 throws, of rigid end sections",
+            band="contains 95 % of throws, with rigid end sections",
             symbol=name.replace("_", " "),
         )
         for name, own in law_answers(throw, material, gamma_deg).items()

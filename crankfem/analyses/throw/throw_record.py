@@ -15,8 +15,8 @@ from geometry.throw import CrankThrow
 
 SUPPORTS: tuple[Support, ...] = ("pinned", "guided")
 NOT_CORRECTED = (
-    "Not all answers are corrected for discretization: on so coarse a mesh it takes too much of them to be "
-    "told. Ask for a better accuracy."
+    "Not all results are corrected for discretization: on this coarse mesh its error is too large to be "
+    "estimated. Give a better accuracy."
 )
 
 

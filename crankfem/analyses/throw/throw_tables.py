@@ -48,8 +48,8 @@ def section_sentence(record: Record) -> str:
     if not shares:
         return ""
     return (
-        f"Pinned and guided ends are rigid sections here, which leaves out {' and '.join(shares)}: so much "
-        f"softer is the throw beside equal ones, with sections that bend (degree {record['sections']})."
+        f"Pinned and guided ends are rigid sections here, which omits {' and '.join(shares)}: the throw is "
+        f"softer by this much between equal throws, with sections that bend (degree {record['sections']})."
     )
 
 

@@ -102,8 +102,8 @@ def axial_cycle_record(
 def axial_cycle_columns(found: AxialForceOverCycle) -> tuple[dict[str, FloatArray], str]:
     """Return all forces over the shaft angle, and what they are."""
     return found.columns(), (
-        f"axial forces over the cycle at {found.speed * RPM:.10g} 1/min: on the thrust bearing as the shaft "
-        "vibrates, on held ends without vibration, pressing each throw's ends apart"
+        f"axial forces over the cycle at {found.speed * RPM:.10g} 1/min: on the thrust bearing with "
+        "vibration, on held ends without vibration, pressing each throw's ends apart"
     )
 
 
@@ -134,7 +134,7 @@ def _sentences(record: Record, left_out: str) -> list[str]:
     found = []
     if record["thrust_bearing"] is not None:
         found.append(
-            f"Axial force on the thrust bearing at {record['speed_rpm']:.4g} 1/min, as the shaft vibrates: "
+            f"Axial force on the thrust bearing at {record['speed_rpm']:.4g} 1/min, with vibration: "
             f"{_range(record['thrust_bearing'])} over the cycle by the axial chain, positive towards the "
             f"flywheel{left_out}."
         )
@@ -146,14 +146,14 @@ def _sentences(record: Record, left_out: str) -> list[str]:
     ]
     if largest:
         found.append(
-            f"Its largest amplitude at running speeds, for which the bearing is to be checked: "
+            "Its largest amplitude at running speeds, for which the bearing is to be checked: "
             f"{'; '.join(largest)}."
         )
     return [
         *found,
-        "To compare with static formulas only: were both ends of the crankshaft held and without vibration, "
-        f"these would take {_range(record['held'])} over the cycle at {record['speed_rpm']:.4g} 1/min, "
-        "positive where it presses them apart. One thrust bearing alone takes nothing of this force.",
+        "For comparison with static formulas only: with both ends of the crankshaft held and no vibration, "
+        f"the ends would carry {_range(record['held'])} over the cycle at {record['speed_rpm']:.4g} 1/min, "
+        "positive where the shaft pushes them apart. A single thrust bearing carries none of this force.",
     ]
 
 

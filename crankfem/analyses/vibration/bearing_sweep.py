@@ -144,9 +144,9 @@ class BearingSweep:
             said = (
                 f"the verdict changes within this range: {self.status_by_stiffness}"
                 if self.flips
-                else f'the verdict, all else as taken, is "{self.statuses[0]}" over the whole range'
+                else f'with all else unchanged, the verdict is "{self.statuses[0]}" over the whole range'
             )
-            found.append(f"Over that range {uses} are used, and {said}.")
+            found.append(f"Over that range, {uses} is used; {said}.")
         return tuple(found)
 
     @property

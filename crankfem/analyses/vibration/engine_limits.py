@@ -28,8 +28,8 @@ from dynamics.response.loads import ElementLoads, alternating_stress, section_mo
 from dynamics.response.series import OrderSeries
 
 RULE_PICKED = (
-    "no limit is given: that of a classification society for crankshafts was picked, for plain steel unless "
-    "[limits] or [strength] tells another; the engine maker's value stands in its place"
+    "no limit is given: a classification society's limit for crankshafts is used, for plain steel unless "
+    "[limits] or [strength] gives another; the engine maker's value replaces it"
 )
 # Any number above zero serves where only the names of nodes and elements are wanted.
 ANY_COMPLIANCE, ANY_INERTIA = 1e-8, 1.0
@@ -117,13 +117,13 @@ def engine_limits(
         remarks.append(f"torsional stress of the crankshaft: {RULE_PICKED}; {rule_reason(engine)}")
     if not {"axial_amplitude", "axial_force"} & set(found):
         remarks.append(
-            "axial vibration is not judged, because no limit is given; no general one is published, the "
-            "engine maker gives limits.axial_amplitude or limits.axial_force"
+            "axial vibration is not judged, because no limit is given and no general one is published; the "
+            "engine maker can give limits.axial_amplitude or limits.axial_force"
         )
     if engine_file.ranges is not None:
         remarks.append(NOT_SAMPLED)
     remarks.append(
-        f"orders above {engine_file.vibration.highest_order:g} are not calculated, nor judged "
+        f"orders above {engine_file.vibration.highest_order:g} are neither calculated nor judged "
         "(vibration.highest_order)"
     )
     return found, tuple(remarks)

@@ -74,28 +74,31 @@ class EngineLoad:
     def sentence(self) -> str:
         """How the load goes with the speed."""
         if self.law == "constant":
-            source = "as [load] says" if self.given else "for the file gives no section [load]"
+            source = (
+                "as given in [load]" if self.given else "because the file has no section [load]"
+            )
             return (
-                f"every speed is taken at full load, that of [gas], {source}; where the load falls with the "
-                "speed, as with a propeller, the gas excites less than told here"
+                f"every speed is calculated at full load, that of [gas], {source}; if the load falls with "
+                "the speed, as with a propeller, the gas excites less than calculated here"
             )
         if self.law == "map":
-            return "each speed is taken at the load of the section [gas_map] there"
+            return "each speed is calculated at its load in the section [gas_map]"
         if self.law == "points":
             return (
-                "each speed is taken at the load of the points of the section [load], along a smooth curve "
-                "between them"
+                "each speed is calculated at its load in the section [load], on a smooth curve through the "
+                "points"
             )
         if not self.friction_pressure:
             return (
-                "each speed is taken at the load of a propeller: mean indicated pressure goes with the "
-                "square of the speed, power and boost with its cube, above rated speed too"
+                "each speed is calculated at the load of a propeller: mean indicated pressure is "
+                "proportional to the square of the speed, power and boost to its cube, also above rated "
+                "speed"
             )
         return (
-            "each speed is taken at the load of a propeller: mean effective pressure goes with the square of "
-            f"the speed, power at the flywheel with its cube, friction takes "
-            f"{self.friction_pressure / 1e5:.3g} bar at every speed, and boost goes with the indicated "
-            "power, above rated speed too"
+            "each speed is calculated at the load of a propeller: mean effective pressure is proportional "
+            "to the square of the speed, power at the flywheel to its cube; friction takes "
+            f"{self.friction_pressure / 1e5:.3g} bar at every speed, and boost is proportional to the "
+            "indicated power, also above rated speed"
         )
 
 

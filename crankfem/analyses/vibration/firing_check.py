@@ -96,7 +96,7 @@ class FiringCheck:
         """What was found while misfiring, and beside it normal firing."""
         own, normal, limit = self.misfiring, self.normal, self.limit
         if limit is None or np.isinf(own.permitted):
-            found = f"is at worst {self._amount(own)}"
+            found = f"at most {self._amount(own)}"
         else:
             found = use_in_words(limit, own.speed, own.value, own.permitted, DIGITS)
         elsewhere = "" if normal.place == own.place else f", {normal.place}"

@@ -86,7 +86,7 @@ class ForcedVibration:
     power : PowerBalance
     resonances : tuple of DampedCritical
         Where each order by itself makes the free end move most, with all damping, ascending speed, at
-        all speeds judged: the running range, and above it as far as a limit holds. Those at which an
+        all speeds judged: the running range, and above it as far as a limit applies. Those at which an
         order meets a mode but makes no peak have no speed and come last.
     by_torque : OrderExcitation or None
         Of axial vibration, the part of its excitation that torques in the shaft bring.

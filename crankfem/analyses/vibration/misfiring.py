@@ -95,7 +95,7 @@ class Misfiring:
             return self.worst.sentence
         ranges = ", ".join(shown_range(*one) for one in self.exceeded)
         who = named(self.cases[0]) if len(self.cases) == 1 else "a cylinder"
-        return f"{self.worst.sentence} While {who} misfires limits are exceeded from {ranges}."
+        return f"{self.worst.sentence} While {who} misfires, limits are exceeded from {ranges}."
 
     @property
     def remarks(self) -> tuple[str, ...]:
@@ -106,9 +106,9 @@ class Misfiring:
         still = "compression stays" if self.compression else "compression is missing as well"
         return (
             f"misfiring of {which}: {share:.3g} % of the combustion is missing, {still}; the others fire as "
-            "before, so that the mean torque is less",
-            "while misfiring the limit for passing holds at speeds for which it is stated, elsewhere that "
-            "for continuous running; running speeds alone are judged",
+            "before, so the mean torque is lower",
+            "while misfiring, the limit for passing applies at speeds where it is stated, elsewhere the "
+            "continuous limit; only running speeds are judged",
         )
 
     def to_pandas(self) -> Any:

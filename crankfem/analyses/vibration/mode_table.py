@@ -28,7 +28,7 @@ def mode_table(record: Record) -> Table:
             ]
             for one in record["modes"]
         ],
-        note=f"Nodes count the chain's points: {first} is {names[0]}, {first + len(names) - 1} is "
+        note=f"Node positions count the chain's points: {first} is {names[0]}, {first + len(names) - 1} is "
         f"{names[-1]}.",
     )
 

@@ -182,7 +182,7 @@ class Vibration:
     unusable : tuple of str
         Sources that gave no usable compliance, with the reason.
     criticals : tuple of WeightedCritical
-        In the running range, and above it as far as a limit holds; ascending speed.
+        In the running range, and above it as far as a limit applies; ascending speed.
     """
 
     kind: str
@@ -220,7 +220,7 @@ class Vibration:
         return axes
 
     def to_pandas(self) -> Any:
-        """Return a table of the critical speeds in the running range, and above as far as a limit holds.
+        """Return a table of the critical speeds in the running range, and above as far as a limit applies.
 
         Returns
         -------

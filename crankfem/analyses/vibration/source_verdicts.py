@@ -85,7 +85,7 @@ def source_verdicts(
     given = getattr(engine_file.ranges, f"{kind}_compliance", None) is not None
     made = Trial(
         field=f"ranges.{kind}_compliance" if given else f"vibration.{kind}_source",
-        name=f"{kind} compliance beside that by {SOURCES.get(source, source)}",
+        name=f"{kind} compliance, ratio to that by {SOURCES.get(source, source)}",
         value=1.0,
         unit="",
         status=verdict.status,

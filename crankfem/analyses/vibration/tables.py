@@ -82,7 +82,7 @@ def source_table(record: Record, said: Callable[[str], str] = str) -> Table:
             Column("source", words=True),
             Column("mean compliance", f"1e-9 {unit}"),
             Column("frequencies", "Hz", decimals=1),
-            Column("first beside chosen", decimals=3),
+            Column("ratio to chosen", decimals=3),
             Column("how it was used", words=True),
         ],
         [
@@ -102,7 +102,7 @@ def source_table(record: Record, said: Callable[[str], str] = str) -> Table:
 def barred_within_error(ranges: list[Record]) -> str:
     """Say which speeds have to be barred over the range of the compliances."""
     shown = ", ".join(f"{one['low_rpm']:.0f} to {one['high_rpm']:.0f}" for one in ranges)
-    return f"over that range of the compliances, speeds to be barred lie within {shown} 1/min"
+    return f"over that range of the compliances, speeds to be barred are within {shown} 1/min"
 
 
 def resonance_table(record: Record, units: OutputUnits = SI) -> Table:
@@ -290,7 +290,7 @@ def margin_table(record: Record, kind: str) -> Table:
     """Return the critical speeds of one kind with what is uncertain of them."""
     found = record["critical"]
     return Table(
-        f"{kind.capitalize()} critical speeds with what is uncertain, and their margin to running speeds"
+        f"{kind.capitalize()} critical speeds with uncertainty ranges, and margins to running speeds"
         + (f", the first {ROWS_SHOWN} of {len(found)}" if len(found) > ROWS_SHOWN else ""),
         [
             Column("mode"),
@@ -353,5 +353,5 @@ def _assessed_range(record: Record, units: OutputUnits) -> str:
         return "in the running range"
     return units.text(
         f"at the speeds judged: the running range to {running[1]:.4g} 1/min, and above it to "
-        f"{judged[1]:.4g} 1/min, as far as a limit holds"
+        f"{judged[1]:.4g} 1/min, as far as a limit applies"
     )

@@ -71,7 +71,7 @@ def _print_comparison(model: "ComplianceModel", found: "ModelComparison") -> Non
     ]
     common += [f"{name} {' or '.join(labels)}" for name, labels in found.choices.items()]
     count = "1 throw" if found.throws == 1 else f"{found.throws} throws"
-    print_line(f"{count} that both models know: {', '.join(common)}.")
+    print_line(f"{count} in the ranges of both models: {', '.join(common)}.")
     print_table(
         Table.of_records(
             "Second model less first, in % of the first",
@@ -85,14 +85,15 @@ def _print_comparison(model: "ComplianceModel", found: "ModelComparison") -> Non
         )
     )
     print_line(
-        "Largest / bands: the largest ratio of a difference to what both error bands reach towards each "
-        "other; above 1 they do not overlap. Bands apart: share of the throws where they do not."
+        "Largest / bands: the largest ratio of a difference to the sum of both error bands on the facing "
+        "sides; above 1 the bands do not overlap. Bands apart: share of the throws where they do not "
+        "overlap."
     )
     signed = [one.response for one in found.responses if not is_positive_response(one.response)]
     if signed:
         listed = ", ".join(name.replace("_", " ") for name in signed)
         print_line(
-            f"In % of the root mean square of the first, which may be zero at single throws: {listed}."
+            f"In % of the root mean square of the first, which may be zero for single throws: {listed}."
         )
     worst = max(found.responses, key=lambda one: abs(one.largest))
     place = ", ".join(dimensions_text(model, worst.place))

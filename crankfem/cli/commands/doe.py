@@ -11,6 +11,7 @@ from crankbase.units.quantity import parse_quantity
 from crankfem.cli import console
 from crankfem.cli.commands import completion
 from crankfem.cli.commands.options import Output, WorkersOption, with_output
+from crankfem.cli.commands.store_check import check_or_repair
 from crankfem.cli.console import print_json
 
 if TYPE_CHECKING:
@@ -27,7 +28,7 @@ def doe(
         str,
         typer.Argument(
             metavar="STUDY.toml",
-            help="File with the sections throw and study.",
+            help="File with the sections throw and study; with --check or --repair also a store.",
             autocompletion=completion.engines,
         ),
     ],
@@ -37,14 +38,14 @@ def doe(
         str | None,
         typer.Option(
             metavar="ADDRESS",
-            help="Compute on the Dask cluster whose scheduler this is, like tcp://10.0.0.1:8786.",
+            help="Address of the scheduler of a Dask cluster to compute on, like tcp://10.0.0.1:8786.",
         ),
     ] = None,
     time_limit: Annotated[
-        str | None, typer.Option(help='What one design may take, like "300 s".')
+        str | None, typer.Option(help='Time limit for one design, like "300 s".')
     ] = None,
     memory_limit: Annotated[
-        str | None, typer.Option(help='What one worker process may take, like "4 GB".')
+        str | None, typer.Option(help='Memory limit for one worker process, like "4 GB".')
     ] = None,
     import_: Annotated[
         list[Path] | None,
@@ -71,15 +72,26 @@ def doe(
     more: Annotated[
         int,
         typer.Option(
-            help="How many further runs the study shall have, where its equations are worst; the store "
-            "remembers them, and the same number again adds none."
+            help="Number of further runs to place where the equations are worst. The store keeps them; "
+            "repeating the same number adds none."
         ),
     ] = 0,
     no_compute: Annotated[
-        bool, typer.Option("--no-compute", help="Compute nothing; fit what is there or imported.")
+        bool, typer.Option("--no-compute", help="Compute nothing; fit stored and imported results.")
     ] = False,
     plan: Annotated[
-        bool, typer.Option("--plan", help="Show what would be computed, and compute nothing.")
+        bool, typer.Option("--plan", help="Show the plan without computing it.")
+    ] = False,
+    check: Annotated[
+        bool, typer.Option("--check", help="Verify the store's file and the checksum of each row.")
+    ] = False,
+    repair: Annotated[
+        bool,
+        typer.Option(
+            "--repair",
+            help="Keep the store's sound rows, and compute what is damaged or missing; the damaged file is "
+            "kept beside it.",
+        ),
     ] = False,
     *,
     out: Output,
@@ -96,10 +108,27 @@ def doe(
         "time_limit": _quantity(time_limit, "s", "--time-limit"),
         "memory_limit": _quantity(memory_limit, "byte", "--memory-limit"),
     }
+    if check or repair:
+        if (
+            (check and repair)
+            or plan
+            or no_compute
+            or more
+            or mesh
+            or export is not None
+            or import_
+        ):
+            raise InputError(
+                f"--{'check' if check else 'repair'}: given with another task; allowed are --check or "
+                "--repair, --store, and how designs are computed."
+            )
+        options = {"workers": workers, "dask": dask, **limits}
+        check_or_repair(study, store, out, repair=repair, options=options)
+        return
     read = load_study(study)
     if plan and (export is not None or import_ or mesh or more):
         raise InputError(
-            "--plan: given with --export, --import, --mesh or --more; allowed is --plan alone, for it "
+            "--plan: given with --export, --import, --mesh or --more; allowed is --plan alone, because it "
             "computes, reads and writes nothing."
         )
     if more and no_compute:
@@ -115,7 +144,7 @@ def doe(
             )
         if export.suffix in FORMATS:
             raise InputError(
-                f"--export: given {export} with --mesh; allowed is a folder, for each design has a file."
+                f"--export: given {export} with --mesh; allowed is a folder, because each design has a file."
             )
         protect(input_path(study), store)
         _export_designs(read, store, export, mesh, out)
@@ -146,7 +175,7 @@ def doe(
     if 0 < held_out < FEW_HELD_OUT:
         print_progress(
             f"Note: only {held_out} held-out designs judge the fits; with fewer than {FEW_HELD_OUT} their "
-            "largest error says little of the space between the runs."
+            "largest error says little about the space between the runs."
         )
     if export is not None:
         count = export_table(table, export)
@@ -241,7 +270,7 @@ def _import(plan: "StudyPlan", store: Path, file: Path, alone: bool, quiet: bool
         f"; {found.coinciding} at the study's own designs are not used" if found.coinciding else ""
     )
     console.print_note(
-        f"{file}: {found.designs} finished designs and {found.rows} further rows taken over{left_out}{own}.",
+        f"{file}: {found.designs} finished designs and {found.rows} further rows imported{left_out}{own}.",
         quiet,
     )
     if found.damaged:

@@ -14,8 +14,8 @@ def fields(
     section: Annotated[
         str | None,
         typer.Argument(
-            help="Section of an engine file, such as throw, or chain for a chain file; "
-            "all of an engine file if not given.",
+            help="Section of an engine file, such as throw, or chain for a chain file; by default all "
+            "sections of an engine file.",
             autocompletion=completion.sections,
         ),
     ] = None,

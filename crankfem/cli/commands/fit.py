@@ -30,10 +30,11 @@ def fit(
     ] = None,
     form: Annotated[
         str | None,
-        typer.Option(help="Form to take for every response, instead of the chosen ones."),
+        typer.Option(help="Form to use for every response in place of the chosen ones."),
     ] = None,
     response: Annotated[
-        str | None, typer.Option(help="Response to print in detail; the axial compliance else.")
+        str | None,
+        typer.Option(help="Response to print in detail; by default the axial compliance."),
     ] = None,
     plots: Annotated[Path | None, typer.Option(help="Folder to write diagrams to (SVG).")] = None,
     *,

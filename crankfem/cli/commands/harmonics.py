@@ -58,14 +58,14 @@ def harmonics(
         str | None,
         typer.Option(
             metavar="1-3-4-2",
-            help="With a torque table: the cylinders that have this torque, fired at even steps.",
+            help="With a torque table: firing order of the cylinders with this torque, at even intervals.",
         ),
     ] = None,
     firing_angles: Annotated[
         str | None,
         typer.Option(
             metavar='"0, 540, 180, 360 deg"',
-            help="The same by the shaft angle at which each of the cylinders fires.",
+            help="With a torque table: shaft angle at which each cylinder fires.",
         ),
     ] = None,
     csv: Annotated[
@@ -133,8 +133,8 @@ def _torque_table_harmonics(source: str, asked: _Request) -> dict[str, Any]:
     ):
         if value is not None:
             raise InputError(
-                f"--{name}: given {value} with a torque table; allowed is an engine file, because a "
-                f"table knows no {lacks}."
+                f"--{name}: given {value} with a torque table; allowed is an engine file, because a table "
+                f"has no {lacks}."
             )
     path = torque_path(source)
     table = read_torque_table(path, strokes=4 if asked.strokes is None else asked.strokes)
@@ -169,15 +169,15 @@ def _engine_harmonics(source: str, asked: _Request) -> dict[str, Any]:
     for option, given in zip(("--firing-order", "--firing-angles"), asked.firing, strict=True):
         if given is not None:
             raise InputError(
-                f"{option}: given {given!r} with an engine file; allowed is a torque table, because the "
-                "file says when its cylinders fire."
+                f"{option}: given {given!r} with an engine file; allowed is a torque table, because the file "
+                "defines when its cylinders fire."
             )
     turning = parse_speed(asked.speed)
     speed = mechanism.rated_speed if turning is None else turning
     if strokes is not None and strokes != engine.strokes:
         raise InputError(
-            f"--strokes: given {strokes}; allowed is {engine.strokes} or nothing, because the engine "
-            "file says so."
+            f"--strokes: given {strokes}; allowed is {engine.strokes} or nothing, because the engine file "
+            "defines it."
         )
     if cylinder is not None and not 1 <= cylinder <= len(engine.cylinders):
         raise InputError(

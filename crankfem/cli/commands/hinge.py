@@ -26,21 +26,25 @@ def hinge(
         str | None,
         typer.Option(
             metavar='"142 1/min"',
-            help="The one other running point of the file to look at; all of them by default.",
+            help="Other running point of the file to evaluate; all by default.",
         ),
     ] = None,
     kinematics: Annotated[
-        str, typer.Option(help="By which the guides are made: exact, series or printed.")
+        str, typer.Option(help="Kinematics used for the guides: exact, series or printed.")
     ] = "exact",
     roller_radius: Annotated[
         str | None,
-        typer.Option(metavar='"60 mm"', help="Of the rollers, in place of that of the file."),
+        typer.Option(
+            metavar='"60 mm"', help="Radius of the rollers, in place of the one in the file."
+        ),
     ] = None,
     csv: Annotated[
-        Path | None, typer.Option(metavar="FILE.csv", help="Write all over the turn.")
+        Path | None,
+        typer.Option(metavar="FILE.csv", help="Write all quantities over a revolution."),
     ] = None,
     pictures: Annotated[
-        str | None, typer.Option(metavar="FOLDER", help="Write moments, guides and speeds.")
+        str | None,
+        typer.Option(metavar="FOLDER", help="Write diagrams of moments, guides and speeds."),
     ] = None,
     *,
     out: Output,

@@ -36,7 +36,7 @@ def lookup(
         str | None,
         typer.Option(
             metavar="ENGINE.toml",
-            help="Take the dimensions of this file's throw; those given change it.",
+            help="Use the dimensions of this file's throw; those given override them.",
             autocompletion=completion.engines,
         ),
     ] = None,
@@ -45,12 +45,12 @@ def lookup(
         str | None,
         typer.Option(
             metavar='"0, -100 kN, 0"',
-            help="Tell reactions too, to a force on the pin: x, y, z in the throw's frame, or Z towards the "
-            'shaft ("100 kN").',
+            help="Also report reactions to a force on the pin: x, y, z in the throw's frame, or Z towards "
+            'the shaft ("100 kN").',
         ),
     ] = None,
     strict: Annotated[
-        bool, typer.Option("--strict", help="Refuse what lies outside the range of the model.")
+        bool, typer.Option("--strict", help="Refuse throws outside the range of the model.")
     ] = False,
     *,
     out: Output,
@@ -96,7 +96,7 @@ def lookup(
         return
     banded = _print_lookups(answers, angle is not None, out.units)
     if str(model) == LAW:
-        print_line("A band holds the true value of 95 in 100 throws, their end sections rigid.")
+        print_line("A band contains the true value for 95 % of throws with rigid end sections.")
     elif banded:
         _print_bands(loaded, banded)
     if reactions is not None:
@@ -176,7 +176,7 @@ def _print_lookups(
     for name in between:
         _print_lookup(name, answers[name], shared, units)
     if between and others:
-        print_line("Whatever the angle of --gamma:")
+        print_line("Independent of --gamma:")
     for name in others:
         _print_lookup(name, answers[name], shared, units)
     for remark in shared:
@@ -189,7 +189,7 @@ def _print_lookup(name: str, answer: "Lookup", shared: list[str], units: "Output
     value = units.quantity(answer.value, answer.unit, 4)
     support = f" ({answer.support})" if answer.support else ""
     if not answer.inside:
-        place = "OUTSIDE the range, where no band holds"
+        place = "OUTSIDE the range, where no band applies"
     elif answer.lower is None or answer.upper is None:
         place = "its band is open, inside the range"
     else:
@@ -219,16 +219,20 @@ def _print_bands(model: "ComplianceModel", names: list[str]) -> None:
     if all(one.band_error is not None for one in used.values()):
         enough = min(one.band_designs for one in used.values()) >= FEWEST
         share = f"{100.0 * COVERAGE:g} % of throws"
-        of = f"error that {share} keep to" if enough else f"largest error, of too few for {share},"
-        of += " by designs that the equation did not see"
-    print_line(f"Bands: {of} ({equations}){elements}; --json tells them by response.")
+        of = (
+            f"error not exceeded by {share}"
+            if enough
+            else f"largest error, with too few for {share},"
+        )
+        of += " at designs not used in the fit"
+    print_line(f"Bands: {of} ({equations}){elements}; --json lists them by response.")
     unjudged = [
         _title(name)
         for name, one in used.items()
         if one.band_error is None and one.largest_heldout_error is None
     ]
     if unjudged:
-        print_line(f"  Without held-out designs, too small an error: {', '.join(unjudged)}.")
+        print_line(f"  Error underestimated for lack of held-out designs: {', '.join(unjudged)}.")
     unknown = [_title(name) for name, one in used.items() if one.largest_fe_error is None]
     if unknown:
         print_line(f"  The error of the finite elements was not estimated: {', '.join(unknown)}.")

@@ -28,13 +28,13 @@ def mechanism(
         list[str] | None,
         typer.Option(
             metavar="MODEL",
-            help=f"Of the rods' masses, one of: {', '.join(ROD_MODELS)}; twice to hold the crankpin load "
-            "by the second against that by the first.",
+            help=f"Of the rods' masses, one of: {', '.join(ROD_MODELS)}; give it twice to compare the "
+            "crankpin loads.",
             show_default="rigid",
         ),
     ] = None,
     motored: Annotated[
-        bool, typer.Option("--motored", help="Turn the engine without combustion.")
+        bool, typer.Option("--motored", help="Motor the engine without combustion.")
     ] = False,
     csv: Annotated[
         Path | None, typer.Option(metavar="FILE.csv", help="Write all forces over the cycle.")
@@ -123,7 +123,7 @@ def _rod_models(given: list[str] | None) -> list[RodModelName]:
         check_choice("--model", model, ROD_MODELS, "these are the models of a rod's mass")
     if len(models) > 2 or len(set(models)) < len(models):
         raise InputError(
-            f"--model: given {', '.join(models)}; allowed are one model or two different ones, because "
-            "one is held against the other."
+            f"--model: given {', '.join(models)}; allowed are one model or two different ones, because one "
+            "is compared with the other."
         )
     return cast(list[RodModelName], models)

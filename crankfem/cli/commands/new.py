@@ -57,7 +57,7 @@ def new(
     if listed:
         if file is not None or source is not None:
             raise InputError(
-                "--list: given with a file; allowed is --list alone, for it writes none."
+                "--list: given with a file; allowed is --list alone, because it writes none."
             )
         _list(out.json)
         return
@@ -85,7 +85,7 @@ def new(
         print_json({"file": str(file), "from": source, "kind": kind, "next": command})
         return
     console.print_line(
-        f"{file} written. Replace its values with yours (those marked assumed first), look at them with "
+        f"{file} written. Replace its values with yours (those marked assumed first), check them with "
         f"`crankfem check {file}`, then: {command}"
     )
 

@@ -29,36 +29,40 @@ def optimum(
         typer.Option(
             "--limit",
             metavar='"NAME <= VALUE"',
-            help="Bound on a response or dimension; once for each.",
+            help="Bound on a response or dimension; may be repeated.",
         ),
     ] = None,
     engine: Annotated[
         str | None,
         typer.Option(
             metavar="ENGINE.toml",
-            help="Engine whose frequencies are limited; takes seconds.",
+            help="Engine whose frequencies are limited; takes some seconds.",
             autocompletion=completion.engines,
         ),
     ] = None,
     first_axial_frequency: Annotated[
         str | None,
         typer.Option(
-            metavar='">= 40 Hz"', help="Lower bound for the crankshaft's own, with --engine."
+            metavar='">= 40 Hz"',
+            help="Lower bound on the crankshaft's own frequency, with --engine.",
         ),
     ] = None,
     first_torsional_frequency: Annotated[
         str | None,
         typer.Option(
-            metavar='">= 40 Hz"', help="Lower bound for the crankshaft's own, with --engine."
+            metavar='">= 40 Hz"',
+            help="Lower bound on the crankshaft's own frequency, with --engine.",
         ),
     ] = None,
     fixed: Annotated[
         list[str] | None,
-        typer.Option(metavar="NAME=VALUE", help="Factor that shall not vary; once for each."),
+        typer.Option(metavar="NAME=VALUE", help="Factor to keep fixed; may be repeated."),
     ] = None,
     no_margin: Annotated[
         bool,
-        typer.Option("--no-margin", help="Keep limits by the equations alone, not their bands."),
+        typer.Option(
+            "--no-margin", help="Apply limits to the equations' values, without their bands."
+        ),
     ] = False,
     *,
     out: Output,
@@ -117,8 +121,8 @@ def _frequency_limits(
     for kind in given:
         if f"{kind}_compliance" not in model.responses:
             raise InputError(
-                f"--first-{kind}-frequency: given for a model without {kind}_compliance; allowed is a "
-                "model that holds it, because the frequency follows from it."
+                f"--first-{kind}-frequency: given for a model without {kind}_compliance; allowed is a model "
+                "with it, because the frequency follows from it."
             )
     from crankfem.analyses.study.frequency_limits import engine_frequencies, frequency_limit
     from crankfem.files.engine.engine_file import load_engine

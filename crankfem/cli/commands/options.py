@@ -49,7 +49,7 @@ SavedModelOption = Annotated[
     typer.Option(
         "--model",
         metavar="MODEL.json",
-        help="Take the compliances that this saved model holds from it, in place of the file's sources.",
+        help="Use the compliances of this saved model in place of the file's sources.",
         autocompletion=completion.files(".json"),
     ),
 ]
@@ -71,20 +71,20 @@ JsonOption = Annotated[
     bool,
     typer.Option(
         "--json",
-        help="Print machine-readable results in SI units, nothing else, on standard output.",
+        help="Print only machine-readable results, in SI units, on standard output.",
     ),
 ]
 QuietOption = Annotated[
     bool,
     typer.Option(
-        "--quiet", "-q", help="Nothing on standard error but errors, and warnings of lost data."
+        "--quiet", "-q", help="Print only errors and warnings of lost data on standard error."
     ),
 ]
 ForceOption = Annotated[
     bool,
     typer.Option(
         "--force",
-        help="Replace files too that crankfem has not made, but none that is read here.",
+        help="Also replace files not made by crankfem, except those read here.",
         callback=_set_replacement_rules,
     ),
 ]
@@ -92,7 +92,7 @@ UnitsOption = Annotated[
     str | None,
     typer.Option(
         metavar='"in, lbf, ksi"',
-        help="Units to print in, any that are known; or imperial. JSON and files stay in SI units.",
+        help="Units of printed results, or imperial. JSON and files stay in SI units.",
         show_default="SI",
     ),
 ]
@@ -100,8 +100,8 @@ StrictOption = Annotated[
     bool,
     typer.Option(
         "--strict",
-        help="End with code 4 if limits are exceeded, with 5 if that hangs on what is assumed, with 2 if "
-        "nothing can be judged.",
+        help="Exit with code 4 if limits are exceeded, 5 if that depends on assumed values, 2 if nothing "
+        "can be judged.",
     ),
 ]
 ThrowOption = Annotated[
@@ -109,7 +109,7 @@ ThrowOption = Annotated[
     typer.Option(
         "--throw",
         metavar="NAME",
-        help="Which of several throws, each a section throws.NAME; that at the free end by default.",
+        help="Which of several throws (sections throws.NAME); by default the one at the free end.",
         show_default=False,
     ),
 ]

@@ -32,9 +32,7 @@ def run(
     workers: WorkersOption = 2,
     model: SavedModelOption = None,
     strict: StrictOption = False,
-    verbose: Annotated[
-        bool, typer.Option(help="Print all tables between the verdict and its repetition.")
-    ] = False,
+    verbose: Annotated[bool, typer.Option(help="Also print all tables.")] = False,
     *,
     out: Output,
 ) -> None:
@@ -59,8 +57,7 @@ def run(
             if not progress.total:  # there is no study, or nothing of it is known yet
                 raise
             console.exit_interrupted(
-                f"Stopped. {progress.finished_designs} are finished and kept; the same command takes them "
-                "over."
+                f"Stopped. {progress.finished_designs} are finished and kept; the same command reuses them."
             )
         progress.finish()
     if out.json:

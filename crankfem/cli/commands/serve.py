@@ -17,19 +17,21 @@ if TYPE_CHECKING:
 @with_output()
 def serve(
     folder: Annotated[
-        Path, typer.Option(metavar="FOLDER", help="Where jobs and their files lie.")
+        Path, typer.Option(metavar="FOLDER", help="Folder for jobs and their files.")
     ] = Path("crankfem-service"),
     models: Annotated[
-        Path | None, typer.Option(metavar="FOLDER", help="Compliance models that can be looked up.")
+        Path | None,
+        typer.Option(metavar="FOLDER", help="Folder of compliance models for look-ups."),
     ] = None,
-    port: Annotated[int, typer.Option(help="0 for any that is free.")] = 8765,
+    port: Annotated[int, typer.Option(help="Port; 0 for any free one.")] = 8765,
     host: Annotated[
-        str, typer.Option(help="Where to listen; others than this machine's own need a key.")
+        str, typer.Option(help="Address to listen at; any but this machine's own needs a key.")
     ] = "127.0.0.1",
     key_file: Annotated[
-        Path | None, typer.Option(metavar="FILE", help="Holds the key that requests must bring.")
+        Path | None,
+        typer.Option(metavar="FILE", help="File with the key that requests must carry."),
     ] = None,
-    jobs: Annotated[int, typer.Option(help="Jobs that run at a time.")] = 1,
+    jobs: Annotated[int, typer.Option(help="Number of jobs that run at a time.")] = 1,
     workers: WorkersOption = 2,
     *,
     out: Output,
@@ -68,7 +70,7 @@ def _tell(settings: "Settings", address: str, out: Output) -> None:
         # On standard error, as the log: nothing here is a result.
         for line in (
             f"crankfem serves at {address} ({settings.who}).",
-            f"Jobs lie in {settings.folder}. End with Ctrl-C; jobs that run go on at the next start.",
+            f"Jobs are in {settings.folder}. Stop with Ctrl-C; running jobs continue at the next start.",
         ):
             typer.echo(line, err=True)
 

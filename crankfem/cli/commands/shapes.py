@@ -60,7 +60,7 @@ def export(
     if calculix and (file.suffix != ".inp" or part != "full"):
         raise InputError(
             f"--calculix: given {file.name} and --part {part}; allowed is a file ending in .inp with the "
-            "whole throw, for the deck holds and loads both ends."
+            "whole throw, because the deck holds and loads both ends."
         )
     if shaft or file.suffix.lower() in ENDINGS:
         if size != 1.0:

@@ -42,13 +42,14 @@ def throw(
         str | None,
         typer.Option(
             metavar='"100 kN"',
-            help='On the first pin: Z towards the shaft, or x, y, z in its frame ("40, -100, 0 kN").',
+            help='Force on the first pin: Z towards the shaft, or x, y, z in its frame ("40, -100, 0 kN").',
             show_default="100 kN",
         ),
     ] = None,
     pins: PinsOption = None,
     end_sections: Annotated[
-        str, typer.Option(help="rigid, or averaged (free to warp); the two bound the truth.")
+        str,
+        typer.Option(help="rigid, or averaged (free to warp); the true value is between the two."),
     ] = "rigid",
     sections: Annotated[
         str,
@@ -58,9 +59,11 @@ def throw(
     ] = "2",
     solver: Annotated[str, typer.Option(help="pardiso, superlu, or auto.")] = "auto",
     modes: Annotated[
-        int, typer.Option(help="Also find so many natural modes of the free throw.")
+        int, typer.Option(help="Also compute this many natural modes of the free throw.")
     ] = 0,
-    profile: Annotated[bool, typer.Option("--profile", help="Print where the time goes.")] = False,
+    profile: Annotated[
+        bool, typer.Option("--profile", help="Print the time of each step.")
+    ] = False,
     *,
     out: Output,
 ) -> None:
@@ -78,6 +81,7 @@ def throw(
     from crankfem.jobs.run_records import UNIT_RADIAL_FORCE
     from fem.analysis import analyze_throw
     from fem.class_modes import MOST_MODES
+    from fem.section_motions import degree_of
     from geometry.throw import CrankThrow
 
     angle = None if gamma is None else parse_gamma(gamma, out.quiet)
@@ -87,6 +91,7 @@ def throw(
     part, material = select_part(engine, name, pins, out.quiet)
     shared: Any = int(sections) if sections in ("1", "2", "4") else sections
     COMPLIANCE_ACCURACY.checked("accuracy", accuracy)  # before anything is printed
+    degree_of(shared)
     law = law_record(part, material) if isinstance(part, CrankThrow) else None
     if law is not None and not out.json:
         print_line(law_sentence(law, out.units))
@@ -125,7 +130,7 @@ def stress(
     end_sections: Annotated[str, typer.Option(help="rigid, or averaged (free to warp).")] = "rigid",
     pins: PinsOption = None,
     mesh: Annotated[
-        str, typer.Option(help="adaptive, or m53: fillets as IACS UR M53, Appendix III, asks for.")
+        str, typer.Option(help="adaptive, or m53: fillets as IACS UR M53, Appendix III, requires.")
     ] = "adaptive",
     pictures: Annotated[
         Path | None, typer.Option(metavar="FOLDER", help="Folder for a picture of each load.")

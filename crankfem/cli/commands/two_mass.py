@@ -23,7 +23,7 @@ def two_mass(
         ),
     ],
     order: Annotated[
-        float | None, typer.Option(help="Order examined; that of the file by default.")
+        float | None, typer.Option(help="Order examined; by default that of the file.")
     ] = None,
     *,
     out: Output,

@@ -28,13 +28,15 @@ def vibration(
     ],
     coupled: Annotated[
         bool,
-        typer.Option("--coupled", help="Calculate the whole crankshaft too, seconds more."),
+        typer.Option(
+            "--coupled", help="Also calculate the whole crankshaft; takes some seconds more."
+        ),
     ] = False,
     run_up: Annotated[
         str | None,
         typer.Option(
             metavar='"10 s"',
-            help="Follow the torsional vibration while the speed rises to the highest in this time.",
+            help="Simulate the torsional vibration while the speed rises to the highest in this time.",
         ),
     ] = None,
     csv: Annotated[

@@ -27,7 +27,7 @@ def print_check(record: Record, units: OutputUnits = SI) -> None:
     verb = "is" if assumed == 1 else "are"
     counted = f"; {assumed} of {len(inputs)} values {verb} assumed" if inputs else ""
     print_line(f"{record['file']}: valid {record['kind']} file{counted}.")
-    print_line(f"{KINDS[record['kind']]}: it serves {', '.join(record['commands'])}.")
+    print_line(f"{KINDS[record['kind']]}; use it with: {', '.join(record['commands'])}.")
     print_line(f"Sections: {', '.join(record['sections'])}.")
     if record["arrangement"] is not None:
         _print_arrangement(record["engine"], record["arrangement"], units)
@@ -113,7 +113,7 @@ def _digits(unit: OutputUnit) -> int:
 
 
 def _print_dimensions(
-    dimensions: list[Record], units: OutputUnits, title: str = "The throw as understood"
+    dimensions: list[Record], units: OutputUnits, title: str = "The throw as read"
 ) -> None:
     print_table(
         Table.of_records(

@@ -53,8 +53,8 @@ def print_plan(planned: PlannedStudy) -> None:
     plan = planned.plan
     held_out = sum(design.role == HELD_OUT for design in planned.designs)
     print_line(
-        f"{planned.statement[0].upper()}{planned.statement[1:]}; {held_out} held-out designs to judge by "
-        f"(Latin hypercube, seed {plan.seed})."
+        f"{planned.statement[0].upper()}{planned.statement[1:]}; {held_out} held-out designs to judge the "
+        f"fits (Latin hypercube, seed {plan.seed})."
     )
     for remark in planned.remarks:
         print_line(f"Note: {remark}")
@@ -103,7 +103,7 @@ def _print_excluded(planned: PlannedStudy) -> None:
     if not planned.excluded:
         return
     factors = planned.plan.factors
-    print_line(f"Excluded before any finite elements: {len(planned.excluded)} designs.")
+    print_line(f"Excluded before any finite-element run: {len(planned.excluded)} designs.")
     alike: dict[str, list[ExcludedDesign]] = defaultdict(list)
     for design in planned.excluded:
         alike[NUMBER.sub("#", design.reason)].append(design)

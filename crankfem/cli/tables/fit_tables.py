@@ -35,9 +35,11 @@ def print_fits(
     _print_forms(detailed, record, shown)
     print_line(f"Chosen by its errors: {record['reason']}")
     if form is None:
-        print_line("That error chose the form, so it is slightly optimistic for other designs.")
+        print_line(
+            "The form was chosen by this error, so it is slightly optimistic for other designs."
+        )
     else:
-        print_line(f"Taken all the same, as --form asks: {form}.")
+        print_line(f"Used because of --form: {form}.")
     for line in record["skipped"]:
         print_line(f"Not fitted: {line}")
     print_line(f"\n{shown['form']}: {shown['equation']}\n")
@@ -78,7 +80,7 @@ def print_comparisons(records: list[Record]) -> None:
         return
     print_table(
         Table.of_records(
-            "Measured values beside the equations",
+            "Measured values compared with the equations",
             records,
             (Column("source", words=True), "source"),
             (Column("response", words=True), lambda r: _form_label(r["response"])),
@@ -101,8 +103,8 @@ def _print_overview(fits: Mapping[str, Record], form: str | None = None) -> None
     equations = "their chosen equations" if form is None else f"the form {form}, as given"
     print_table(
         Table.of_records(
-            f"All responses by {equations}: largest and mean error held out, error that 95 % of new throws "
-            "keep to, estimated error of FE",
+            f"All responses by {equations}: largest and mean held-out error, error not exceeded by 95 % of "
+            "new throws, estimated error of FE",
             [f | {"name": name, "fe_error": fits[name]["fe_error"]} for name, f in chosen.items()],
             (Column("response", words=True), lambda f: _form_label(f["name"])),
             (Column("form", words=True), "form"),
@@ -117,8 +119,8 @@ def _print_overview(fits: Mapping[str, Record], form: str | None = None) -> None
     known = [error for error in errors if error is not None]
     if known:
         print_line(
-            f"Besides, {len(moments)} numbers that reactions are made of: largest error held out "
-            f"{_percent(max(known))}; --response NAME and --json tell each ({', '.join(moments)})."
+            f"Besides, {len(moments)} responses from which reactions follow: largest held-out error "
+            f"{_percent(max(known))}; --response NAME and --json report each ({', '.join(moments)})."
         )
 
 
@@ -186,9 +188,9 @@ def _print_sensitivities(name: str, record: Record) -> None:
     shares = (
         "shares of the variance over the ranges, alone and with others."
         if shapley is None
-        else "shares of the variance over what the constraints leave of the ranges: what a factor takes away "
-        "that alone is known (first), what stays while it alone is unknown (total), and its part of the "
-        "whole (Shapley; these add up to 1)."
+        else "shares of the variance over the ranges within the constraints: reduction if only this factor "
+        "is known (first), remainder if only this factor is unknown (total), and its share of the whole "
+        "(Shapley; these add up to 1)."
     )
     print_line(
         "Elasticity: change in per cent for one per cent of the factor, at the nominal values. "

@@ -86,7 +86,7 @@ def _print_kind(
     applies = {True: "yes", False: "no", None: ""}
     elements = [] if fe is None else [_ELEMENTS | {"value": fe}]
     by_law = [] if law is None else [_LAW | {"value": law["value"]}]
-    ratio = [(Column("beside FE"), lambda record: f"{record['value'] / fe:.2f}")] if fe else []
+    ratio = [(Column("ratio to FE"), lambda record: f"{record['value'] / fe:.2f}")] if fe else []
     # As a line of its own, because a table breaks its title at its own width.
     _print_title(title)
     print_table(
@@ -107,7 +107,7 @@ def _print_kind(
     if law is not None:
         low, high = (unit.with_name(law[end]) for end in ("lower", "upper"))
         beside = "neighbors" in law["support"]
-        softer = ", and leaves out that sections between neighbors bend" if beside else ""
+        softer = ", and omits the bending of sections between neighbors" if beside else ""
         print_line(
             "  The law, fitted to finite elements with rigid end sections, has a band of "
             f"{low} to {high}{softer}."
@@ -115,8 +115,8 @@ def _print_kind(
     inside = [record["value"] / fe for record in records if record["valid"]] if fe else []
     if len(inside) > 1:
         print_line(
-            f"  The {len(inside)} formulas that apply give {min(inside):.2f} to {max(inside):.2f} of "
-            "finite elements."
+            f"  The {len(inside)} formulas that apply give {min(inside):.2f} to {max(inside):.2f} times the "
+            "finite-element value."
         )
 
 
@@ -156,7 +156,7 @@ def print_spread(
         console.output.print(table)
     print_line(
         "* outside the range where the formula has a meaning. s/R: overlap of main journal and crankpin "
-        "beside the crank radius. Mean: geometric."
+        "divided by the crank radius. Mean: geometric."
     )
     print_line(_legend())
 
@@ -179,10 +179,9 @@ def print_published(values: Sequence[PublishedValue]) -> None:
     for value in values:
         if value.mark == "*" and value.repaired is not None and value.formula != FINITE_ELEMENTS:
             print_line(
-                f"    {value.engine}, {value.formula}: {value.digits}, taken as "
-                f"{value.repaired * 1e9:.6g}"
+                f"    {value.engine}, {value.formula}: {value.digits}, read as {value.repaired * 1e9:.6g}"
             )
-    print_line("? as printed, and doubted:")
+    print_line("? as printed, doubtful:")
     for value in values:
         if value.mark == "?" and value.exponent_factor is not None:
             print_line(f"    {value.engine}, {value.formula}: {value.doubt}")

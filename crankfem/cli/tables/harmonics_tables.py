@@ -122,7 +122,7 @@ def print_table_harmonics(record: Record, usual: float, units: OutputUnits = SI)
     print_table(harmonics_table(record, units=units), units)
     most, upto = record["residual_largest"][-1], f"The sum up to order {record['orders'][-1]:g}"
     if most <= 1e-9 * max(record["amplitude"]):
-        print_line(f"{upto} meets every sample.")
+        print_line(f"{upto} matches every sample.")
     else:
         shown = table_unit([most], "N m", units).with_unit(most)
         print_line(f"{upto} differs from the samples by at most {shown}.")
@@ -164,8 +164,8 @@ def print_stars(record: Record, units: OutputUnits, *, hinged: bool) -> None:
     )
     if hinged:
         print_line(
-            "Cylinders with hinged rods differ from the others: of an order whose star is balanced, some "
-            "torque can be left, as the harmonics above tell."
+            "Cylinders with hinged rods differ from the others: an order with a balanced star can leave "
+            "some torque, as the harmonics above show."
         )
     named = ", ".join(f"{order:g}" for order in record["leading_orders"])
     kinds = {star["kind"] for star in record["stars"]}

@@ -24,7 +24,7 @@ def print_hinge(record: Record, units: OutputUnits = SI) -> None:
         print_line(
             f"Assumed, not given ({len(assumed)} values): "
             + ", ".join(dict.fromkeys(_field(entry["field"]) for entry in assumed))
-            + "; the reasons stand in the file and in --json."
+            + "; the file and --json give the reasons."
         )
 
 
@@ -54,8 +54,8 @@ def _print_moment(record: Record, units: OutputUnits) -> None:
     low, high = moment["reduced_inertia"]
     print_line(
         units.text(
-            f"Reduced inertia {low:.4g} to {high:.4g} kg m^2; the hinge stores and gives "
-            f"{moment['energy_swing'] / 1e3:.4g} kJ a turn; integral of M_h over the turn "
+            f"Reduced inertia {low:.4g} to {high:.4g} kg m^2; the hinge stores and returns "
+            f"{moment['energy_swing'] / 1e3:.4g} kJ per revolution; integral of M_h over a revolution "
             f"{abs(moment['closing_error']):.1e} of that of its absolute value."
         )
     )
@@ -113,7 +113,7 @@ def _print_profile(record: Record, units: OutputUnits) -> None:
 
     print_table(
         Table.of_records(
-            "Can it be made",
+            "Feasibility",
             profile["checks"],
             (Column("check", words=True), lambda check: f"{check['name']} [{unit(check).name}]"),
             (Column("found"), found),
@@ -132,7 +132,7 @@ def _print_turning(record: Record, units: OutputUnits) -> None:
     hinge, without, wheel = turning["with_hinge"], turning["without"], turning["flywheel"]
     print_table(
         Table(
-            "Crank let turn under the constant load",
+            "Crank turning freely under the constant load",
             [
                 Column("", words=True),
                 Column("mean", "1/min", decimals=2),
@@ -149,7 +149,7 @@ def _print_turning(record: Record, units: OutputUnits) -> None:
         ),
         units,
     )
-    print_line(f"The hinge leaves {turning['remaining_share']:.2g} of the fluctuation without it.")
+    print_line(f"The hinge leaves {turning['remaining_share']:.2g} of the fluctuation.")
     if not without["comes_round_at_mean_speed"]:
         print_line(units.text(f"Note: without hinge and flywheel, {without['reason']}"))
 
@@ -158,7 +158,7 @@ def _print_others(record: Record, units: OutputUnits) -> None:
     speed = units.of("1/min")
     print_table(
         Table.of_records(
-            "The same guides at other running points: the start pressure that evens most",
+            "The same guides at other running points: start pressure with the smallest fluctuation",
             record["other_speeds"],
             (Column("", "1/min"), lambda other: other["speed_rpm"] / RPM),
             (Column("M_r", "kN m"), lambda other: other["hinge_moment"]["load"]),
@@ -170,14 +170,14 @@ def _print_others(record: Record, units: OutputUnits) -> None:
         units,
     )
     print_line(
-        "M_h lacks: of the moment for constant speed, first root mean square by root mean square, then "
-        "largest by largest."
+        "M_h lacks: difference from the moment for constant speed, relative to it; first by root mean "
+        "squares, then by largest values."
     )
     wanted = record["turning"]["flywheel"]["fluctuation"]
     for other in record["other_speeds"]:
         unchanged = other["fluctuation_unchanged"]
         fate = (
-            "the crank does not come round"
+            "the crank does not complete a revolution"
             if unchanged is None
             else f"the fluctuation is {unchanged:.3g}"
         )
@@ -192,7 +192,7 @@ def _print_others(record: Record, units: OutputUnits) -> None:
 def _print_compared(compared: list[Record], units: OutputUnits) -> None:
     def radii(entry: Record) -> Cell:
         if "refused" in entry:
-            return "cannot be made"
+            return "not feasible"
         return entry["smallest_radius"], entry["largest_radius"]
 
     def angle(entry: Record) -> Cell:

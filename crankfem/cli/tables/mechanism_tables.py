@@ -48,14 +48,14 @@ def print_mechanism(record: Record, units: OutputUnits = SI) -> None:
         if table is not None:
             print_table(table, units)
     print_line(
-        "Check: the work of the torque misses the indicated work, the integral of p dV, by "
+        "Check: the work of the torque differs from the indicated work, the integral of p dV, by "
         f"{abs(record['energy_error']):.1e} of the work exchanged."
     )
     _print_remarks(record["remarks"], units)
     if record["assumed"]:
         print_line(
-            f"Assumed, not given ({len(record['assumed'])} values; crankfem check tells them "
-            "with their reasons): " + ", ".join(entry["field"] for entry in record["assumed"]) + "."
+            f"Assumed, not given ({len(record['assumed'])} values; crankfem check lists them with their "
+            "reasons): " + ", ".join(entry["field"] for entry in record["assumed"]) + "."
         )
 
 

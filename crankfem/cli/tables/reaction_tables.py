@@ -65,7 +65,7 @@ def print_reactions(record: Record, units: OutputUnits) -> None:
     for name, own in record["supports"].items():
         push, band = (own[kind]["left"]["force"][2] for kind in ("reactions", "band"))
         if not own["inside"]:
-            told = "OUTSIDE the range, where no band holds"
+            told = "OUTSIDE the range, where no band applies"
         elif band is None:
             told = "its band is open"
         else:

@@ -62,7 +62,7 @@ def print_profile(seconds: dict[str, float]) -> None:
     total = sum(seconds.values())
     print_table(
         Table(
-            "Where the time went",
+            "Time of each step",
             [Column("work", words=True), Column("s", decimals=2), Column("", "%", decimals=0)],
             [[name, s, s / total] for name, s in (seconds | {"all": total}).items()],
         )
@@ -138,11 +138,10 @@ def _rule_sentences(record: Record) -> list[str]:
 def _sentences(record: Record) -> list[str]:
     """What the tables leave unsaid."""
     found = [
-        f"Ends pinned, end sections {record['end_sections']}. Principal: that of the largest magnitude, "
-        "at the place given; Mises: the largest equivalent stress by von Mises; factor: size of the "
-        "principal stress divided by the nominal one, which is a shear stress under a torque; M53: the "
-        "factor as UR M53 defines it, at fillets by the largest shear stress under a torque, by von Mises "
-        "in bending."
+        f"Ends pinned, end sections {record['end_sections']}. Principal: the largest in magnitude, at the "
+        "location given; Mises: the largest equivalent stress by von Mises; factor: size of the principal "
+        "stress divided by the nominal one, which is a shear stress under a torque; M53: the factor as UR "
+        "M53 defines it, at fillets by the largest shear stress under a torque, by von Mises in bending."
     ]
     if mirrored(record):
         found.append(
@@ -150,7 +149,7 @@ def _sentences(record: Record) -> list[str]:
         )
     if record["solved_part"] != "full":
         found.append(
-            "Places at -x have the same stresses, under a torque and bending across the crank plane "
+            "Locations at -x have the same stresses, under a torque and bending across the crank plane "
             "with the opposite sign."
         )
     if record["sharp_corners"]:
@@ -171,7 +170,7 @@ def _sentences(record: Record) -> list[str]:
         for peak in (*load["fillets"], *load.get("oil_holes", ()))
     ]
     met = (
-        "" if record["accuracy_met"] else f", not the {100.0 * record['accuracy']:.2g} % asked for"
+        "" if record["accuracy_met"] else f", not the {100.0 * record['accuracy']:.2g} % requested"
     )
     found.append(
         f"Estimated errors of the stresses: {100.0 * min(errors):.2g} to {100.0 * max(errors):.2g} %{met}."

@@ -17,7 +17,7 @@ def print_two_masses(record: Record, units: OutputUnits = SI) -> None:
         units.text(
             f"Two masses on one shaft of {record['stiffness'] / 1e3:.4g} kN m/rad: natural frequency "
             f"{record['frequency']:.2f} Hz, {record['angular_frequency']:.5g} rad/s, "
-            f"{record['vibrations_per_minute']:.5g} vibrations a minute."
+            f"{record['vibrations_per_minute']:.5g} vibrations per minute."
         )
     )
     speed, running = record["resonant_speed_rpm"], record["running_rpm"]

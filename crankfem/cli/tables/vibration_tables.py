@@ -34,7 +34,7 @@ def print_run(record: Record, units: OutputUnits = SI) -> None:
         print_table(mode_table(own), units)
         if forced is None:
             print_table(critical_table(own), units)
-        sources = source_table(own).select("source", "frequencies", "first beside chosen")
+        sources = source_table(own).select("source", "frequencies", "ratio to chosen")
         print_table(sources, units)
         print_notes([f"Not used: {one}." for one in own["unusable"]], units)
         if forced is not None:
@@ -49,7 +49,7 @@ def print_run(record: Record, units: OutputUnits = SI) -> None:
     count = len(record.get("assumed", ()))
     if count:
         counted = "1 value is" if count == 1 else f"{count} values are"
-        print_line(f"{counted} assumed, not given; crankfem check tells which, and why.")
+        print_line(f"{counted} assumed, not given; crankfem check lists them with their reasons.")
     if record["assessment"] is None:
         print_line(NOT_FORCED)
     else:
@@ -101,7 +101,7 @@ def _print_whole(record: Record, units: OutputUnits) -> None:
                 f"{motion.number(chain['shaft_amplitude'])} {motion.name}"
             )
         if chain["suffices"]:
-            print_line(f"The {kind} chain suffices in place of the whole crankshaft.")
+            print_line(f"The {kind} chain is an adequate lumped model of the whole crankshaft.")
         else:
             reasons = " ".join(chain["reasons"])
             print_line(units.text(f"Lumped model inadequate ({kind} chain): {reasons}"))
@@ -137,7 +137,7 @@ def print_assessment(record: Record, units: OutputUnits = SI) -> None:
         assumed = ", assumed" if limit["assumed"] else ""
         end = limit["judged_to_rpm"]
         beyond = (
-            f", for it holds above the highest running speed of {highest:.4g} 1/min too"
+            f", because it also applies above the highest running speed of {highest:.4g} 1/min"
             if end > highest
             else ""
         )
@@ -163,7 +163,7 @@ def print_assessment(record: Record, units: OutputUnits = SI) -> None:
         print_line(units.text(f"Verdict: {record['sentence']}"))
         if decision["sentence"]:
             print_line(
-                units.text(f"It hangs on what is assumed or uncertain: {decision['sentence']}.")
+                units.text(f"It depends on assumed or uncertain values: {decision['sentence']}.")
             )
     for line in record["beside"]:
         print_line(units.text(line))

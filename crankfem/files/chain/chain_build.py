@@ -131,15 +131,15 @@ def _nodes(section: Section) -> dict[str, Node]:
     listed = getattr(section, field)
     if (listed is None) == (not section.nodes):
         raise InputError(
-            f"chain.{field}: given {'neither it nor' if listed is None else 'both it and'} "
-            f"[[chain.nodes]]; allowed is one of the two, because both tell the nodes."
+            f"chain.{field}: given {'neither it nor' if listed is None else 'both it and'} [[chain.nodes]]; "
+            "allowed is one of the two, because both define the nodes."
         )
     if listed is None:
         for beside in ("names", *GROUND_FIELDS):
             if getattr(section, beside) is not None:
                 raise InputError(
-                    f"chain.{beside}: given beside [[chain.nodes]]; allowed is one of the two, because "
-                    "each node has its own there."
+                    f"chain.{beside}: given together with [[chain.nodes]]; allowed is one of the two, "
+                    "because each node has its own there."
                 )
         tables: Sequence[Node] = section.nodes
         found: dict[str, Node] = {}
@@ -147,16 +147,15 @@ def _nodes(section: Section) -> dict[str, Node]:
             if node.name in found:
                 raise InputError(
                     f"chain.nodes[{number}].name: given {node.name!r} a second time; allowed is a "
-                    "different one for each node, because results are told by them."
+                    "different one for each node, because results are named by them."
                 )
             found[node.name] = node
         return found
     names = section.names or tuple(f"node {number}" for number in range(len(listed)))
     if len(names) != len(listed) or len(set(names)) != len(names):
         raise InputError(
-            f"chain.names: given {len(names)} names, {len(set(names))} of them different, for "
-            f"{len(listed)} values of {field}; allowed is a different one for each, because results "
-            "are told by them."
+            f"chain.names: given {len(names)} names, {len(set(names))} of them different, for {len(listed)} "
+            f"values of {field}; allowed is a different one for each, because results are named by them."
         )
     grounds = [_of_each_node(section, beside, len(listed)) for beside in GROUND_FIELDS]
     kind: Any = TorsionalNode if isinstance(section, TorsionalChainSection) else AxialNode
@@ -192,8 +191,8 @@ def _elements(section: Section, nodes: int) -> tuple[Element, ...]:
         return section.elements
     if section.elements:
         raise InputError(
-            "chain.stiffness: given both it and [[chain.elements]]; allowed is one of the two, because "
-            "both tell the elements."
+            "chain.stiffness: given both it and [[chain.elements]]; allowed is one of the two, because both "
+            "define the elements."
         )
     count = len(section.stiffness)
     if count != nodes - 1:
@@ -251,8 +250,8 @@ def _spring(section: Section, number: int, element: Element, left: str, right: s
     field = f"chain.elements[{number}].stiffness"
     if element.stiffness is None:
         raise InputError(
-            f"{field}: given neither it nor shape; allowed is one of the two, because both say how stiff "
-            "the element is."
+            f"{field}: given neither it nor shape; allowed is one of the two, because both define the "
+            "stiffness of the element."
         )
     for name in (*SHAPE_FIELDS, "parts"):
         _link_error(number, element, name, "stiffness")
@@ -283,8 +282,8 @@ def _check_shape(number: int, element: Element, shape: str) -> None:
 def _link_error(number: int, element: Element, name: str, beside: str) -> None:
     if getattr(element, name) != type(element).model_fields[name].default:
         raise InputError(
-            f"chain.elements[{number}].{name}: given beside {beside}; allowed is one of the two, because "
-            "the element is a spring or a piece of shaft of one shape."
+            f"chain.elements[{number}].{name}: given together with {beside}; allowed is one of the two, "
+            "because the element is a spring or a piece of shaft of one shape."
         )
 
 

@@ -75,7 +75,7 @@ class _Shape(InputModel):
         json_schema_extra={"feature": True},
     )
     parts: int = quantity_field(
-        "elements that it is cut into", "", 1, 1000, default=1, feature=True
+        "number of elements it is divided into", "", 1, 1000, default=1, feature=True
     )
 
 
@@ -85,7 +85,7 @@ class TorsionalNode(InputModel):
     name: str = Field(description="of the node")
     inertia: float = _quantity("moment of inertia", TORSIONAL_UNITS, "inertia", 0.0)
     entrained_share: float = quantity_field(
-        "share of it that entrained water adds", "", minimum=0.0, default=0.0, feature=True
+        "share added by entrained water", "", minimum=0.0, default=0.0, feature=True
     )
     ground_stiffness: float = _quantity("stiffness to ground", TORSIONAL_UNITS, "stiffness")
     ground_damping: float = _quantity("absolute damping", TORSIONAL_UNITS, "damping")
@@ -97,7 +97,7 @@ class AxialNode(InputModel):
     name: str = Field(description="of the node")
     mass: float = _quantity("mass", AXIAL_UNITS, "inertia", 0.0)
     entrained_share: float = quantity_field(
-        "share of it that entrained water adds", "", minimum=0.0, default=0.0, feature=True
+        "share added by entrained water", "", minimum=0.0, default=0.0, feature=True
     )
     ground_stiffness: float = _quantity("stiffness to ground", AXIAL_UNITS, "stiffness")
     ground_damping: float = _quantity("absolute damping", AXIAL_UNITS, "damping")
@@ -150,7 +150,7 @@ class _ChainSection(InputModel):
 
     section: ClassVar[str] = "chain"
 
-    name: str = Field(description="what to call the chain")
+    name: str = Field(description="name of the chain")
     names: tuple[str, ...] | None = Field(
         None, description="names of the nodes of a list of inertias or masses"
     )

@@ -101,7 +101,7 @@ def _read(text: str) -> ChainText:
             if name in nodes:
                 raise InputError(
                     f"{where}: given node {name!r} a second time; allowed is a different name for each, "
-                    "because results are told by them."
+                    "because results are named by them."
                 )
             for link in links:
                 if link.right is None:
@@ -217,8 +217,7 @@ def _place(link: _Link, name: str | None, numbers: dict[str, int]) -> int:
     if name is None:
         raise InputError(
             f"{link.line}: given a link without a node {'above' if link.left is None else 'below'} it; "
-            "allowed is one between two nodes, or with their names after from and to, because it joins "
-            "two."
+            "allowed is one between two nodes, or with their names after from and to, because it joins two."
         )
     if name not in numbers:
         raise InputError(

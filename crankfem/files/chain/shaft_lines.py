@@ -33,7 +33,7 @@ def read_shaft_lines(content: TomlFile) -> dict[str, Chain]:
         beside = content.path.parent / name
         read = load_chain(beside if beside.is_file() else name)
         if read.kind != kind:
-            why = "stands in place of" if field == PLANT else "continues"
+            why = "replaces" if field == PLANT else "continues"
             raise InputError(
                 f"shaft_line.{field}: given {name!r}, a chain of kind {read.kind}; allowed is one of kind "
                 f"{kind}, because it {why} that chain of the engine."

@@ -68,8 +68,8 @@ def check_load(
         return
     if gas_map is not None:
         raise InputError(
-            "load: given beside the section [gas_map]; allowed is one of the two, because the map says the "
-            "load with its own law."
+            "load: given together with the section [gas_map]; allowed is one of the two, because the map "
+            "defines the load by its own law."
         )
     if gas is None:
         raise InputError(
@@ -78,9 +78,9 @@ def check_load(
         )
     if gas.pressure_table is not None and load.law != "constant":
         raise InputError(
-            "load: given beside gas.pressure_table; allowed are peak_pressure or mean_effective_pressure in "
-            "[gas], or a section [gas_map] with diagrams of several loads, because one diagram does not tell "
-            "those of other loads."
+            "load: given together with gas.pressure_table; allowed are peak_pressure or "
+            "mean_effective_pressure in [gas], or a section [gas_map] with diagrams of several loads, "
+            "because one diagram does not define those at other loads."
         )
     if load.points:
         _check_covers("load.points", [point.speed for point in load.points], engine)
@@ -97,7 +97,7 @@ def _check_covers(field: str, speeds: Sequence[float], engine: Engine) -> None:
         )
         raise InputError(
             f"{field}: given speeds from {given}; allowed are ones that cover the running range of "
-            f"{allowed}, because nothing is guessed beyond them."
+            f"{allowed}, because nothing is extrapolated beyond them."
         )
 
 
@@ -174,8 +174,8 @@ def check_plant(engine: WithPlant) -> None:
     }
     for name in (name for name, there in twice.items() if there):
         raise InputError(
-            f"{name}: given beside shaft_line.plant; allowed is one of the two, because the chain of the "
-            "plant says all of the torsional chain."
+            f"{name}: given together with shaft_line.plant; allowed is one of the two, because the chain of "
+            "the plant defines the whole torsional chain."
         )
 
 

@@ -197,7 +197,7 @@ load, gas_map, misfire, propeller_forces, limits, ranges, strength, torque_table
         if self.throw != along[0]:
             raise InputError(
                 "throw: given for an engine with throws by name; allowed is throws={NAME: ...}, because "
-                "each name stands for a throw of its own."
+                "each name is a throw of its own."
             )
         check_thrust_bearing(self.thrust_bearing, len(self.throw_angles_deg))
         _ = self.pins  # refuses hinged rods of cylinders that are not there
@@ -336,8 +336,8 @@ def check_sections(content: TomlFile, needed: Collection[str] | None = None) -> 
     content.check_sections(allowed | {"throw": allowed["throw"] and not named})
     if named and "throw" in content.sections:
         raise InputError(
-            "throws: given beside the section [throw]; allowed is one of the two, because every crank is "
-            "the one throw or a named one."
+            "throws: given together with the section [throw]; allowed is one of the two, because every "
+            "crank is the one throw or a named one."
         )
 
 

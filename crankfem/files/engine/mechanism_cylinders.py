@@ -155,7 +155,7 @@ def inertia_remarks(*rods: Rod | HingedRods | None) -> list[str]:
             continue
         if rod.inertia is None:
             remarks.append(
-                f"{rod.section}.inertia is not given: the rod is taken as two masses at its pins"
+                f"{rod.section}.inertia is not given: the rod is modeled as two masses at its pins"
             )
             continue
         plain = rod.rotating_mass * (rod.mass - rod.rotating_mass) / rod.mass * rod.length**2
@@ -236,9 +236,9 @@ def _positions(
             if abs(math.remainder(turned - throw_angles[number], 2.0 * math.pi)) > IN_LINE:
                 raise InputError(
                     f"engine.crank_angles: given {format_quantity(engine.crank_angles[place], 'rad')} for "
-                    f"cylinder {place + 1}, whose pin on throw {number + 1} stands at "
+                    f"cylinder {place + 1}, whose pin on throw {number + 1} is at "
                     f"{format_quantity(engine.crank_angles[place] - turned + throw_angles[number], 'rad')}; "
-                    "allowed is the angle of its pin, because the rod is on it (engine.throws says which "
+                    "allowed is the angle of its pin, because the rod is on it (engine.throws defines which "
                     "cylinder is on which throw, [[throw.further_pins]] gives a throw more pins)."
                 )
             share = 0.5 if len(pins) > 1 else (rank + 0.5) / len(on_pin)

@@ -85,7 +85,9 @@ class EnginePower:
             f"{format_quantity(self.mean_indicated_pressure, 'Pa', 4)}"
         )
         if self.rated is None:
-            return f"{indicated}; engine.rated_power is not given, so that nothing checks the gas pressure"
+            return (
+                f"{indicated}; engine.rated_power is not given, so the gas pressure is not checked"
+            )
         if self.mechanical_efficiency is None or self.mean_effective_pressure is None:
             return (
                 f"The file is inconsistent: rated power {_kilowatts(self.rated)}, but {indicated}; correct "

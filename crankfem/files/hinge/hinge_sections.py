@@ -15,7 +15,7 @@ class Crank(InputModel):
 
     section: ClassVar[str] = "engine"
 
-    name: str = Field(description="what to call the engine")
+    name: str = Field(description="name of the engine")
     bore: float = quantity_field("cylinder bore", "m", 0.01, 2.0)
     crank_radius: float = quantity_field("crank radius", "m", 0.005, 2.5, symbol="r_1 + r_2")
     crank_mass: float = quantity_field("mass of the crank with the guides", "kg", 0.0, 1e5)
@@ -138,8 +138,8 @@ class RunningPoint(InputModel):
     )
     gas_force_table: str | None = Field(
         None,
-        description="gas force on the piston over the crank angle, in place of the three pressures: CSV file "
-        "beside the hinge file",
+        description="gas force on the piston over the crank angle, in place of the three pressures: CSV "
+        "file in the folder of the hinge file",
     )
 
     @property
@@ -154,14 +154,14 @@ class RunningPoint(InputModel):
         given = [name for name in names if getattr(self, name) is not None]
         if self.gas_force_table is not None and given:
             raise InputError(
-                f"{given[0]}: given beside gas_force_table; allowed is one of the two, "
-                "because either tells the gas force."
+                f"{given[0]}: given together with gas_force_table; allowed is one of the two, "
+                "because each defines the gas force."
             )
         missing = [name for name in names if name not in given]
         if self.gas_force_table is None and missing:
             raise InputError(
                 f"{missing[0]}: missing; allowed are {', '.join(names)}, or "
-                "gas_force_table in their place, because they tell the gas force."
+                "gas_force_table in their place, because they define the gas force."
             )
         return self
 

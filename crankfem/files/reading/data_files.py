@@ -49,7 +49,7 @@ def input_path(given: str | Path, kind: InputKind = "engine") -> Path:
             return shipped
         fault = f"{given}: {'is a folder, not a file' if path.is_dir() else 'does not exist'}"
     except OSError as error:
-        fault = f"{given}: cannot be looked for, because the system says: {error.strerror}"
+        fault = f"{given}: cannot be searched for; the system reports: {error.strerror}"
     if not str(given).strip():
         fault = '"": names no file'
     raise InputError(
@@ -94,5 +94,5 @@ def find_table(field: str, beside: Path, name: str) -> Path:
         if path.is_file():
             return path
     raise InputError(
-        f"{field}: given {name!r}, which is neither beside {beside.name} nor a shipped table."
+        f"{field}: given {name!r}, which is neither in the folder of {beside.name} nor a shipped table."
     )

@@ -206,7 +206,7 @@ def read_toml(path: Path) -> TomlFile:
     """
     if path.suffix.lower() in (".step", ".stp"):
         raise InputError(
-            f"{path}: is a STEP file; allowed is a TOML file here, for only `crankfem throw` takes STEP."
+            f"{path}: is a STEP file; allowed is a TOML file here, because only `crankfem throw` reads STEP."
         )
     text = read_text(path, "a file of dimensions", "a TOML file")
     check_keys(path.name, text)
@@ -284,7 +284,7 @@ def _split(
     extra = set(value) - {"value", "source", "assumed"}
     if extra or {"source", "assumed"} <= set(value):
         raise InputError(
-            f"{field_name}: given {value!r}; allowed beside value is either source or assumed."
+            f"{field_name}: given {value!r}; allowed with value is either source or assumed."
         )
     if "assumed" in value:
         return value["value"], (_cite(str(value["assumed"]), sources), True)

@@ -32,7 +32,7 @@ def check_keys(name: str, text: str) -> None:
         line = text.count("\n", 0, found.start()) + 1
         raise InputError(
             f"{name}: line {line}, {shortened(found[0])!r}: given a key of more than {DEEPEST_TABLE} names; "
-            f"allowed are {DEEPEST_TABLE}, because tables lie in a table or two."
+            f"allowed are {DEEPEST_TABLE}, because sections are nested no deeper than a table or two."
         )
 
 
@@ -40,7 +40,7 @@ def too_deep(name: str) -> InputError:
     """Return the error for tables or lists that lie in too many others."""
     return InputError(
         f"{name}: given tables or lists within more than {DEEPEST_TABLE} others; allowed are "
-        f"{DEEPEST_TABLE}, because tables lie in a table or two."
+        f"{DEEPEST_TABLE}, because sections are nested no deeper than a table or two."
     )
 
 

@@ -64,8 +64,8 @@ def throw_names(throws: Throws, layout: ShaftLayout | None, count: int) -> tuple
     if PLAIN in throws:
         if names is not None:
             raise InputError(
-                "shaft.throws: given beside the section [throw]; allowed is it with sections like "
-                "[throws.a], because every crank is the one throw otherwise."
+                "shaft.throws: given together with the section [throw]; allowed only with sections like "
+                "[throws.a], because otherwise all cranks have the one throw."
             )
         return (PLAIN,) * count
     if names is None:
@@ -87,7 +87,7 @@ def throw_names(throws: Throws, layout: ShaftLayout | None, count: int) -> tuple
     unused = [name for name in throws if name not in names]
     if unused:
         raise InputError(
-            f"throws.{unused[0]}: given, but no crank is it; allowed are throws that stand in shaft.throws, "
+            f"throws.{unused[0]}: given, but no crank uses it; allowed are throws listed in shaft.throws, "
             "because another name there may be meant as this one."
         )
     return names
@@ -184,7 +184,7 @@ def _named(content: TomlFile, name: str, given: Mapping[str, Any]) -> CrankThrow
     if name == PLAIN or not NAME.fullmatch(name):
         raise InputError(
             f"throws: given a throw of the name {name!r}; allowed are letters, digits, - and _, and "
-            "another name than throw, because results and pictures are called so."
+            "another name than throw, because results and pictures have this name."
         )
     own = {key: value for key, value in values.items() if key not in NamedThrow.model_fields}
     beside = {key: value for key, value in values.items() if key not in own}

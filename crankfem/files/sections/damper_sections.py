@@ -23,21 +23,21 @@ class TorsionalDamperSection(InputModel):
         "inertia of the ring", "kg m^2", minimum=1e-10, maximum=1e6
     )
     damping: float | None = quantity_field(
-        "torque per relative speed of ring and hub, of kind viscous",
+        "torque per relative speed of ring and hub, for kind viscous",
         "N m s/rad",
         minimum=1e-6,
         maximum=1e8,
         default=None,
     )
     stiffness: float | None = quantity_field(
-        "torsional stiffness of the rubber, of kind rubber",
+        "torsional stiffness of the rubber, for kind rubber",
         "N m/rad",
         minimum=1e-3,
         maximum=1e10,
         default=None,
     )
     loss_factor: float | None = quantity_field(
-        "loss factor of the rubber, of kind rubber",
+        "loss factor of the rubber, for kind rubber",
         "",
         minimum=0.0,
         maximum=2.0,
@@ -96,7 +96,7 @@ class TorsionalDamperPart(InputModel):
     """A torsional damper."""
 
     type: TorsionalKind = Field(description="viscous, or rubber")
-    node: str = Field(description="name of the node that it sits on")
+    node: str = Field(description="name of its node")
     name: str = Field(
         "damper ring", description="of the ring's node", json_schema_extra={"feature": True}
     )
@@ -147,7 +147,7 @@ class TorsionalDamperPart(InputModel):
 class AxialDamperPart(InputModel):
     """A damper against axial vibration."""
 
-    node: str = Field(description="name of the node that it sits on")
+    node: str = Field(description="name of its node")
     damping: float = _part_quantity("force per speed", "N s/m", ...)
     stiffness: float = _part_quantity("stiffness of oil and housing", "N/m")
     mass: float = _part_quantity("mass of the collar", "kg")

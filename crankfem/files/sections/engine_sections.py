@@ -28,7 +28,7 @@ class Engine(InputModel):
 
     section: ClassVar[str] = "engine"
 
-    name: str = Field(description="what to call the engine")
+    name: str = Field(description="name of the engine")
     cylinders: int = quantity_field("number of cylinders", "", 1, 24)
     strokes: int = quantity_field("strokes per cycle, 2 or 4", "", 2, 4)
     bore: float = quantity_field("cylinder bore", "m", 0.002, 2.0)
@@ -37,7 +37,7 @@ class Engine(InputModel):
         "rated speed", "rad/s", 5.0 * PER_MINUTE, 30_000.0 * PER_MINUTE
     )
     rated_power: float | None = quantity_field(
-        "power at the flywheel at rated speed, to which the gas pressure must fit",
+        "power at the flywheel at rated speed; the gas pressure must agree with it",
         "W",
         minimum=0.1,
         maximum=2e8,
@@ -51,8 +51,8 @@ class Engine(InputModel):
     )
     drives: str = Field(
         "",
-        description=f"what the engine drives, {' or '.join(RULE_OF_DRIVEN)}: it decides which rule for the "
-        "crankshaft is picked where [limits] gives none",
+        description=f"what the engine drives, {' or '.join(RULE_OF_DRIVEN)}; it selects the rule for the "
+        "crankshaft if [limits] gives none",
     )
     generator_poles: int | None = quantity_field(
         "poles of the generator, for its electrical angle", "", 2, 400, default=None
@@ -66,13 +66,13 @@ class Engine(InputModel):
         "crank is at the top"
     )
     bank_angles: tuple[float, ...] | None = quantity_field(
-        "of a V engine: angle of each cylinder's axis, cylinder by cylinder, counted as crank_angles",
+        "V engine: angle of each cylinder's axis, cylinder by cylinder, in the sense of crank_angles",
         "rad",
         default=None,
     )
     throws: tuple[int, ...] | None = quantity_field(
-        "of a V engine: throw that each cylinder works on, from 1 at the free end; if not given, the "
-        "first cylinder of each bank is on throw 1, the second on throw 2, and so on",
+        "V engine: throw of each cylinder, from 1 at the free end; by default the first cylinder of each "
+        "bank is on throw 1, the second on throw 2, and so on",
         "",
         default=None,
     )
@@ -209,8 +209,8 @@ class ShaftLayout(InputModel):
     section: ClassVar[str] = "shaft"
 
     throw_angles: tuple[float, ...] | None = quantity_field(
-        "angle of each throw's first pin, throw by throw from the free end; the crank angles of the "
-        "engine if not given",
+        "angle of each throw's first pin, throw by throw from the free end; by default the crank angles of "
+        "the engine",
         "rad",
         default=None,
     )
@@ -242,19 +242,20 @@ class NamedThrow(InputModel):
 
     like: str | None = Field(
         None,
-        description="name of another throw, given in full, whose fields this one has too; those given here "
-        "differ",
+        description="name of another throw, given in full, whose fields this one shares; fields given here "
+        "replace them",
     )
     reversed: bool = Field(
-        False, description="whether it is that other throw turned end for end, with what differs"
+        False,
+        description="whether it is that other throw turned end for end, with the fields given here",
     )
 
     @model_validator(mode="after")
     def _turned_from_another(self) -> Self:
         if self.reversed and self.like is None:
             raise InputError(
-                f"{self.section}.reversed: given without like; allowed are both, because a throw that is "
-                "like no other is described as it stands in the shaft."
+                f"{self.section}.reversed: given without like; allowed are both, because a throw without "
+                "like is described as it is in the shaft."
             )
         return self
 
@@ -267,16 +268,17 @@ class Flywheel(InputModel):
     inertia: float = quantity_field("flywheel inertia", "kg m^2", 1e-9, 1e7)
     mass: float = quantity_field("flywheel mass", "kg", 1e-4, 1e6)
     diametral_inertia: float | None = quantity_field(
-        "inertia about a diameter through its center of mass, for the whole crankshaft; half of inertia, "
-        "that of a thin disc, if not given",
+        "inertia about a diameter through its center of mass, for the whole crankshaft; by default half of "
+        "inertia, as for a thin disc",
         "kg m^2",
         minimum=1e-10,
         maximum=1e7,
         default=None,
     )
     overhang: float | None = quantity_field(
-        "how far its center of mass stands beyond the middle of the last main journal, for the whole "
-        "crankshaft; the thickness of the flange, else half of the journal's length, if not given",
+        "distance of its center of mass beyond the middle of the last main journal, for the whole "
+        "crankshaft; by default the thickness of the flange, or half of the journal's length without a "
+        "flange",
         "m",
         minimum=0.0,
         maximum=5.0,
@@ -291,15 +293,14 @@ class FreeEnd(InputModel):
 
     inertia: float = quantity_field("inertia at the free end", "kg m^2", 1e-11, 1e6)
     mass: float = quantity_field(
-        "mass of what has this inertia, in axial vibration and in the whole crankshaft",
+        "mass of the parts with this inertia, for axial vibration and the whole crankshaft",
         "kg",
         minimum=0.0,
         maximum=1e6,
         default=0.0,
     )
     diametral_inertia: float | None = quantity_field(
-        "its inertia about a diameter, for the whole crankshaft; half of inertia, that of a thin disc, if "
-        "not given",
+        "inertia about a diameter, for the whole crankshaft; by default half of inertia, as for a thin disc",
         "kg m^2",
         minimum=1e-12,
         maximum=1e6,
@@ -314,7 +315,7 @@ class ThrustBearing(InputModel):
 
     stiffness: float = quantity_field("axial stiffness", "N/m", 1e4, 1e13)
     main_bearing: int = quantity_field(
-        "main bearing it sits at, counted from 1 at the free end like cylinders: n throws have n + 1",
+        "number of its main bearing, counted from 1 at the free end like cylinders: n throws have n + 1",
         "",
         minimum=1,
         maximum=25,
@@ -365,12 +366,13 @@ class VibrationSettings(InputModel):
     )
     model: str | None = Field(
         None,
-        description="saved compliance model, a file beside the engine file, as the source regression",
+        description="saved compliance model for the source regression, a file in the folder of the engine "
+        "file",
     )
     reciprocating: Literal["half", "mean"] = Field(
         "half",
-        description="inertia that stands for pistons: half of their mass at the crank radius, or the "
-        "exact mean over a revolution",
+        description="equivalent inertia of pistons: half of their mass at the crank radius, or the exact "
+        "mean over a revolution",
     )
     highest_order: float = quantity_field(
         "highest harmonic order considered", "", 0.5, 48.0, default=12.0
@@ -382,7 +384,7 @@ class TorqueTable(InputModel):
 
     section: ClassVar[str] = "torque"
 
-    table: str = Field(description="CSV file beside the engine file, or a shipped table")
+    table: str = Field(description="CSV file in the folder of the engine file, or a shipped table")
 
 
 class TwoMassInput(InputModel):

@@ -34,7 +34,8 @@ class GasMapPoint(InputModel):
     )
     load: float = quantity_field("load there, in the measure of the map", "", 0.0, 1e9, default=1.0)
     pressure_table: str = Field(
-        description="CSV file of the pressure over the crank angle, beside the engine file or shipped"
+        description="CSV file of the pressure over the crank angle, in the folder of the engine file, or "
+        "shipped"
     )
 
 
@@ -46,11 +47,11 @@ class GasMap(InputModel):
 
     measure: Literal["torque", "power"] = Field(
         "torque",
-        description="what load is a share of: torque (or mean effective pressure), or power",
+        description="quantity of which load is a share: torque (or mean effective pressure), or power",
     )
     law: Literal["propeller", "constant"] | None = Field(
         None,
-        description="how the load goes with the speed; none where each speed has a diagram of its own",
+        description="load over the speed; none if each speed has its own diagram",
     )
     rated_load: float = quantity_field(
         "load at the rated speed (propeller), or at all speeds (constant)",
@@ -60,7 +61,7 @@ class GasMap(InputModel):
         default=1.0,
     )
     method: Literal["cubic", "linear"] = Field(
-        "cubic", description="between the diagrams: cubic spline, or straight lines"
+        "cubic", description="interpolation between the diagrams: cubic spline, or straight lines"
     )
     points: tuple[GasMapPoint, ...] = part_field("diagrams of the map", GasMapPoint, many=True)
 
@@ -80,16 +81,17 @@ class Misfire(InputModel):
     section: ClassVar[str] = "misfire"
 
     cylinders: tuple[int, ...] | None = quantity_field(
-        "numbers of the cylinders that fail at the same time; not given, each fails by itself in turn",
+        "numbers of the cylinders that misfire at the same time; by default each cylinder in turn",
         "",
         default=None,
     )
     missing_share: float = quantity_field(
-        "share of the combustion that is missing in each", "", 0.0, 1.0, default=1.0
+        "missing share of the combustion in each", "", 0.0, 1.0, default=1.0
     )
     compression: bool = Field(
         True,
-        description="whether a failing cylinder still compresses; otherwise no gas acts in the share missing",
+        description="whether a misfiring cylinder still compresses; otherwise the missing share has no gas "
+        "force",
     )
 
     @model_validator(mode="after")
@@ -119,19 +121,19 @@ class PropellerForcesSection(InputModel):
     rated_thrust: float = quantity_field("mean thrust there", "N", 1.0, 1e8)
     rated_torque: float = quantity_field("mean torque there, taken from the shaft", "N m", 1.0, 1e9)
     thrust_shares: tuple[float, ...] = quantity_field(
-        "amplitudes of blade order, twice it ... as shares of the mean thrust", "", default=()
+        "amplitudes at blade order and its multiples, as shares of the mean thrust", "", default=()
     )
     thrust_phases: tuple[float, ...] | None = quantity_field(
-        "their phases, as of a sine over the propeller's angle", "rad", default=None
+        "their phases, as sines of the propeller's angle", "rad", default=None
     )
     torque_shares: tuple[float, ...] = quantity_field(
-        "amplitudes of blade order, twice it ... as shares of the mean torque", "", default=()
+        "amplitudes at blade order and its multiples, as shares of the mean torque", "", default=()
     )
     torque_phases: tuple[float, ...] | None = quantity_field(
-        "their phases, as of a sine over the propeller's angle", "rad", default=None
+        "their phases, as sines of the propeller's angle", "rad", default=None
     )
     ratio: float | None = quantity_field(
-        "speed of the propeller over that of the crankshaft; that of the chain's gears if not given",
+        "speed of the propeller divided by that of the crankshaft; by default from the chain's gears",
         "",
         minimum=-100.0,
         maximum=100.0,

@@ -56,7 +56,7 @@ class ShaftLimitInput(InputModel):
         "integral flange",
         description=f"weakest feature, which sets the factor c_K: {', '.join(SHAFT_FEATURES)}",
     )
-    alloy: bool = Field(False, description="whether the steel is a low alloy one")
+    alloy: bool = Field(False, description="whether the steel is low-alloy")
 
     @model_validator(mode="after")
     def _known(self) -> Self:
@@ -98,7 +98,7 @@ class LimitsInput(InputModel):
         default=None,
     )
     crankshaft_stress_passing: float | None = quantity_field(
-        "the same while a barred speed range is passed", "Pa", 1e5, 1e9, default=None
+        "the same while passing a barred speed range", "Pa", 1e5, 1e9, default=None
     )
     coupling_torque: float | None = quantity_field(
         "permissible vibratory torque of the coupling behind the flywheel",
@@ -108,7 +108,7 @@ class LimitsInput(InputModel):
         default=None,
     )
     coupling_torque_passing: float | None = quantity_field(
-        "the same while a barred speed range is passed", "N m", 1e-2, 1e9, default=None
+        "the same while passing a barred speed range", "N m", 1e-2, 1e9, default=None
     )
     coupling_heat: float | None = quantity_field(
         "permissible heat of that coupling, for the class document", "W", 1e-3, 1e9, default=None
@@ -149,7 +149,7 @@ class LimitsInput(InputModel):
     )
     crankshaft_rule: str = Field(
         "",
-        description="rule to pick the crankshaft's limit from where the maker gives none: "
+        description="rule for the crankshaft's limit if the maker gives none: "
         f"{' or '.join(CRANKSHAFT_RULES)}",
     )
     tensile_strength: float | None = quantity_field(
@@ -168,8 +168,8 @@ class LimitsInput(InputModel):
     )
     alloy: bool = Field(False, description="whether the crankshaft is of low alloy steel")
     highest_barred: float | None = quantity_field(
-        "share of the rated speed above which no speed range may be barred; without it that of each "
-        "limit, else 0.8",
+        "share of the rated speed above which no speed range may be barred; by default that of each limit, "
+        "otherwise 0.8",
         "",
         minimum=0.1,
         maximum=1.0,
@@ -200,8 +200,8 @@ class LimitsInput(InputModel):
             check_choice("limits.crankshaft_rule", self.crankshaft_rule, CRANKSHAFT_RULES, why)
         if self.crankshaft_rule and self.crankshaft_stress is not None:
             raise InputError(
-                f"limits.crankshaft_rule: given {self.crankshaft_rule!r} beside crankshaft_stress; "
-                "allowed is one of them, because the maker's value stands in place of the rule's."
+                f"limits.crankshaft_rule: given {self.crankshaft_rule!r} together with crankshaft_stress; "
+                "allowed is one of them, because the maker's value replaces the rule's."
             )
         if self.crankshaft_rule and (self.tensile_strength is None or self.yield_strength is None):
             raise InputError(
@@ -217,8 +217,9 @@ class LimitsInput(InputModel):
             kept, passing = getattr(self, name), getattr(self, name + PASSING, None)
             if passing is not None and (kept is None or passing < kept):
                 raise InputError(
-                    f"limits.{name + PASSING}: given {passing:g} {GIVEN[name][2]}; allowed is no "
-                    f"less than {name}, which must be given, because what may be kept may be passed."
+                    f"limits.{name + PASSING}: given {passing:g} {GIVEN[name][2]}; allowed is no less than "
+                    f"{name}, which must be given, because a permitted continuous vibration may also be "
+                    "passed."
                 )
         return self
 
@@ -312,10 +313,10 @@ class RangesInput(InputModel):
     damping: tuple[float, float] | None = _factors("all damping")
     samples: int = quantity_field("number of samples of amplitudes", "", 2, 100_000, default=200)
     seed: int = quantity_field(
-        "seed of the samples; the same seed draws the same", "", 0, 2**31, default=0
+        "seed of the samples; the same seed gives the same samples", "", 0, 2**31, default=0
     )
     separation_margin: float = quantity_field(
-        "share by which critical speeds should stay away from running speeds",
+        "margin that critical speeds should keep from running speeds, as a share",
         "",
         minimum=0.0,
         maximum=1.0,

@@ -187,7 +187,7 @@ def _check_within(speeds: FloatArray, known: FloatArray) -> None:
         )
         raise InputError(
             f"load.points: given none for {given}; allowed are speeds from {low} to {high}, because nothing "
-            "is guessed beyond the points."
+            "is extrapolated beyond the points."
         )
 
 

@@ -18,18 +18,18 @@ class LoadPoint(InputModel):
         "speed of the crankshaft", "rad/s", 1.0 * PER_MINUTE, 30_000.0 * PER_MINUTE
     )
     mean_effective_pressure: float = quantity_field(
-        "indicated mean effective pressure there", "Pa", 1e3, 1e7
+        "indicated mean effective pressure at that speed", "Pa", 1e3, 1e7
     )
     peak_pressure: float | None = quantity_field(
-        "largest gas pressure above ambient there; that of the combustion of [gas] if not given",
+        "largest gas pressure above ambient at that speed; by default from the combustion of [gas]",
         "Pa",
         1e4,
         1e8,
         default=None,
     )
     intake_pressure: float | None = quantity_field(
-        "absolute pressure in the cylinder at the end of the intake there; boost goes with the power if "
-        "not given",
+        "absolute pressure in the cylinder at the end of the intake at that speed; by default boost is "
+        "proportional to the power",
         "Pa",
         1e4,
         2e6,
@@ -44,11 +44,11 @@ class LoadSection(InputModel):
 
     law: Literal["constant", "propeller"] | None = Field(
         None,
-        description="full load at all speeds, or that of a propeller, whose power goes with the cube of the "
-        "speed; none where points are given",
+        description="full load at all speeds, or that of a propeller, whose power is proportional to the "
+        "cube of the speed; none if points are given",
     )
     points: tuple[LoadPoint, ...] = part_field(
-        "what the cylinders give at several speeds, in place of a law", LoadPoint, many=True
+        "load of the cylinders at several speeds, in place of a law", LoadPoint, many=True
     )
 
     @model_validator(mode="after")
@@ -56,8 +56,8 @@ class LoadSection(InputModel):
         if (self.law is None) == (not self.points):
             given = "neither it nor points" if self.law is None else "both it and points"
             raise InputError(
-                f"load.law: given {given}; allowed is one of the two, because either says the load at each "
-                "speed."
+                f"load.law: given {given}; allowed is one of the two, because each defines the load at all "
+                "speeds."
             )
         speeds = [point.speed for point in self.points]
         if len(speeds) == 1 or len(set(speeds)) < len(speeds):

@@ -20,7 +20,7 @@ def _check_share(section: str, share: float, whole: float) -> None:
 
 def _inertia_field() -> Any:
     return quantity_field(
-        "inertia about its center of mass; if not given, that of the two masses at its pins",
+        "inertia about its center of mass; by default that of two masses at its pins",
         "kg m^2",
         minimum=1e-13,
         maximum=1e6,
@@ -36,16 +36,15 @@ class Rod(InputModel):
     length: float = quantity_field("connecting-rod length", "m", 0.003, 10.0)
     mass: float = quantity_field("connecting-rod mass", "kg", 1e-6, 2e4)
     rotating_mass: float = quantity_field(
-        "share of the rod's mass that turns with the crankpin, found by weighing: it places the center "
-        "of mass",
+        "part of the rod's mass that turns with the crankpin, found by weighing: it sets the center of mass",
         "kg",
         minimum=0.0,
         maximum=2e4,
     )
     inertia: float | None = _inertia_field()
     center_offset: float = quantity_field(
-        "how far the center of mass lies off the rod's axis, positive to the side to which the crankpin "
-        "moves as it passes the top",
+        "offset of the center of mass from the rod's axis, positive to the side to which the crankpin moves "
+        "at the top",
         "m",
         minimum=-1.0,
         maximum=1.0,
@@ -60,7 +59,7 @@ class Rod(InputModel):
             raise InputError(
                 f"rod.center_offset: given {format_quantity(self.center_offset, 'm')} "
                 "without inertia; allowed "
-                "are both, because a rod that stands as two masses at its pins has its center between them."
+                "are both, because a rod modeled as two masses at its pins has its center between them."
             )
         _check_share(self.section, self.rotating_mass, self.mass)
         return self
@@ -73,8 +72,8 @@ class Piston(InputModel):
 
     mass: float = quantity_field("mass of the piston set", "kg", 1e-6, 2e4)
     pin_offset: float = quantity_field(
-        "how far the piston pin's line passes aside of the shaft, positive to the side to which the "
-        "crankpin moves as it passes the top",
+        "offset of the piston pin's line from the shaft axis, positive to the side to which the crankpin "
+        "moves at the top",
         "m",
         minimum=-1.0,
         maximum=1.0,
@@ -89,7 +88,7 @@ class HingedRods(InputModel):
 
     section: ClassVar[str] = "hinged_rods"
 
-    cylinders: tuple[int, ...] = quantity_field("numbers of the cylinders that have them", "")
+    cylinders: tuple[int, ...] = quantity_field("numbers of the cylinders with hinged rods", "")
     main_cylinders: tuple[int, ...] = quantity_field(
         "numbers of the cylinders whose rods carry them, one for each", ""
     )
@@ -97,8 +96,8 @@ class HingedRods(InputModel):
         "distance of the slave pin from the crankpin's center", "m", 0.0005, 5.0, symbol="R_1"
     )
     pin_angle: float | None = quantity_field(
-        "angle of the slave pin from the main rod's axis, counted as bank_angles; if not given, the "
-        "angle between the two banks",
+        "angle of the slave pin from the main rod's axis, in the sense of bank_angles; by default the angle "
+        "between the two banks",
         "rad",
         default=None,
     )
@@ -114,7 +113,7 @@ class HingedRods(InputModel):
         if len(self.cylinders) != len(self.main_cylinders):
             raise InputError(
                 f"hinged_rods.main_cylinders: given {len(self.main_cylinders)} for {len(self.cylinders)} "
-                "cylinders; allowed is one for each, because each rod hangs on one."
+                "cylinders; allowed is one for each, because each rod is hinged to one."
             )
         if len(set(self.cylinders)) != len(self.cylinders):
             raise InputError(
@@ -138,7 +137,8 @@ class Gas(InputModel):
     )
     pressure_table: str | None = Field(
         None,
-        description="CSV file of the pressure over the crank angle, beside the engine file or shipped",
+        description="CSV file of the pressure over the crank angle, in the folder of the engine file, or "
+        "shipped",
     )
     compression_ratio: float = quantity_field(
         "compression ratio of the cycle", "", 2.0, 40.0, default=14.0
@@ -157,7 +157,7 @@ class Gas(InputModel):
         default=None,
     )
     combustion_duration: float | None = quantity_field(
-        "crank angle that combustion takes",
+        "crank angle from start to end of combustion",
         "rad",
         minimum=math.radians(1.0),
         maximum=math.radians(170.0),
@@ -173,7 +173,7 @@ class Gas(InputModel):
         ):
             raise InputError(
                 "gas.peak_pressure: given neither it nor mean_effective_pressure nor pressure_table; allowed "
-                "is one of them, or the first two together, because they say how hard the gas presses."
+                "is one of them, or the first two together, because they define the gas pressure."
             )
         beside = [
             name
@@ -187,7 +187,7 @@ class Gas(InputModel):
         ]
         if self.pressure_table is not None and beside:
             raise InputError(
-                f"gas.{beside[0]}: given beside pressure_table; allowed is one of the two, because the "
-                "table says all of the pressure."
+                f"gas.{beside[0]}: given together with pressure_table; allowed is one of the two, because "
+                "the table defines the whole pressure."
             )
         return self

@@ -37,7 +37,7 @@ class HardeningInput(InputModel):
         if unknown or not self.places:
             raise InputError(
                 f"strength.hardening.places: given {', '.join(unknown) or 'none'}; allowed are "
-                f"{', '.join(TREATED)}, because the formulas at hand are for these."
+                f"{', '.join(TREATED)}, because the available formulas are for these."
             )
         try:
             self.treatment()
@@ -63,7 +63,7 @@ class ShrinkFitInput(InputModel):
         symbol="D_A",
     )
     fillet_radius: float = length_field(
-        "radius of the journal's fillet beside the fit", (1e-4, 0.3), symbol="R_G"
+        "radius of the journal's fillet next to the fit", (1e-4, 0.3), symbol="R_G"
     )
     web_yield: float = quantity_field("yield strength of the web", "Pa", 1e8, 2e9, symbol="s_SW")
     journal_yield: float = quantity_field(
@@ -82,7 +82,7 @@ class ShrinkFitInput(InputModel):
             raise InputError(
                 f"strength.shrink_fit.web_diameter: given {format_quantity(self.web_diameter, 'm')}; allowed "
                 f"is more than the shrink_diameter of {format_quantity(self.shrink_diameter, 'm')}, because "
-                "the web lies round the fit."
+                "the web surrounds the fit."
             )
         return self
 
@@ -102,18 +102,19 @@ class StrengthSection(InputModel):
     piston: Piston = Field(description="trunk or crosshead: it sets the additional bending stress")
     axial_vibration: Literal["rule", "calculated"] = Field(
         "rule",
-        description="of crossheads: the rule's 20 MPa for axial vibration, or what was calculated instead",
+        description="crosshead engines: the rule's 20 MPa for axial vibration, or the calculated stress",
     )
     factors: Literal["formulas", "finite elements"] = Field(
         "formulas",
-        description="of stress concentration: by the rule's formulas, or by finite elements (Appendix III)",
+        description="stress concentration factors: by the rule's formulas, or by finite elements (Appendix "
+        "III)",
     )
     oil_hole_diameter: float | None = length_field(
         "diameter of the radial oil hole in the pin", (5e-4, 0.3), symbol="D_O", default=None
     )
     oil_hole_angle: float | None = quantity_field(
-        "angle of the hole's outlet from the direction in which the pin moves, positive away from the shaft; "
-        "the worst direction if not given",
+        "angle of the hole's outlet from the direction in which the pin moves, positive away from the "
+        "shaft; by default the worst direction",
         "rad",
         minimum=-math.pi,
         maximum=math.pi,
@@ -128,14 +129,14 @@ class StrengthSection(InputModel):
         feature=True,
     )
     journal_recess: float = length_field(
-        "the same of the main journals' fillets",
+        "the same for the main journals' fillets",
         (0.0, 0.5),
         symbol="T_G",
         default=0.0,
         feature=True,
     )
     coefficients: Coefficients = Field(
-        "printed", description="of two doubtful coefficients: printed or suspected"
+        "printed", description="values of two doubtful coefficients: printed or suspected"
     )
     hardening: HardeningInput | None = part_field(
         "hardened pin fillets and oil holes", HardeningInput

@@ -34,10 +34,10 @@ class StudySection(InputModel):
         None, description='of a fractional factorial in place of a resolution, like "a b c abc"'
     )
     face: Literal["faced", "inscribed", "circumscribed"] | None = Field(
-        None, description="where the star points of a central composite stand"
+        None, description="position of the star points of a central composite"
     )
     file: str | None = Field(
-        None, description="CSV file of runs of one's own, beside the study file"
+        None, description="CSV file of your own runs, in the folder of the study file"
     )
     held_out: int = quantity_field(
         "number of further designs that judge the fits",
@@ -47,7 +47,7 @@ class StudySection(InputModel):
         default=StudyPlan.held_out,
     )
     seed: int = quantity_field(
-        "seed of all that is drawn by chance",
+        "seed of all random draws",
         "",
         minimum=0,
         maximum=2**31 - 1,
@@ -62,7 +62,7 @@ class StudySection(InputModel):
     )
     stresses: StrictBool = Field(
         StudyPlan.stresses,
-        description="whether also the largest stress concentration factor at the fillets is computed",
+        description="whether to compute the largest stress concentration factor at the fillets too",
     )
     constraints: tuple[Any, ...] = Field(
         default_factory=tuple,
@@ -72,10 +72,11 @@ class StudySection(InputModel):
         default_factory=dict, description="section [study.factors] of levels and ranges"
     )
     relations: dict[str, Any] = Field(
-        default_factory=dict, description="section [study.relations] of what follows from others"
+        default_factory=dict,
+        description="section [study.relations] of dimensions that follow from others",
     )
     throw: str | None = Field(
-        None, description="which of several throws varies; that at the free end if not given"
+        None, description="which of several throws varies; by default the one at the free end"
     )
 
     @field_validator("design", mode="before")
@@ -100,7 +101,7 @@ class StudySection(InputModel):
                 )
         if self.resolution is not None and self.generators is not None:
             raise InputError(
-                "study.generators: given beside study.resolution; allowed is one of the two, because "
+                "study.generators: given together with study.resolution; allowed is one of the two, because "
                 "generators fix the resolution."
             )
         return self

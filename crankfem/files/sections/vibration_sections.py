@@ -14,21 +14,22 @@ class Damping(InputModel):
     section: ClassVar[str] = "damping"
 
     torsional_magnifier: float | None = quantity_field(
-        "amplitude of every torsional mode at resonance beside its static one",
+        "dynamic magnifier of every torsional mode: amplitude at resonance divided by the static one",
         "",
         minimum=1.0,
         maximum=1000.0,
         default=None,
     )
     axial_magnifier: float | None = quantity_field(
-        "amplitude of every axial mode at resonance beside its static one",
+        "dynamic magnifier of every axial mode: amplitude at resonance divided by the static one",
         "",
         minimum=1.0,
         maximum=1000.0,
         default=None,
     )
     bending_magnifier: float | None = quantity_field(
-        "amplitude of a bending mode of the whole crankshaft at resonance beside its static one",
+        "dynamic magnifier of the bending modes of the whole crankshaft: amplitude at resonance divided by "
+        "the static one",
         "",
         minimum=1.0,
         maximum=1000.0,
@@ -74,10 +75,10 @@ class Bearings(InputModel):
 
     stiffness: float = quantity_field("lateral stiffness", "N/m", 1e5, 1e13)
     lowest_stiffness: float | None = quantity_field(
-        "lowest lateral stiffness that is possible", "N/m", 1e5, 1e13, default=None
+        "lowest possible lateral stiffness", "N/m", 1e5, 1e13, default=None
     )
     highest_stiffness: float | None = quantity_field(
-        "highest lateral stiffness that is possible", "N/m", 1e5, 1e13, default=None
+        "highest possible lateral stiffness", "N/m", 1e5, 1e13, default=None
     )
     damping: float = quantity_field("lateral damping", "N s/m", 0.0, 1e10, default=0.0)
 
@@ -101,15 +102,16 @@ class ShaftLineFiles(InputModel):
     section: ClassVar[str] = "shaft_line"
 
     torsional: str | None = Field(
-        None, description="chain file of kind torsional, beside the engine file or shipped"
+        None,
+        description="chain file of kind torsional, in the folder of the engine file, or shipped",
     )
     axial: str | None = Field(
-        None, description="chain file of kind axial, beside the engine file or shipped"
+        None, description="chain file of kind axial, in the folder of the engine file, or shipped"
     )
     plant: str | None = Field(
         None,
-        description="chain file of the whole plant in torsion as its maker gives it, from the free end on, "
-        "in place of what is calculated from the throws; its nodes of the cranks are called as usual "
+        description="torsional chain file of the whole plant as its maker gives it, from the free end, in "
+        "place of the chain calculated from the throws; its crank nodes have the usual names "
         '("cylinder 1" or "throw 1" and so on)',
     )
 
@@ -122,7 +124,7 @@ class ShaftLineFiles(InputModel):
             )
         if self.torsional and self.plant:
             raise InputError(
-                "shaft_line.plant: given beside torsional; allowed is one of the two, because the chain of "
-                "the whole plant has what follows the flywheel."
+                "shaft_line.plant: given together with torsional; allowed is one of the two, because the "
+                "chain of the whole plant has what follows the flywheel."
             )
         return self

@@ -45,7 +45,7 @@ def read_design(
     names = [_column(cell)[0] for cell in header]
     for name in names:
         if names.count(name) > 1:
-            raise InputError(f"study.file: {name} stands twice in {given}; allowed is once.")
+            raise InputError(f"study.file: {name} is twice in {given}; allowed is once.")
     wanted = {factor.name: factor for factor in factors}
     if wanted and set(names) != set(wanted):
         raise InputError(
@@ -72,7 +72,9 @@ def read_design(
 def _read_csv(path: Path) -> tuple[list[str], list[tuple[int, list[str]]]]:
     if not path.is_file():
         found = "that is a folder" if path.is_dir() else "there is no such file"
-        raise InputError(f"study.file: given {path.name!r}; {found} beside the study file.")
+        raise InputError(
+            f"study.file: given {path.name!r}; {found} in the folder of the study file."
+        )
     check_file_size(path, LARGEST_TABLE_FILE, "a table of designs")
     try:
         text = path.read_text(encoding="utf-8-sig")

@@ -71,7 +71,7 @@ MECHANISM: Plots[MechanismRun] = Plots(
             "crank",
             (
                 "Polar diagram of the crankpin load",
-                "Force of the rod on the first crankpin, in the frame that turns with the crank; dots every "
+                "Force of the rod on the first crankpin, in the frame rotating with the crank; dots every "
                 "30 deg of shaft angle.",
             ),
             (
@@ -84,11 +84,11 @@ MECHANISM: Plots[MechanismRun] = Plots(
             "engine",
             (
                 "Polar diagram of the main bearing load",
-                "Load of the most loaded main bearing, at rest, seen from the free end.",
+                "Load of the most heavily loaded main bearing, in the fixed frame, seen from the free end.",
             ),
             (
                 "Size of the main bearing load over the shaft angle",
-                "The same of the main bearing.",
+                "The main bearing load over the shaft angle, with its mean and maximum.",
             ),
         ),
         plot_of_curves(
@@ -101,16 +101,16 @@ MECHANISM: Plots[MechanismRun] = Plots(
         Plot(
             "balance",
             "Inertia forces and moments on the engine by order",
-            "Forces and moments that are left over, seen from the free end. A dot marks where a vector "
-            "points at shaft angle zero, the first crank upwards, an arrowhead the way it turns; thin dashed "
-            "lines: cylinder axes.",
+            "Unbalanced forces and moments, seen from the free end. A dot marks the vector at shaft angle "
+            "zero, with the first crank up; an arrowhead marks its sense of rotation; thin dashed lines: "
+            "cylinder axes.",
             lambda path, run: plot_balance(path, run.balance, title=_engine(run)),
             needs="unbalanced",
         ),
         Plot(
             "hinged_rods",
-            "What the hinged rods change beside rods on the crankpin",
-            "What the hinged rods change.",
+            "Effect of the hinged rods compared with rods on the crankpin",
+            "Effect of the hinged rods.",
             lambda path, run: plot_hinged_rods(
                 path, run.layout, run.speed, cylinders=hinged_group(run.layout), title=_engine(run)
             ),

@@ -76,7 +76,7 @@ def shaft_modes(modes: ShaftModes, radius: float, title: str) -> Figure:
             )
     turns = visibility_by_choice(np.repeat(np.arange(len(labels)), 4).tolist(), len(labels))
     return traces, layout(
-        axis("place along the shaft [mm]"),
+        axis("position along the shaft [mm]"),
         axis("relative displacement [1]", range=[-1.1, 1.1]),
         title=title,
         shapes=[level(0.0)],

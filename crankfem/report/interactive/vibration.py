@@ -48,9 +48,9 @@ def _of_kind(kind: Kind) -> tuple[Plot[EngineVibration], ...]:
         Plot(
             f"{kind}_campbell",
             f"Campbell diagram, {kind}",
-            f"{kind.capitalize()}: running range shaded; dots mark resonances. Where gas pressure is known "
-            "they grow with their amplitude, and frequencies are those with damping; a mode so damped that "
-            "it does not vibrate stands where it would be without.",
+            f"{kind.capitalize()}: running range shaded; dots mark resonances. If gas pressure is given, "
+            "larger dots have larger amplitudes and frequencies include damping; an overdamped mode is "
+            "shown at its undamped frequency.",
             picture(lambda axes, run: run.plot(axes, kind=kind), itself, height=4.8),
             lambda run: _campbell(run, own(run), itself(run)),
         ),
@@ -248,8 +248,8 @@ VIBRATION: Plots[EngineVibration] = Plots(
         plot_of_curves(
             "axial_force",
             "Axial force over the cycle, on the thrust bearing and on held ends",
-            "Axial force at rated speed: on the thrust bearing as the shaft vibrates, and with which the "
-            "shaft would press on its ends, were both held.",
+            "Axial force at rated speed: on the thrust bearing with vibration, and on the ends if both were "
+            "held without vibration.",
             _axial_force,
             lambda run: at_speed(run.engine_file.engine.name, run.engine_file.engine.rated_speed),
             needs="forced",
@@ -257,7 +257,7 @@ VIBRATION: Plots[EngineVibration] = Plots(
         plot_of_curves(
             "torsional_stress",
             "Nominal torsional stress by order over the speed",
-            "Nominal torsional stress by order in the element that uses its limit most, with the limit.",
+            "Nominal torsional stress by order in the element closest to its limit, with the limit.",
             _stress,
             _stress_title,
             needs="forced",
@@ -266,7 +266,7 @@ VIBRATION: Plots[EngineVibration] = Plots(
             "misfiring_stress",
             "Nominal torsional stress over the speed, all cylinders firing and one misfiring",
             "Nominal torsional stress at running speeds, all orders over the cycle: all cylinders firing and "
-            "the worst case of misfiring, at its worst place.",
+            "the worst case of misfiring, at its worst location.",
             _misfiring_stress,
             lambda run: _title(f"misfiring, {_stress_check(run).misfiring.place}")(run),
             needs="misfiring",

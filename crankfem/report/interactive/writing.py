@@ -40,7 +40,7 @@ def write_figure(path: Path, traces: list[Part], layout: Part) -> Path:
         write_text(path, text + "\n", "plot")
     except OSError as error:
         raise InputError(
-            f"path: given {path}, which cannot be written ({error.strerror}); allowed is a file in a folder "
-            "that is there, because the figure goes there."
+            f"path: given {path}, which cannot be written ({error.strerror}); allowed is a file in an "
+            "existing folder, because the figure goes there."
         ) from None
     return path

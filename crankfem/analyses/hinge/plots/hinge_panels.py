@@ -82,7 +82,7 @@ def draw_guides(
         label = f"{pressure / 1e6:g} MPa"
         color, dash = COLORS[place % len(COLORS)], DASHES[place % len(DASHES)]
         if isinstance(guides, str):
-            axes.plot([], [], dash, color=color, label=f"{label}: cannot be made")
+            axes.plot([], [], dash, color=color, label=f"{label}: not feasible")
             continue
         curve = guides.radius * np.exp(1j * np.radians(guides.angles_deg))
         closed = np.append(curve, curve[0])

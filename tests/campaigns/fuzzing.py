@@ -1,0 +1,150 @@
+"""Give every parser, the command line, the service and the public functions 20,000 wrong inputs each.
+
+Run by hand: ``python tests/campaigns/fuzzing.py [--inputs 20000] [--folder FOLDER] [NAME ...]``. NAME is
+that of a row of the table or its beginning; all by default. What is counted stands in FOLDER
+(``fuzzing-results``), so that the same command goes on where it was stopped; defects stand there with
+the input that brought them. ``--fresh`` begins anew.
+
+Each input must give one sentence or a finite result: no traceback, no warning of numpy, no NaN or
+infinity, nothing that takes longer than 20 s.
+"""
+
+import argparse
+import json
+import resource
+import sys
+import tempfile
+from collections import Counter
+from collections.abc import Callable
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+from hypothesis import HealthCheck, Phase, given, seed, settings
+from hypothesis import strategies as st
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
+from strategies.outcomes import ACCEPTED, DEFECTS, HANG, NOT_FINITE, REFUSED, TRACEBACK, Outcome
+
+# Inputs between two states on disk.
+CHUNK = 250
+MOST_KEPT = 3  # inputs of each defect
+MEMORY = 6 * 1024**3  # bytes of address space: what asks for more must be refused
+Try = Callable[[Any], Outcome]
+
+
+class Row:
+    """A row of the table: what is counted, in a file of its own."""
+
+    def __init__(self, name: str, folder: Path) -> None:
+        self.name, self.path = name, folder / f"{name.replace(' ', '-')}.json"
+        self.counts: Counter[str] = Counter()
+        self.defects: dict[str, list[str]] = {}
+        if self.path.is_file():
+            content = json.loads(self.path.read_text(encoding="utf-8"))
+            self.counts, self.defects = Counter(content["counts"]), content["defects"]
+
+    @property
+    def inputs(self) -> int:
+        """How many inputs were given."""
+        return sum(self.counts.values())
+
+    def note(self, given_input: Any, outcome: Outcome) -> None:
+        """Count what came of an input, and keep it if that is a defect."""
+        self.counts[outcome.kind] += 1
+        if not outcome.good:
+            kept = self.defects.setdefault(f"{outcome.kind}: {outcome.text}", [])
+            if len(kept) < MOST_KEPT:
+                kept.append(
+                    given_input.decode("latin-1")
+                    if isinstance(given_input, bytes)
+                    else repr(given_input)
+                )
+
+    def save(self) -> None:
+        """Write what is counted."""
+        content = {"counts": self.counts, "defects": self.defects}
+        self.path.write_text(json.dumps(content, indent=1), encoding="utf-8")
+
+    def text(self) -> str:
+        """Return the row as it stands in the docs."""
+        cells = (
+            self.inputs,
+            *(self.counts[kind] for kind in (REFUSED, ACCEPTED, TRACEBACK, NOT_FINITE, HANG)),
+        )
+        return f"| {self.name} | " + " | ".join(f"{cell:,}" for cell in cells) + " |"
+
+
+def attack(row: Row, inputs: st.SearchStrategy[Any], attempt: Try, most: int) -> None:
+    """Give inputs until so many are counted."""
+    while row.inputs < most:
+        count = min(CHUNK, most - row.inputs)
+
+        @seed(row.inputs + 1)
+        @given(one=inputs)
+        @settings(
+            max_examples=count,
+            database=None,
+            deadline=None,
+            phases=[Phase.generate],
+            suppress_health_check=list(HealthCheck),
+        )
+        def chunk(one: Any) -> None:
+            row.note(one, attempt(one))
+
+        before = row.inputs
+        chunk()
+        row.save()
+        if row.inputs == before:
+            break
+        print(
+            f"\r{row.name}: {row.inputs}, {sum(row.counts[kind] for kind in DEFECTS)} bad ",
+            end="",
+            file=sys.stderr,
+        )
+    print(file=sys.stderr)
+
+
+def targets(folder: Path) -> dict[str, tuple[st.SearchStrategy[Any], Try, float]]:
+    """Return by name what is attacked: its inputs, what tries one, and its share of the inputs."""
+    from strategies.parsers import lay_out, parsers
+
+    lay_out(folder)
+    found: dict[str, tuple[st.SearchStrategy[Any], Try, float]] = {}
+    for name, parser in parsers().items():
+        found[name] = parser.inputs, partial(parser.attempt, folder=folder), parser.share
+    return found
+
+
+def main() -> None:
+    """Run the campaign and print its table."""
+    options = argparse.ArgumentParser(description=__doc__)
+    options.add_argument("names", nargs="*", metavar="NAME")
+    options.add_argument("--inputs", type=int, default=20_000)
+    options.add_argument("--folder", type=Path, default=Path("fuzzing-results"))
+    options.add_argument("--fresh", action="store_true")
+    asked = options.parse_args()
+    resource.setrlimit(resource.RLIMIT_AS, (MEMORY, MEMORY))
+    asked.folder.mkdir(parents=True, exist_ok=True)
+    rows = []
+    with tempfile.TemporaryDirectory() as scratch:
+        for name, (inputs, attempt, share) in targets(Path(scratch)).items():
+            if asked.names and not any(name.startswith(one) for one in asked.names):
+                continue
+            row = Row(name, asked.folder)
+            if asked.fresh:
+                row.counts.clear()
+                row.defects.clear()
+            attack(row, inputs, attempt, int(share * asked.inputs))
+            rows.append(row)
+    print("| parser | inputs | refused | accepted | tracebacks | not finite | hangs |")
+    print("|---|---|---|---|---|---|---|")
+    for row in rows:
+        print(row.text())
+    for row in rows:
+        for defect, kept in row.defects.items():
+            print(f"{row.name}: {defect} ({len(kept)} kept)")
+
+
+if __name__ == "__main__":
+    main()
