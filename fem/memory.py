@@ -9,7 +9,7 @@ from geometry.throw import CrankThrow
 # within 30 % (docs/developers/faults.md).
 LIBRARIES, PER_UNKNOWN = 1.9e8, 6.9e3
 # Of a whole throw all solutions are held at once; under the unit loads for stresses there are fewer.
-WHOLE, FOR_STRESSES = 1.5, 0.45
+WHOLE, FOR_STRESSES = 1.5, 0.6
 
 
 def solving_memory(throw: Throw, unknowns: float, *, stresses: bool = False) -> float:

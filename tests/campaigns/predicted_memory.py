@@ -32,6 +32,8 @@ CASES = [
     ("superelement", "13", 0.005),
     ("stresses", "6chn25-34", 0.05),
     ("stresses", "yamz-5340", 0.05),
+    ("stresses", "yamz-5340", 0.02),
+    ("stresses by UR M53", "6chn25-34", 0.05),
 ]
 
 
@@ -44,6 +46,8 @@ def measure(task: str, name: str, accuracy: float) -> None:
     throw = throw_of(name)
     if task == "stresses":
         unknowns = fillet_stresses(throw, accuracy=accuracy).loaded.mesh.unknowns
+    elif task == "stresses by UR M53":
+        unknowns = fillet_stresses(throw, accuracy=accuracy, mesh="m53").loaded.mesh.unknowns
     else:
         unknowns = analyze_throw(throw, accuracy=accuracy).mesh.unknowns
     taken = 1024 * resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
@@ -56,7 +60,7 @@ def main() -> int:
         line = [sys.executable, __file__, task, name, str(accuracy)]
         done = subprocess.run(line, env=environment(), capture_output=True, text=True, check=True)
         unknowns, taken = json.loads(done.stdout)
-        throw, stresses = throw_of(name), task == "stresses"
+        throw, stresses = throw_of(name), task != "superelement"
         memory = solving_memory(throw, unknowns, stresses=stresses) / taken
         mesh = 1.0 if stresses else predicted_unknowns(throw, accuracy) / unknowns
         good &= said(
