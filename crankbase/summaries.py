@@ -126,7 +126,7 @@ def _value(value: Any, unit: str) -> str:
     if isinstance(value, np.ndarray) and value.size > FEW:
         return _array_summary(value, unit)
     if isinstance(value, tuple | list | np.ndarray):
-        items = list(value)
+        items = list(np.atleast_1d(value) if isinstance(value, np.ndarray) else value)
         if len(items) > FEW or not all(_is_brief(item) for item in items):
             return str(len(items))
         listed = ", ".join(_plain(item) for item in items) or "none"

@@ -105,9 +105,10 @@ class Client:
         pin_force: Sequence[float] | None = None,
         support: str = "pinned",
         gamma_deg: float | None = None,
+        left_gamma_deg: float | None = None,
         material: Values | None = None,
     ) -> Law:
-        """Ask the law: compliances, c and, with a force on the pin, reactions; without finite elements."""
+        """Evaluate the law: compliances, c and, with a force on the pin, reactions; no finite elements."""
         return self._post(
             Law,
             "throws/law",
@@ -115,6 +116,7 @@ class Client:
             pin_force=pin_force,
             support=support,
             gamma_deg=gamma_deg,
+            left_gamma_deg=left_gamma_deg,
             material=material,
         )
 
@@ -125,7 +127,7 @@ class Client:
         ----------
         throw : mapping
         **options
-            ``material``, ``accuracy``, ``gamma_deg``, ``pin_force``, ``stress``.
+            ``material``, ``accuracy``, ``gamma_deg``, ``left_gamma_deg``, ``pin_force``, ``stress``.
         """
         return self._post(Job, "throws/analysis", throw=throw, **options)
 

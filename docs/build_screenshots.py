@@ -35,7 +35,6 @@ MODULE = "from crankfem.cli.entry import main; main()"
 ENGINE = "6chn25-34"
 # Names of pictures, commands, and where to end them: a line's beginning, so many last lines, or not at all.
 COMMANDS: tuple[tuple[str, str, str | int | None], ...] = (
-    ("help", "crankfem --help", None),
     ("check", "crankfem check mine.toml", "Inputs"),
     ("run", "crankfem run mine.toml", 34),
     (

@@ -73,13 +73,13 @@ PRINCIPAL = {
     "test_direct_drive_plant": "critical speed of order 5",
     "test_yamz5340": "first two harmonics",
     "test_excitation_yamz": "orders 0.5 and 1",
-    "test_rod_models_paper": "static beside dynamic model, at the same angle",
+    "test_rod_models_paper": "difference of static and dynamic model, at the same angle",
     "test_rod_models_figure": "figure 4a: largest difference at the same angle",
     "test_articulated_v8": "second order, major axis by the masses alone",
     "test_hinge_paper": "best pressure ratio for 1.95 times the force",
     "test_published_table": "Dorey by Draminsky (1), as repaired",
     "test_paper_study": "engine left out: axial compliance pinned",
-    "test_limit_rules": "intermediate shaft, kept speeds",
+    "test_limit_rules": "intermediate shaft, continuous running",
     "test_crankshaft_strength": "solid crank with overlap, printed coefficients",
     "test_shaft_against_3d": "free, flat: frequencies 1 to 5",
     "test_excitation_axial": "first axial mode of the chain",
@@ -90,7 +90,7 @@ PRINCIPAL = {
     "test_symmetry_parts": "axial compliance",
     "test_element_factors": "overlap: alpha_B",
     "test_straight_shaft": "rigid ends, two lengths: stretch",
-    "test_formula_limits": "Draminsky (1) beside the frame",
+    "test_formula_limits": "Draminsky (1) against the frame",
     "test_stress_concentration": "shoulder fillet: factor in bending",
     "test_oil_holes": "bar in bending",
     "test_dynamic_shaft": "bar, torsional frequencies 1 to 3",
@@ -114,13 +114,14 @@ DETAILS = {
     "Outside programs": "validation-programs.md",
     "Published figures": "validation-published.md",
     "Finer models": "validation-finer-models.md",
-    "Closed forms": "validation-closed-forms.md",
+    "Closed forms, throws": "validation-throws.md",
+    "Closed forms, engines": "validation-engines.md",
 }
 
 # Heading of the group: a sentence, and its files with what they are compared with.
 GROUPS: dict[str, tuple[str, dict[str, str]]] = {
-    "Closed forms": (
-        "Closed forms, or a few lines of calculation that share no code with crankfem.",
+    "Closed forms, throws": (
+        "Closed forms of mechanics for throws, formulas and stresses.",
         {
             "test_straight_shaft": "strength of materials, Timoshenko's beam",
             "test_frame_limit": "the frame of thin beams",
@@ -129,6 +130,13 @@ GROUPS: dict[str, tuple[str, dict[str, str]]] = {
             "test_stress_concentration": "Neuber's notch, Peterson's and Tipton's fillets",
             "test_oil_holes": "pierced cylinders; Peterson's and UR M53's factors",
             "test_dynamic_shaft": "bars in tension, torsion and bending",
+            "test_named_throws": "sums and matrices by hand",
+            "test_study_limits": "comparisons of dimensions by hand",
+        },
+    ),
+    "Closed forms, engines": (
+        "Closed forms for chains, dampers, engines and gas, or short independent calculations.",
+        {
             "test_chain_closed_forms": "chains of equal masses, the uniform rod",
             "test_damper_optimum": "Den Hartog's optima",
             "test_damped_criticals": "matrices solved at each speed",
@@ -145,8 +153,6 @@ GROUPS: dict[str, tuple[str, dict[str, str]]] = {
             "test_gas_cycle": "ideal cycles of thermodynamics",
             "test_power_and_load": "integral over the volume; MAN B&W 6S50MC-C, 9480 kW",
             "test_known_balance": "series of the slider-crank, handbooks",
-            "test_named_throws": "sums and matrices by hand",
-            "test_study_limits": "comparisons of dimensions by hand",
         },
     ),
     "Outside programs": (

@@ -59,6 +59,21 @@ def check_sizes(field: str, array: FloatArray | ComplexArray, largest: float = L
     raise InputError(f"{field}{index}: given {value}; allowed are {why}.")
 
 
+def check_shape(field: str, values: ArrayLike, *allowed: tuple[int, ...]) -> None:
+    """Refuse an array that has none of the allowed shapes.
+
+    Raises
+    ------
+    InputError
+    """
+    if np.shape(values) not in allowed:
+        told = " or ".join("one number" if shape == () else str(shape) for shape in allowed)
+        raise InputError(
+            f"{field}: given an array of shape {np.shape(values)}; allowed is {told}, because every value "
+            "is used at its place."
+        )
+
+
 def turning_speeds(field: str, speeds: ArrayLike) -> FloatArray:
     """Return speeds of a shaft that may turn either way [rad/s], as an array of any shape.
 

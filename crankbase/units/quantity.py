@@ -67,7 +67,7 @@ def unit_quantity(text: str) -> Any:
     try:
         one = registry.Quantity(1.0, registry.parse_units(spelled))
         size = float(one.to_root_units().magnitude)
-    except (PintError, OverflowError):
+    except (PintError, OverflowError, ValueError):  # also of "nan", which pint takes for a number
         raise NoUnitError(text) from None
     if not SMALLEST_UNIT <= size <= 1.0 / SMALLEST_UNIT:
         raise NoUnitError("too small or large for a number")

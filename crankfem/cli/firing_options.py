@@ -5,9 +5,7 @@ import math
 from crankbase.errors import InputError
 from crankfem.cli.quantity_list import parse_quantities
 from dynamics.cycle import cycle_degrees
-from dynamics.engine.firing import firing_order_from_text
-
-MOST_CYLINDERS = 48
+from dynamics.engine.firing import MOST_CYLINDERS, firing_order_from_text
 
 
 def firing_angles_deg(order: str | None, angles: str | None, *, strokes: int) -> list[float]:

@@ -6,6 +6,7 @@ from typing import Any
 from crankbase.units.number_formats import format_usage, significant
 from crankbase.units.quantity import quantities_apart
 from crankfem.report.text_filters import quantity, sentence, with_three_digits
+from dynamics.assessment.limit_sentences import limit_at
 
 Record = Mapping[str, Any]
 RESONANT = ("at resonance", "near resonance")
@@ -120,7 +121,7 @@ def _reached(assessment: Record) -> str:
     more = f"; {others} more {'location exceeds' if others == 1 else 'locations exceed'} a limit"
     condition = "With the values used: " if undecided(assessment) else ""
     limit = worst["limit"] if condition else worst["limit"].capitalize()
-    return f"{condition}{limit}, {worst['place']}: {shown}{more if others > 0 else ''}."
+    return f"{condition}{limit_at(limit, worst['place'])}: {shown}{more if others > 0 else ''}."
 
 
 def _cause(assessment: Record) -> str:

@@ -1,1 +1,1 @@
-"""The service: an API over HTTP, and a page on which a throw's dimensions are turned like knobs."""
+"""The service: an API over HTTP, and a page where sliders change a throw's dimensions."""

@@ -69,7 +69,37 @@ class FormulasQuestion(ThrowQuestion):
     gamma_deg: float = _angle(180.0)
 
 
-class ReactionsQuestion(InputModel):
+class NeighborsQuestion(InputModel):
+    """Angles to the neighbors of a throw."""
+
+    gamma_deg: float | None = _angle(None)
+    left_gamma_deg: float | None = quantity_field(
+        "angle to the left neighbor where it differs, for reactions and finite elements [deg]",
+        "",
+        minimum=-360.0,
+        maximum=360.0,
+        default=None,
+    )
+
+    def read_neighbors(self) -> Neighbors | None:
+        """Return the support by neighbors, None without an angle.
+
+        Raises
+        ------
+        InputError
+        """
+        if self.gamma_deg is None:
+            if self.left_gamma_deg is None:
+                return None
+            raise InputError(
+                "gamma_deg: missing; the angle to the right neighbor [deg] must be given beside that to "
+                "the left one."
+            )
+        left = self.gamma_deg if self.left_gamma_deg is None else self.left_gamma_deg
+        return Neighbors(left, self.gamma_deg)
+
+
+class ReactionsQuestion(NeighborsQuestion):
     """A force on the pin and how the ends are supported, where reactions are wanted."""
 
     pin_force: Pin | None = Field(
@@ -78,7 +108,6 @@ class ReactionsQuestion(InputModel):
     support: Literal["pinned", "guided", "neighbors"] = Field(
         "pinned", description="of the ends; neighbors are equal throws at gamma_deg"
     )
-    gamma_deg: float | None = _angle(None)
 
     def read_support(self) -> Support:
         """Return the support.
@@ -87,24 +116,24 @@ class ReactionsQuestion(InputModel):
         ------
         InputError
         """
+        neighbors = self.read_neighbors()
         if self.support != "neighbors":
             return self.support
-        if self.gamma_deg is None:
+        if neighbors is None:
             raise InputError(
                 "gamma_deg: missing; the angle between neighboring cranks [deg] must be given with the "
                 "support neighbors."
             )
-        return Neighbors(self.gamma_deg, self.gamma_deg)
+        return neighbors
 
 
 class LawQuestion(ThrowQuestion, ReactionsQuestion):
-    """A throw; with a force on its pin, the reactions are told too."""
+    """A throw; with a force on its pin, the reactions are reported too."""
 
 
-class AnalysisQuestion(ThrowQuestion):
+class AnalysisQuestion(ThrowQuestion, NeighborsQuestion):
     """A throw for finite elements."""
 
-    gamma_deg: float | None = _angle(None)
     pin_force: Pin | None = Field(
         None,
         description="force on the first pin in the throw frame, x y z [N]; 100 kN towards the shaft if none",

@@ -111,7 +111,7 @@ def job_routes(store: JobStore, runner: JobRunner, bounds: Bounds) -> APIRouter:
     async def analyze_throw(request: Request) -> Response:
         """Analyze a throw by finite elements: compliances, 12 x 12 stiffness, reactions, error bars."""
         asked = await read_question(request, AnalysisQuestion)
-        asked.read_throw(), asked.read_material()
+        asked.read_throw(), asked.read_material(), asked.read_neighbors()
         return submit("analysis", "throw", asked.model_dump())
 
     @routes.post(

@@ -48,8 +48,8 @@ def law_answer(
         for name, own in neighbor_answers(axial, gamma_deg).items():
             values[f"{name}_neighbors"] = own
     remarks = [
-        "A band contains the true value for 95 % of throws with rigid end sections. Nearest to an end of the "
-        f"law's range: {axial.nearest_limit}."
+        "A band contains the true value for 95 % of throws with rigid end sections. The ratio closest to a "
+        f"limit of the law: {axial.nearest_limit}."
     ]
     reactions = None
     if pin_force is not None and not throw.parts.mirrored:

@@ -13,7 +13,7 @@ from regression.records import Outcome
 
 RESULT, SOLID, MODEL = "result.json", "throw.step", "model.json"
 REPORT = "results/report.html"
-# A medium-speed engine's throw [m], on which knobs stand at first.
+# A medium-speed engine's throw [m], the first one of the page.
 EXAMPLE = {
     "crank_radius": 0.170,
     "main_journal_diameter": 0.220,
@@ -28,7 +28,7 @@ OnRemark = Callable[[Any], None]
 
 
 class ToldProgress:
-    """The progress of a job, told to the service."""
+    """Reports the progress of a job to the service."""
 
     def __init__(self, on_remark: OnRemark) -> None:
         self._tell = on_remark
@@ -55,8 +55,14 @@ def load() -> None:
     from geometry.mesher import mesh_here
     from geometry.throw import CrankThrow
 
-    import_module("crankfem.analyses.throw.throw_record")
-    import_module("crankfem.report.interactive.throw_view")
+    for module in (
+        "crankfem.analyses.throw.formula_records",
+        "crankfem.analyses.throw.pictures.drawing",
+        "crankfem.analyses.throw.throw_record",
+        "crankfem.report.interactive.throw_view",
+        "crankfem.report.throw_report",
+    ):
+        import_module(module)
     analyze_throw(CrankThrow(**EXAMPLE), STEEL, 0.1, mesher=mesh_here)
 
 
@@ -93,7 +99,11 @@ def _analysis(question: Mapping[str, Any], folder: Path, _: int, told: ToldProgr
     record: dict[str, Any] = {
         "about": provenance_record(),
         "throw": throw_record(
-            analysis, UNIT_FORCE, pin_force=asked.pin_force, gamma_deg=asked.gamma_deg
+            analysis,
+            UNIT_FORCE,
+            pin_force=asked.pin_force,
+            gamma_deg=asked.gamma_deg,
+            left_gamma_deg=asked.left_gamma_deg,
         ),
         "formulas": formula_records(
             throw, material, 180.0 if asked.gamma_deg is None else asked.gamma_deg
@@ -113,7 +123,7 @@ def _analysis(question: Mapping[str, Any], folder: Path, _: int, told: ToldProgr
         _write(folder, with_units(record))
     told.step("Writing the solid")
     write_text(folder / SOLID, step_text(throw, "full"), "solid")
-    told.step("Drawing it with its dimensions")
+    told.step("Drawing the dimensions")
     write_drawing(throw, folder / DRAWING, "Crank throw")
 
 

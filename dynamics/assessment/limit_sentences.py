@@ -25,6 +25,11 @@ def use_in_words(
     return f"{reached} at {at}, {used:.3g} times the permitted {allowed}"
 
 
+def limit_at(name: str, place: str) -> str:
+    """Name a limit and where it is judged; a limit on that place alone has its name already."""
+    return name if name.endswith(f" of {place}") else f"{name}, {place}"
+
+
 def shown_excess(used: float) -> str:
     """Write how far a limit is exceeded, such as "by 0.2 %" or "2.3 times", from its used share."""
     if np.isinf(used):

@@ -7,10 +7,10 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from crankbase.checks.arrays import FloatArray
-from crankbase.checks.scalars import whole_number, whole_within
+from crankbase.checks.scalars import is_number, whole_number, whole_within
 from crankbase.drawing.diagram_style import BLUE, GRAY, RED, new_axes
 from crankbase.drawing.legends import legend_inside, write_title
-from crankbase.errors import InputError
+from crankbase.errors import InputError, quoted
 from crankbase.library_types import Axes
 from crankbase.summaries import summarized
 from dynamics.assessment.spreads import FIELDS, Spread, scale_factors, scaled_chain, spread_indices
@@ -19,6 +19,8 @@ from dynamics.chains.chain import Chain
 STIFF = ("stiffness", "ground")
 HEAVY = ("inertia", "distributed_inertia")
 DEFAULT_SAMPLES, DEFAULT_SEED = 200, 0
+# Samples of a result that is calculated for one chain after another.
+MOST_CALCULATED = 100_000
 
 
 @summarized("values", "nominal", "spreads")
@@ -46,7 +48,16 @@ class Samples:
         """Return the value that so many percent of the samples do not exceed, shape (...).
 
         It is one of the values found, the first not below that share; so inf stays what it is.
+
+        Raises
+        ------
+        InputError
+            If the share is none.
         """
+        if not (is_number(percent) and 0.0 <= percent <= 100.0):
+            raise InputError(
+                f"percent: given {quoted(percent)}; allowed are 0 to 100, because it is a share."
+            )
         return np.asarray(np.percentile(self.values, percent, axis=0, method="inverted_cdf"))
 
     @property
@@ -316,9 +327,14 @@ def function_samples(
     Raises
     ------
     InputError
-        As `sampled_factors`.
+        As `sampled_factors`, and if there are more samples than can be calculated one by one.
     """
     factors = sampled_factors(spreads, samples, seed)
+    if samples > MOST_CALCULATED:
+        raise InputError(
+            f"samples: given {samples}; allowed is up to {MOST_CALCULATED}, because each is "
+            "calculated by itself."
+        )
     values = np.array([np.asarray(result(row), dtype=np.float64) for row in factors])
     nominal = np.asarray(result(np.ones(len(spreads))), dtype=np.float64)
     return Samples(tuple(spreads), factors, values, nominal)

@@ -21,7 +21,7 @@ from dynamics.assessment.barred_ranges import (
     barred_ranges,
     limit_end_speed,
 )
-from dynamics.assessment.limit_sentences import shown_range, use_in_words
+from dynamics.assessment.limit_sentences import limit_at, shown_range, use_in_words
 from dynamics.assessment.limits import (
     AmplitudeCurve,
     VibrationLimit,
@@ -112,10 +112,9 @@ class LimitCheck:
         source = self.limit.source + (", assumed" if self.limit.assumed else "")
         found = use_in_words(self.limit, self.worst_speed, self.worst_value, self.permitted)
         if self.running and not at_most(self.worst_speed, self.highest_running):
-            found = (
-                f"{use_in_words(self.limit, *self.running)} at running speeds; above them {found}"
-            )
-        text = f"{self.limit.name}, {self.curve.name}: {found} ({source})."
+            running = use_in_words(self.limit, *self.running)
+            found = f"{running} at running speeds; above them {found}"
+        text = f"{limit_at(self.limit.name, self.curve.name)}: {found} ({source})."
         if self.cause is None:
             return text
         return f"{text} {self.cause.reasons[0].upper()}{self.cause.reasons[1:]}."
@@ -151,7 +150,7 @@ class LimitCheck:
         set_speed_axis(axes, speeds)
         axes.set_ylim(bottom=0.0)
         axes.set_ylabel(drawn.label)
-        write_title(axes, f"{limit.name}, {self.curve.name}")
+        write_title(axes, limit_at(limit.name, self.curve.name))
         legend_inside(axes)
         return axes
 
@@ -275,7 +274,7 @@ class Verdict:
                 RPM * speeds,
                 with_gaps(used),
                 color=color,
-                label=f"{check.limit.name}, {check.curve.name}",
+                label=limit_at(check.limit.name, check.curve.name),
             )
         if others := len(self.checks) - len(worst):
             axes.plot([], [], " ", label=f"and {others} more, used less")

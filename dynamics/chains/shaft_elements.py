@@ -11,6 +11,7 @@ from typing import Literal, Protocol, get_args
 
 from crankbase.checks.arrays import SMALLEST, nonnegative_number, positive_number
 from crankbase.checks.choices import check_choice
+from crankbase.checks.scalars import whole_within
 from crankbase.errors import InputError
 
 Motion = Literal["torsional", "axial"]
@@ -37,6 +38,9 @@ class ElasticMaterial(Protocol):
     def density(self) -> float:
         """[kg/m^3]."""
         ...
+
+
+MOST_PARTS = 10_000
 
 
 @dataclass(frozen=True)
@@ -155,7 +159,15 @@ class ShaftCone:
         return math.pi / 16.0 * (outer**4 - inner**4) / outer
 
     def divided(self, parts: int) -> tuple["ShaftCone", ...]:
-        """Return the piece cut into equally long ones."""
+        """Return the piece cut into equally long ones, at most 10,000.
+
+        Raises
+        ------
+        InputError
+            If the number is no such.
+        """
+        why = "a piece of a shaft is cut into some parts"
+        parts = whole_within("parts", parts, 1, MOST_PARTS, why)
         step = (self.right_diameter - self.left_diameter) / parts
         diameters = [self.left_diameter + step * number for number in range(parts)]
         return tuple(

@@ -70,8 +70,15 @@ class ShaftModes:
         return tuple(CLASSES[place] for place in np.argmax(self.shares, axis=0))
 
     def label(self, mode: int) -> str:
-        """Say what a mode is: its classes with 5 % or more, the largest first."""
-        shares = self.shares[:, mode]
+        """Say what a mode is, the lowest 0: its classes with 5 % or more, the largest first.
+
+        Raises
+        ------
+        InputError
+            If there is no such mode.
+        """
+        why = "so many modes are kept, the lowest first"
+        shares = self.shares[:, whole_within("mode", mode, 0, self.shares.shape[1] - 1, why)]
         shown = (kind for kind in np.argsort(-shares) if shares[kind] >= 1.0 - PURE)
         return ", ".join(f"{CLASSES[kind]} {100.0 * shares[kind]:.0f} %" for kind in shown)
 

@@ -11,6 +11,8 @@ from dynamics.cycle import cycle_degrees
 
 # Crank and cylinder axis count as in line within this angle [rad]; files give degrees.
 IN_LINE = 1e-6
+# No engine has more.
+MOST_CYLINDERS = 48
 
 
 def check_firing_order(firing_order: Sequence[int], cylinders: int) -> None:

@@ -6,6 +6,7 @@ from dataclasses import KW_ONLY, dataclass
 
 from crankbase.checks.angles import refuse_crank_radians
 from crankbase.checks.arrays import finite_array, nonnegative_number, positive_number
+from crankbase.checks.scalars import whole_within
 from crankbase.errors import InputError
 from crankbase.summaries import summarized
 from dynamics.cycle import checked_strokes, cycle_degrees, even_angles
@@ -116,9 +117,26 @@ class EngineLayout:
         return cycle_degrees(self.strokes)
 
     def main_of(self, number: int) -> int:
-        """Return the number of the cylinder whose rod is on the crankpin: its own or the main one."""
-        pin = self.cylinders[number - 1].slave_pin
+        """Return the number of the cylinder whose rod is on the crankpin: its own or the main one.
+
+        Raises
+        ------
+        InputError
+            If there is no such cylinder.
+        """
+        pin = self.cylinder(number).slave_pin
         return number if pin is None else pin.main_cylinder
+
+    def cylinder(self, number: int) -> EngineCylinder:
+        """Return a cylinder by its number, from 1.
+
+        Raises
+        ------
+        InputError
+            If there is no such cylinder.
+        """
+        why = "the cylinders are numbered from 1"
+        return self.cylinders[whole_within("number", number, 1, len(self.cylinders), why) - 1]
 
     def _check_rod(self, number: int, cylinder: EngineCylinder) -> None:
         name = f"cylinder {number}: "

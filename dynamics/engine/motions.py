@@ -8,6 +8,7 @@ from numpy.typing import ArrayLike
 
 from crankbase.checks.angles import radians_of
 from crankbase.checks.arrays import FloatArray
+from crankbase.errors import InputError
 from crankbase.summaries import summarized
 from dynamics.cycle import even_angles
 from dynamics.engine.cylinder import cylinder_crankpin, hinged_foot
@@ -60,14 +61,14 @@ def cylinder_motion(
     Raises
     ------
     InputError
-        If an angle is no finite number, or they are radians.
+        If an angle is no finite number, they are radians, or there is no such cylinder.
     """
     return parts_motion(engine, number, radians_of("shaft_angles_deg", shaft_angles_deg))
 
 
 def parts_motion(engine: EngineLayout, number: int, shaft_angles: FloatArray) -> CylinderMotion:
     """Return the motion of a cylinder's parts at shaft angles [rad] of shape (m,), unchecked."""
-    cylinder = engine.cylinders[number - 1]
+    cylinder = engine.cylinder(number)
     if cylinder.slave_pin is None:
         foot = cylinder_crankpin(cylinder, engine.crank_radius, shaft_angles)
     else:
@@ -112,8 +113,13 @@ def reduced_inertia(
     Raises
     ------
     InputError
-        If an angle is no finite number, or they are radians.
+        If an angle is no finite number, they are radians, or there is not one model for each cylinder.
     """
+    if len(models) != len(engine.cylinders):
+        raise InputError(
+            f"models: given {len(models)} for {len(engine.cylinders)} cylinders; allowed is one for each, "
+            "because each cylinder has a rod."
+        )
     shaft_angles = radians_of("shaft_angles_deg", shaft_angles_deg)
     inertia = np.full(shaft_angles.shape, float(engine.shaft_inertia))
     derivative = np.zeros(shaft_angles.shape)

@@ -13,6 +13,7 @@ from crankbase.checks.arrays import (
 )
 from crankbase.errors import InputError
 from dynamics.cycle import order_step
+from dynamics.engine.firing import MOST_CYLINDERS
 from dynamics.excitation.cylinder_harmonics import CylinderHarmonics
 from dynamics.excitation.gas_sources import constant_weight
 from dynamics.excitation.sampled_phasors import order_indices, requested_orders
@@ -55,6 +56,11 @@ def torque_harmonics(
     """
     firing = np.radians(finite_vector("firing_angles_deg", firing_angles_deg))
     each = [torque] * firing.size if isinstance(torque, Harmonics) else list(torque)
+    if firing.size > MOST_CYLINDERS:
+        raise InputError(
+            f"firing_angles_deg: given {firing.size} angles; allowed are at most {MOST_CYLINDERS}, because "
+            "no engine has more cylinders."
+        )
     if not each or len(each) != firing.size or len({own.strokes for own in each}) > 1:
         raise InputError(
             f"torque: given {len(each)} for {firing.size} firing angles; allowed is one for each cylinder, "

@@ -6,10 +6,11 @@ passes the top. Multiplication by exp(i a) turns a vector by a in the sense of r
 """
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
-from crankbase.checks.arrays import ComplexArray, FloatArray
+from crankbase.checks.arrays import ComplexArray, FloatArray, check_shape, finite_array
 from crankbase.errors import InputError
 from crankbase.summaries import summarized
 
@@ -32,8 +33,14 @@ class PointMotion:
     second: ComplexArray
 
     def velocity(self, speed: float | FloatArray) -> ComplexArray:
-        """Return the velocity at a crank speed [rad/s], in m/s."""
-        return speed * self.first
+        """Return the velocity at a crank speed [rad/s], in m/s.
+
+        Raises
+        ------
+        InputError
+            If the speed is neither a finite number nor one for each place.
+        """
+        return _at_places("speed", speed, self.first) * self.first
 
     def acceleration(
         self, speed: float | FloatArray, crank_acceleration: float | FloatArray = 0.0
@@ -41,8 +48,13 @@ class PointMotion:
         """Return the acceleration at a crank speed [rad/s] and acceleration [rad/s^2], in m/s^2.
 
         Both may be arrays of shape (m,), one value for each place.
+
+        Raises
+        ------
+        InputError
+            If one is neither a finite number nor such an array.
         """
-        return speed**2 * self.second + crank_acceleration * self.first
+        return np.asarray(_acceleration(self, speed, crank_acceleration))
 
     def turned(self, *, angle_deg: float) -> "PointMotion":
         """Return the motion turned by an angle [deg] in the sense of rotation."""
@@ -75,8 +87,23 @@ class TurnMotion:
     def acceleration(
         self, speed: float | FloatArray, crank_acceleration: float | FloatArray = 0.0
     ) -> FloatArray:
-        """Return the angular acceleration [rad/s^2] at a crank speed and acceleration."""
-        return speed**2 * self.second + crank_acceleration * self.first
+        """Return the angular acceleration [rad/s^2]; arguments and errors as of a point's."""
+        return np.asarray(_acceleration(self, speed, crank_acceleration))
+
+
+def _acceleration(
+    motion: PointMotion | TurnMotion, speed: float | FloatArray, gaining: float | FloatArray
+) -> Any:
+    turning = _at_places("speed", speed, motion.first)
+    gains = _at_places("crank_acceleration", gaining, motion.first)
+    return turning**2 * motion.second + gains * motion.first
+
+
+def _at_places(field: str, values: float | FloatArray, places: Any) -> FloatArray:
+    """Check values that are one for all places or one for each."""
+    given = finite_array(field, values)
+    check_shape(field, given, (), np.shape(places))
+    return given
 
 
 def crankpin_motion(crank_radius: float, angle: FloatArray) -> PointMotion:

@@ -41,7 +41,7 @@ def main_orders_of(amplitudes: FloatArray, count: int) -> list[int]:
     count : int
         How many at most.
     """
-    peaks = np.max(np.where(np.isfinite(amplitudes), amplitudes, 0.0), axis=1)
+    peaks = np.max(np.where(np.isfinite(amplitudes), amplitudes, 0.0), axis=1, initial=0.0)
     return [int(place) for place in np.sort(np.argsort(peaks)[::-1][: max(0, count)])]
 
 

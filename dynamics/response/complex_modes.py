@@ -8,7 +8,13 @@ from numpy.typing import NDArray
 from scipy.linalg import null_space
 from scipy.optimize import linear_sum_assignment
 
-from crankbase.checks.arrays import ComplexArray, FloatArray
+from crankbase.checks.arrays import (
+    ComplexArray,
+    FloatArray,
+    check_shape,
+    check_sizes,
+    finite_vector,
+)
 from crankbase.summaries import summarized
 from crankbase.tables.frames import table
 from dynamics.chains.chain import Chain
@@ -113,9 +119,19 @@ class ComplexModes:
         -------
         ndarray of shape (f, m + 1), complex
             The last one is what only creeps; all together are the whole response.
+
+        Raises
+        ------
+        InputError
+            If a value is not finite, or an array has another shape.
         """
+        angular_frequencies = finite_vector("angular_frequencies", angular_frequencies)
         terms = self.terms
         eigenvalues, inputs, outputs = _with_undamped(terms)
+        shape = (angular_frequencies.size, inputs.shape[1])
+        for name, values in (("forces", forces), ("rows", rows)):
+            check_shape(name, values, shape)
+            check_sizes(name, np.asarray(values, dtype=np.complex128))
         gap = 1j * angular_frequencies[:, np.newaxis] - eigenvalues
         met = np.abs(gap) <= UNBOUNDED_WITHIN * np.abs(eigenvalues)
         parts = (forces @ inputs.T) * (rows @ outputs.T) / np.where(met, np.inf, gap)

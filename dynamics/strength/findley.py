@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.spatial import ConvexHull, QhullError
 
-from crankbase.checks.arrays import FloatArray, finite_array, positive_number
+from crankbase.checks.arrays import FloatArray, finite_array, nonnegative_number, positive_number
 from crankbase.errors import InputError
 from crankbase.summaries import summarized
 
@@ -88,7 +88,13 @@ def findley_limit(bending_strength: float, factor: float) -> float:
         f, fully reversed [Pa].
     factor : float
         k, from `findley_factor`.
+
+    Raises
+    ------
+    InputError
+        If the strength is not above zero, or the factor below it.
     """
+    factor = nonnegative_number("factor", factor, "", "it weighs the normal stress")
     strength = positive_number("bending_strength", bending_strength, "Pa", "it is that of a steel")
     return 0.5 * strength * (factor + math.hypot(1.0, factor))
 
@@ -110,7 +116,7 @@ def critical_plane(history: ArrayLike, factor: float) -> CriticalPlane:
     Raises
     ------
     InputError
-        If the history is no such array.
+        If the history is no such array, or the factor below zero.
 
     Notes
     -----
@@ -118,6 +124,7 @@ def critical_plane(history: ArrayLike, factor: float) -> CriticalPlane:
     on a plane are linear in those of the history, so that the corners of its path are enough.
     """
     given = finite_array("history", history)
+    factor = nonnegative_number("factor", factor, "", "it weighs the normal stress")
     if given.ndim != 2 or given.shape[1] != 3 or not len(given):
         raise InputError(
             f"history: given an array of shape {given.shape}; allowed is (m, 3), because a free surface has "

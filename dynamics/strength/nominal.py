@@ -5,7 +5,14 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from crankbase.checks.arrays import FloatArray, finite_array, finite_vector, positive_number
+from crankbase.checks.arrays import (
+    FloatArray,
+    check_shape,
+    finite_array,
+    finite_vector,
+    nonnegative_number,
+    positive_number,
+)
 from crankbase.errors import InputError
 from crankbase.summaries import summarized
 from dynamics.cycle import checked_strokes
@@ -62,16 +69,29 @@ class SupportedThrow:
             object.__setattr__(self, name, forces)
 
     def moment(self, at: float, force: ArrayLike) -> FloatArray:
-        """Return the bending moment at a place from the left support, of forces as `radial` [N m], (m,)."""
-        rods, forces = np.asarray(self.rods), np.asarray(force)
+        """Return the bending moment at a place from the left support, of forces as `radial` [N m], (m,).
+
+        Raises
+        ------
+        InputError
+            If the place is no finite number, or there are no forces for each rod.
+        """
+        rods, forces = self._checked(at, force)
         left = (self.length - rods) / self.length @ forces
         return np.asarray(left * at - np.maximum(at - rods, 0.0) @ forces)
 
     def shear(self, at: float, force: ArrayLike) -> FloatArray:
-        """Return the shear force at a place from the left support, of forces as `radial` [N], (m,)."""
-        rods, forces = np.asarray(self.rods), np.asarray(force)
+        """Return the shear force at a place from the left support [N], (m,); all else as of `moment`."""
+        rods, forces = self._checked(at, force)
         left = (self.length - rods) / self.length @ forces
         return np.asarray(left - (rods < at).astype(float) @ forces)
+
+    def _checked(self, at: float, force: ArrayLike) -> tuple[FloatArray, FloatArray]:
+        """Return the rods and the forces on them, checked with the place where they are asked for."""
+        nonnegative_number("at", at, "m", "it is counted from the left support")
+        rods, forces = np.asarray(self.rods), finite_array("force", force)
+        check_shape("force", forces, (rods.size, *forces.shape[1:]))
+        return rods, forces
 
 
 def alternating(values: ArrayLike) -> FloatArray:

@@ -7,7 +7,7 @@ from typing import Unpack
 import numpy as np
 from numpy.typing import ArrayLike
 
-from crankbase.checks.arrays import FloatArray
+from crankbase.checks.arrays import FloatArray, check_shape, turning_speeds
 from crankbase.errors import InputError
 from crankbase.summaries import summarized
 from dynamics.chains.engine_chains import EngineChain
@@ -115,7 +115,14 @@ class TurningChain:
         inertia : ndarray of shape (c, t, 2)
             Inertia of rods and pistons on each throw [kg m^2], and the torque by its change that
             brakes the throw, I' w^2 / 2 [N m].
+
+        Raises
+        ------
+        InputError
+            If an array has another shape.
         """
+        self._check_shapes(twist, speeds, even_turning)
+        check_shape("reference", reference, even_turning.shape)
         at_throws = (even_turning[:, np.newaxis] * self.even + twist) @ self.throws.T
         inertia, slope, torque = self.curves.at(at_throws)
         springs = -twist @ self.stiffness
@@ -125,7 +132,16 @@ class TurningChain:
         return springs, dampers, torque @ self.throws, np.stack((inertia, changing), axis=-1)
 
     def accelerations(self, torques: FloatArray, inertia: FloatArray) -> FloatArray:
-        """Return the accelerations (c, q) under torques (c, q); inertia as from `torques`."""
+        """Return the accelerations (c, q) under torques (c, q); inertia as from `torques`.
+
+        Raises
+        ------
+        InputError
+            If an array has another shape.
+        """
+        count, (throws, unknowns) = len(torques), self.throws.shape
+        check_shape("torques", torques, (count, unknowns))
+        check_shape("inertia", inertia, (count, throws, 2))
         given = torques - inertia[..., 1] @ self.throws
         if self.separate:
             return np.asarray(given / (np.diag(self.constant_mass) + inertia[..., 0] @ self.throws))
@@ -137,7 +153,8 @@ class TurningChain:
     def energies(
         self, twist: FloatArray, speeds: FloatArray, even_turning: FloatArray
     ) -> tuple[FloatArray, FloatArray]:
-        """Return kinetic and strain energy (c,) [J]; arguments as for `torques`."""
+        """Return kinetic and strain energy (c,) [J]; arguments and errors as for `torques`."""
+        self._check_shapes(twist, speeds, even_turning)
         inertia, _, _ = self.curves.at(
             (even_turning[:, np.newaxis] * self.even + twist) @ self.throws.T
         )
@@ -145,8 +162,21 @@ class TurningChain:
         kinetic += np.sum(inertia * (speeds @ self.throws.T) ** 2, axis=1)
         return 0.5 * kinetic, 0.5 * np.sum(twist @ self.stiffness * twist, axis=1)
 
+    def _check_shapes(self, twist: FloatArray, speeds: FloatArray, even: FloatArray) -> None:
+        count = np.size(even)
+        check_shape("even_turning", even, (count,))
+        for name, values in (("twist", twist), ("speeds", speeds)):
+            check_shape(name, values, (count, self.even.size))
+
     def torque_size(self, speed: float) -> float:
-        """Return how large the torques on one throw may be at a shaft speed [rad/s], in N m."""
+        """Return how large the torques on one throw may be at a shaft speed [rad/s], in N m.
+
+        Raises
+        ------
+        InputError
+            If the speed is no finite number, or higher than any.
+        """
+        speed = float(turning_speeds("speed", speed))
         curves = self.curves
         gas = np.abs(curves.torque_mean) + np.sum(np.abs(curves.torque), axis=1)
         changing = 0.5 * speed**2 * np.sum(np.abs(curves.inertia) * curves.orders, axis=1)

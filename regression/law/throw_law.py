@@ -352,6 +352,11 @@ def _given(dimensions: Mapping[str, ArrayLike]) -> dict[str, Any]:
             raise InputError(
                 f"{name}: given {float(np.min(found[name])):g}; allowed is a positive length in m."
             )
+    for name, value in found.items():
+        if value.size == 0:
+            raise InputError(
+                f"{name}: given no values; allowed is one for each throw, or one for all."
+            )
     try:
         np.broadcast_shapes(*(value.shape for value in found.values()))
     except ValueError:

@@ -77,7 +77,10 @@ class SupervisedProcess(CallProcess):
     def take(self, message: Message) -> tuple[str, Any]:
         """Return the answer to a design; it is lost, too, if the machine could not compute it."""
         kind, content = super().take(message)
-        answer = answered(kind, content)
+        try:
+            answer = answered(kind, content)
+        except RuntimeError as error:  # it could not even load what designs need
+            self.lose(str(error))
         if "lost" in answer:  # memory or disk ran out: the next design gets a fresh process
             self.lose(answer["lost"])
         return kind, answer

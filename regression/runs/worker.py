@@ -48,7 +48,8 @@ def _numbers_only(numbers: dict[str, float], what: str = "") -> dict[str, float]
 def _of_the_machine(error: BaseException | None) -> bool:
     """Whether an error says something of the machine (no memory, a full disk), not of the design."""
     while error is not None:
-        if isinstance(error, MemoryError | OSError | NotEnoughMemoryError):
+        # Without memory a library cannot be loaded either.
+        if isinstance(error, MemoryError | OSError | ImportError | NotEnoughMemoryError):
             return True
         # Pardiso's own kind of error, known by its module: without Pardiso there is none.
         if type(error).__module__.startswith("pypardiso") and (

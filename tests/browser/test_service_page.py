@@ -106,7 +106,7 @@ def test_what_is_wrong_stands_at_its_field(open_service):
     assert page.locator("#a-web_width-wrong").inner_text() == ""
     page.fill("#a-web_width", "10")
     page.wait_for_selector(".stale")
-    assert page.locator(".wrong, .knob p").filter(has_text="allowed").count() >= 1
+    assert page.locator(".wrong, .dimension p").filter(has_text="allowed").count() >= 1
 
 
 def test_a_link_brings_the_throws_back(open_service):

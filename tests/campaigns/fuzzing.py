@@ -6,14 +6,17 @@ that of a row of the table or its beginning; all by default. What is counted sta
 the input that brought them. ``--fresh`` begins anew.
 
 Each input must give one sentence or a finite result: no traceback, no warning of numpy, no NaN or
-infinity, nothing that takes longer than 20 s.
+infinity, nothing that takes more than 10 s of processor time.
 """
 
 import argparse
 import json
+import os
 import resource
+import subprocess
 import sys
 import tempfile
+import time
 from collections import Counter
 from collections.abc import Callable
 from functools import partial
@@ -24,12 +27,32 @@ from hypothesis import HealthCheck, Phase, given, seed, settings
 from hypothesis import strategies as st
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
-from strategies.outcomes import ACCEPTED, DEFECTS, HANG, NOT_FINITE, REFUSED, TRACEBACK, Outcome
+from strategies import requests
+from strategies.calls import Attempted, is_asked, made, wrong_calls
+from strategies.outcomes import (
+    ACCEPTED,
+    DEFECTS,
+    HANG,
+    NOT_FINITE,
+    REFUSED,
+    TRACEBACK,
+    Outcome,
+    outcome_of,
+)
+from strategies.parsers import lay_out, parsers
+from strategies.recording import Call, loaded
 
 # Inputs between two states on disk.
 CHUNK = 250
 MOST_KEPT = 3  # inputs of each defect
 MEMORY = 6 * 1024**3  # bytes of address space: what asks for more must be refused
+QUICK = 0.05  # seconds of processor time that a call takes which is made often
+ROOT = Path(__file__).resolve().parents[2]
+# Tests whose calls are given again, wrongly.
+RECORDED = ("tests/test_dynamics", "tests/test_regression/test_law.py",
+"tests/test_regression/test_axial_formulas.py",
+            "tests/test_regression/test_torsional_formulas.py")  # fmt: skip
+QUIET = ("-q", "-p", "no:cacheprovider", "-n", "0", "-m", "not slow")
 Try = Callable[[Any], Outcome]
 
 
@@ -105,15 +128,47 @@ def attack(row: Row, inputs: st.SearchStrategy[Any], attempt: Try, most: int) ->
     print(file=sys.stderr)
 
 
-def targets(folder: Path) -> dict[str, tuple[st.SearchStrategy[Any], Try, float]]:
+def targets(folder: Path, calls: Path) -> dict[str, tuple[st.SearchStrategy[Any], Try, float]]:
     """Return by name what is attacked: its inputs, what tries one, and its share of the inputs."""
-    from strategies.parsers import lay_out, parsers
-
     lay_out(folder)
     found: dict[str, tuple[st.SearchStrategy[Any], Try, float]] = {}
     for name, parser in parsers().items():
         found[name] = parser.inputs, partial(parser.attempt, folder=folder), parser.share
+    requests.lay_out(folder)
+    found["command line"] = (
+        requests.command_lines(),
+        partial(requests.run_command, folder=folder),
+        1.0,
+    )
+    found["service"] = requests.requests(), requests.asking(folder), 1.0
+    quick, slow = recorded_calls(calls)
+    found["public functions"] = wrong_calls(quick), Attempted.outcome, 1.0
+    found["public functions, slow"] = wrong_calls(slow), Attempted.outcome, 0.05
     return found
+
+
+def recorded_calls(path: Path) -> tuple[dict[str, list[Call]], dict[str, list[Call]]]:
+    """Return calls of the public functions as the tests make them, quick ones and those that take longer."""
+    if not path.is_file():
+        print(f"{path}: recording the calls that the tests make ...", file=sys.stderr)
+        plugin = ["-p", "strategies.recording", "--calls", str(path.absolute()), *QUIET]
+        environment = os.environ | {"PYTHONPATH": os.pathsep.join([str(ROOT), str(ROOT / "tests")])}
+        subprocess.run(
+            [sys.executable, "-m", "pytest", *plugin, *RECORDED],
+            cwd=ROOT,
+            env=environment,
+            check=False,
+        )
+    quick: dict[str, list[Call]] = {}
+    slow: dict[str, list[Call]] = {}
+    for name, calls in loaded(path.read_bytes()).items():
+        for call in calls if is_asked(name) else ():
+            start = time.process_time()
+            if outcome_of(lambda call=call: made(call)).kind == ACCEPTED:  # type: ignore[misc]
+                kind = quick if time.process_time() - start < QUICK else slow
+                kind.setdefault(name, []).append(call)
+    print(f"{len(quick.keys() | slow.keys())} functions, {len(slow)} of them slow", file=sys.stderr)
+    return quick, slow
 
 
 def main() -> None:
@@ -128,7 +183,9 @@ def main() -> None:
     asked.folder.mkdir(parents=True, exist_ok=True)
     rows = []
     with tempfile.TemporaryDirectory() as scratch:
-        for name, (inputs, attempt, share) in targets(Path(scratch)).items():
+        for name, (inputs, attempt, share) in targets(
+            Path(scratch), asked.folder / "calls.pickle"
+        ).items():
             if asked.names and not any(name.startswith(one) for one in asked.names):
                 continue
             row = Row(name, asked.folder)

@@ -1,11 +1,10 @@
-"""What the campaigns about studies share: a study of ten factors, its coordinator, its store."""
+"""What the campaigns about studies share: a study of ten factors, and its store."""
 
-import json
 import os
 import sqlite3
 import subprocess
-import sys
 import time
+from collections.abc import Iterable
 from pathlib import Path
 
 from geometry.throw import CrankThrow
@@ -39,27 +38,27 @@ RANGES = {
     "main_journal_bore": (0.030, 0.060),
     "pin_bore": (0.040, 0.070),
 }
-COORDINATOR = """
-import json, sys
-from crankfem.cli.console import clear_errors
-from regression.runs.study import StudyPlan, run_plan
-with clear_errors():
-    plan = StudyPlan.from_record(json.loads(sys.argv[1]))
-    run_plan(plan, sys.argv[2], int(sys.argv[3]))
-"""
 
 
-def study(designs: int, accuracy: float) -> StudyPlan:
-    """Ten factors in a Latin hypercube, a tenth of the designs held out."""
+def study(
+    designs: int, accuracy: float, names: Iterable[str] = RANGES, throw: CrankThrow = THROW
+) -> StudyPlan:
+    """Factors, by default ten, in a Latin hypercube, a tenth of the designs held out."""
     held_out = max(1, designs // 10)
-    factors = tuple(Factor(name, "m", *ends) for name, ends in RANGES.items())
+    factors = tuple(Factor(name, "m", *RANGES[name]) for name in names)
     choice = DesignChoice("latin hypercube", runs=designs - held_out)
-    return StudyPlan(THROW, factors, choice, held_out=held_out, accuracy=accuracy)
+    return StudyPlan(throw, factors, choice, held_out=held_out, accuracy=accuracy)
 
 
-def study_file(path: Path, designs: int, accuracy: float) -> Path:
+def study_file(
+    path: Path,
+    designs: int,
+    accuracy: float,
+    names: Iterable[str] = RANGES,
+    throw: CrankThrow = THROW,
+) -> Path:
     """Write the same study as a file for the command line."""
-    fields = THROW.model_dump(mode="json", exclude_defaults=True)
+    fields = throw.model_dump(mode="json", exclude_defaults=True)
     held_out = max(1, designs // 10)
     lines = ["[throw]", *(f'{name} = "{1e3 * value:g} mm"' for name, value in fields.items())]
     lines += [
@@ -72,7 +71,8 @@ def study_file(path: Path, designs: int, accuracy: float) -> Path:
         "",
         "[study.factors]",
     ]
-    for name, (low, high) in RANGES.items():
+    for name in names:
+        low, high = RANGES[name]
         lines.append(f'{name} = {{ from = "{1e3 * low:g} mm", to = "{1e3 * high:g} mm" }}')
     path.write_text("\n".join(lines) + "\n", encoding="utf-8")
     return path
@@ -82,18 +82,6 @@ def environment() -> dict[str, str]:
     """Environment in which a new Python finds the packages of this checkout."""
     paths = [str(ROOT), *filter(None, [os.environ.get("PYTHONPATH")])]
     return os.environ | {"PYTHONPATH": os.pathsep.join(paths)}
-
-
-def coordinator(plan: StudyPlan, store: Path, workers: int = 2) -> "subprocess.Popen[str]":
-    """Start a process that runs the study."""
-    record = json.dumps(plan.as_record())
-    return subprocess.Popen(
-        [sys.executable, "-P", "-c", COORDINATOR, record, str(store), str(workers)],
-        env=environment(),
-        stdout=subprocess.DEVNULL,
-        stderr=subprocess.PIPE,
-        text=True,
-    )
 
 
 def rows(store: Path) -> list[tuple[object, ...]]:

@@ -11,24 +11,31 @@ from hypothesis import strategies as st
 
 ROOT = Path(__file__).resolve().parents[2]
 UNITS = (
-    "mm", "m", "km", "µm", "in", "deg", "rad", "kg", "g", "t", "N", "kN", "N/m", "N m/rad", "Pa", "MPa", "GPa",
-    "bar", "kg m^2", "kg/m^3", "1/min", "rpm", "Hz", "rad/s", "s", "K", "degC", "kW", "mm^2", "1/K", "%", "",
+    "mm", "m", "km", "µm", "in", "deg", "rad", "kg", "g", "t", "N", "kN", "N/m", "N m/rad", "Pa", "MPa",
+    "GPa",
+    "bar", "kg m^2", "kg/m^3", "1/min", "rpm", "Hz", "rad/s", "s", "K", "degC", "kW", "mm^2", "1/K", "%",
+    "",
     "mm mm", "furlong", "m^", "/", "µ", "N m s/rad", "kg m^99999999", "mm/0",
 )  # fmt: skip
 NUMBERS = (
-    "0", "-0.0", "1", "-1", "3", "0.5", "1e-300", "5e-324", "1e300", "1.7e308", "1e999", "-1e308", "nan", "inf",
-    "-inf", "1e-12", "1e12", "123456789", "9223372036854775807", "9" * 400, "1_000", "1,5", "0x10", "1e", "--1",
+    "0", "-0.0", "1", "-1", "3", "0.5", "1e-300", "5e-324", "1e300", "1.7e308", "1e999", "-1e308", "nan",
+    "inf",
+    "-inf", "1e-12", "1e12", "123456789", "9223372036854775807", "9" * 400, "1_000", "1,5", "0x10", "1e",
+    "--1",
     "١٢", "½", "",
 )  # fmt: skip
 WORDS = (
-    "", " ", "x", "auto", "fe", "none", "None", "true", "../../etc/passwd", "/dev/null", "/", ".", "no_such.csv",
-    "con\u0000", "a" * 500, "кривошип", "\u202e", "[bold]", "%s%n", "{0}", "${HOME}", "'; drop table", "🙂", "-1",
+    "", " ", "x", "auto", "fe", "none", "None", "true", "../../etc/passwd", "/dev/null", "/", ".",
+    "no_such.csv",
+    "con\u0000", "a" * 500, "кривошип", "\u202e", "[bold]", "%s%n", "{0}", "${HOME}", "'; drop table",
+    "🙂", "-1",
     "trapezium", "rigid", "torsional", "axial", "pinned",
 )  # fmt: skip
 # What stands where one value should.
 VALUES = (
     "true", "[]", "[[]]", "{}", "''", "1979-05-27T07:32:00Z", "[1, 2, 3]", "['a', 1]", "{ value = {} }",
-    "{ value = 1, source = 'x', assumed = 'y' }", "{ value = '170 mm', kind = 2 }", "[" * 60 + "]" * 60, "\"\"\"\na\"\"\"",
+    "{ value = 1, source = 'x', assumed = 'y' }", "{ value = '170 mm', kind = 2 }", "[" * 60 + "]" * 60,
+    "\"\"\"\na\"\"\"",
     "[{}, {}]", "nan", "inf", "-inf", "1e400", "1" * 5000,
 )  # fmt: skip
 _LINE = re.compile(r"^(\s*[\w.-]+\s*=\s*)(.*)$")
@@ -183,7 +190,8 @@ def texts_of(*patterns: str) -> tuple[str, ...]:
 
 # What may stand in the place of a value of JSON.
 JSON_VALUES: tuple[Any, ...] = (
-    None, True, 0, -1, 1.5, 1e308, -1e-300, 10**30, float("nan"), float("inf"), "", "x", "170 mm", "1e999 mm", "\x00",
+    None, True, 0, -1, 1.5, 1e308, -1e-300, 10**30, float("nan"), float("inf"), "", "x", "170 mm",
+    "1e999 mm", "\x00",
     [], {}, [1.0, "a"], [[[]]], {"value": 1}, [0.0] * 3, [1e300] * 20, "a" * 500,
 )  # fmt: skip
 

@@ -22,8 +22,8 @@ REFUSALS = (InputError, MeshError, MissingLibraryError, RenderError, SolveError,
 REFUSED, ACCEPTED = "refused", "accepted"
 TRACEBACK, NOT_FINITE, HANG = "traceback", "not finite", "hang"
 DEFECTS = (TRACEBACK, NOT_FINITE, HANG)
-# Seconds after which an input hangs, on a machine that is busy with other work.
-PATIENCE = 20.0
+# Seconds of processor time after which an input hangs, and of waiting on a machine that is busy.
+PATIENCE, WAITING = 10.0, 300.0
 DEEPEST = 6
 # A message is one sentence on each line, and shows nothing of how the program is made.
 _SENTENCE = re.compile(r"\S.*[.?!)]", re.DOTALL)
@@ -48,19 +48,25 @@ class HangError(BaseException):
 
 
 @contextlib.contextmanager
-def patience(seconds: float = PATIENCE) -> Iterator[None]:
-    """Raise HangError where this takes longer."""
+def patience() -> Iterator[None]:
+    """Raise HangError where this takes too long."""
 
     def end(*_: object) -> None:
         raise HangError
 
-    before = signal.signal(signal.SIGALRM, end)
-    signal.setitimer(signal.ITIMER_REAL, seconds)
+    clocks = (
+        (signal.SIGPROF, signal.ITIMER_PROF, PATIENCE),
+        (signal.SIGALRM, signal.ITIMER_REAL, WAITING),
+    )
+    before = [signal.signal(number, end) for number, _, _ in clocks]
+    for _, clock, seconds in clocks:
+        signal.setitimer(clock, seconds)
     try:
         yield
     finally:
-        signal.setitimer(signal.ITIMER_REAL, 0.0)
-        signal.signal(signal.SIGALRM, before)
+        for (number, clock, _), handler in zip(clocks, before, strict=True):
+            signal.setitimer(clock, 0.0)
+            signal.signal(number, handler)
 
 
 def outcome_of(

@@ -1,4 +1,4 @@
-"""All that reads what people write: for each parser what it is given, and what reads it and calculates with it."""
+"""All that reads what people write: for each parser its inputs, and what reads and calculates with them."""
 
 import json
 import shutil
@@ -81,7 +81,8 @@ DESIGNS = (
     "pin_length;fillet_radius\n139 mm;12 mm\n130 mm;9 mm\n",
 )
 RESULTS = (
-    "web_width [mm],pin_length [mm],axial_compliance_pinned [nm/N],role,source\n301.5,139,1.42,measured,bench\n285,139,1.5,,x\n",
+    "web_width [mm],pin_length [mm],axial_compliance_pinned [nm/N],role,source\n"
+    "301.5,139,1.42,measured,bench\n285,139,1.5,,x\n",
 )
 PRESSURES = (
     "# an example\ncrank_angle_deg,absolute_pressure_bar\n"

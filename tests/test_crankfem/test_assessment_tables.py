@@ -61,7 +61,7 @@ def test_speeds_above_the_running_range_are_explained(record, capsys):
     lines = capsys.readouterr().out.splitlines()
     assert (
         f"Limit on {STRESS}: A rule, assumed; judged from 200 to 575 rpm, because it also applies above the "
-        "highest running speed of 515 rpm too." in lines
+        "highest running speed of 515 rpm." in lines
     )
     assert f"Limit on {TWIST}: The maker; judged from 200 to 515 rpm." in lines
 

@@ -181,6 +181,14 @@ def test_partial_sums_against_the_samples(call):
     assert "The sum up to order 2 differs from the samples by at most 1530.2 N m." in told
 
 
+def test_orders_that_all_cancel_have_no_picture_of_round_off(tmp_path, call):
+    told = call("harmonics", "6chn25-34", "--orders", "2", "--pictures", "plots").out
+    assert "All orders cancel." in told
+    text = (tmp_path / "plots" / "single_harmonics.svg").read_text(encoding="utf-8")
+    assert "<!-- All orders up to 2 cancel. -->" in text
+    assert "<!-- Order 2 -->" not in text
+
+
 def test_the_picture_of_a_table_ends_at_the_order_asked_for(tmp_path):
     table = cf.load_torque_table(TABLE)
     shown = table.harmonics().up_to(1.5)

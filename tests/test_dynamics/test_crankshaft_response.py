@@ -120,7 +120,7 @@ def test_coupling_makes_chains_insufficient():
     assert any("%" in reason for reason in verdict.reasons)
     nothing = chain_verdict([ModeMatch("axial", 0, 50.0, None, None, 0.0, 0.0)])
     assert nothing.reasons == (
-        "The axial mode of the chain at 50.0 Hz has none like it in the whole shaft.",
+        "The whole shaft has no mode like the axial mode of the chain at 50.0 Hz.",
     )
 
 

@@ -13,7 +13,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
 from comparing import close
@@ -62,9 +62,11 @@ def vee_engines(draw):
         pin_offset=0.01 * draw(share),
         slave_pin=SlavePin(1, 0.06, angle_deg=math.degrees(vee + 0.2 * draw(share))),
     )
-    return EngineLayout(
-        0.07, [main, hinged], [1, 2], firing_angles_deg=np.degrees(tops(main, hinged))
-    )
+    firing = np.degrees(tops(main, hinged))
+    assume(
+        not 1.0 <= np.ptp(firing) < 13.0
+    )  # two such angles may be meant as radians, and are refused
+    return EngineLayout(0.07, [main, hinged], [1, 2], firing_angles_deg=firing)
 
 
 def tops(*cylinders):

@@ -7,6 +7,7 @@ from comparing import close
 from crankbase.errors import InputError
 from dynamics.assessment.barred_ranges import BarredRangeRule
 from dynamics.assessment.limit_rules import crankshaft_limit
+from dynamics.assessment.limit_sentences import limit_at
 from dynamics.assessment.limits import AmplitudeCurve, constant_curve, given_limit
 from dynamics.assessment.verdict import judge
 
@@ -153,3 +154,10 @@ def test_a_range_barred_up_to_the_lowest_running_speed_touches_it():
     for end in (low, np.nextafter(low, 0.0), np.nextafter(low, 999.0)):
         verdict = judge([(CRANKSHAFT, peak(50.0, 60e6))], (end, 100.0), RULE)
         assert verdict.status == "barred range needed"
+
+
+def test_a_limit_on_one_place_is_named_once():
+    assert limit_at("torsional stress of shaft", "shaft") == "torsional stress of shaft"
+    assert limit_at("torsional stress of crankshaft", "shaft") == (
+        "torsional stress of crankshaft, shaft"
+    )

@@ -1,7 +1,7 @@
 """The loop over a cluster, by a cluster that plays every trick; then Dask itself, by puppets.
 
 Nothing here computes finite elements; that a cluster gives the numbers of a local run is shown by
-tests/campaigns/dask_study.py.
+tests/campaigns/faults.py.
 """
 
 import gc

@@ -1,5 +1,6 @@
 import json
 import math
+import shutil
 import sqlite3
 from dataclasses import replace
 
@@ -118,6 +119,16 @@ def test_the_file_is_written_ahead(tmp_path):
         connection = sqlite3.connect(path)
         assert connection.execute("PRAGMA journal_mode").fetchone() == ("wal",)
         connection.close()
+
+
+def test_a_finished_design_is_in_the_file_itself(tmp_path):
+    """A copy of the file without its log, taken while the study runs, has all that is finished."""
+    with ResultStore(tmp_path / "runs.sqlite") as store:
+        for outcome in (DONE, FAILED):
+            store.record(outcome)
+            copy = shutil.copy(store.path, tmp_path / "copy.sqlite")
+            with ResultStore(copy, readonly=True) as found:
+                assert found.outcomes([outcome.key]) == {outcome.key: outcome}
 
 
 def test_what_is_recorded_is_seen_by_others_at_once(tmp_path):

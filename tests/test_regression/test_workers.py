@@ -58,6 +58,10 @@ for request in requests():
     if key.startswith("full"):
         answer({"key": key, "lost": "OSError: disk full", "seconds": 0.1})
         continue
+    if key.startswith("unloaded"):
+        pickle.dump(("ImportError", "ImportError: a.so: failed to map segment"), sys.stdout.buffer)
+        sys.stdout.buffer.flush()
+        continue
     if key.startswith("shy") and not os.path.exists(key.split()[1]):
         open(key.split()[1], "w").close()
         os._exit(7)
@@ -182,11 +186,21 @@ def test_a_crash_that_happens_once_costs_a_retry(puppets, tmp_path):
     assert found[key].worker
 
 
-def test_a_design_that_the_machine_could_not_compute_is_lost_after_a_fresh_process(puppets):
-    found = collect(["a", "full", "b"], 1)
-    assert {key for key, outcome in found.items() if outcome.responses} == {"a", "b"}
-    lost = found["full"]
-    assert (lost.reason, lost.lost, lost.attempts) == ("OSError: disk full", True, 2)
+@pytest.mark.parametrize(
+    ("key", "reason"),
+    [
+        ("full", "OSError: disk full"),
+        # As where memory runs out before the worker has loaded its libraries.
+        ("unloaded", "ImportError: a.so: failed to map segment"),
+    ],
+)
+def test_a_design_that_the_machine_could_not_compute_is_lost_after_a_fresh_process(
+    puppets, key, reason
+):
+    found = collect(["a", key, "b"], 1)
+    assert {name for name, outcome in found.items() if outcome.responses} == {"a", "b"}
+    lost = found[key]
+    assert (lost.reason, lost.lost, lost.attempts) == (reason, True, 2)
     assert len(puppets) == 2  # nobody waits after the second try
 
 
@@ -367,6 +381,7 @@ class PyPardisoError(Exception):
     [
         (MemoryError("no room"), None, "lost"),
         (OSError(28, "No space left on device"), None, "lost"),
+        (ImportError("a.so: failed to map segment from shared object"), None, "lost"),
         (RuntimeError("no solution"), MemoryError(), "lost"),
         (RuntimeError("no solution"), PyPardisoError(-2), "lost"),
         (RuntimeError("no solution"), PyPardisoError(-4), "reason"),

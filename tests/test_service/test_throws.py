@@ -77,6 +77,16 @@ def test_the_law_answers_with_bands_and_reactions(client, throw):
     assert found.reactions.right.moment == close(known.right.moment.tolist())
     assert found.reactions.left.force_band[2] == close(known.band.left.force[2])
     assert client.law(throw).reactions is None
+    unequal = client.law(throw, **asked, left_gamma_deg=240.0).reactions
+    known = law_reactions(CrankThrow(**throw), force, Neighbors(240.0, 120.0))
+    assert unequal.right.moment == close(known.right.moment.tolist())
+    assert unequal.right.moment[0] != close(found.reactions.right.moment[0], 1e-3)
+    with pytest.raises(InputError, match="pin_force: given .*; allowed are three numbers"):
+        client.law(throw, pin_force=(0.0, 0.0, 1e4))
+    with pytest.raises(InputError, match="gamma_deg: missing; the angle to the right neighbor"):
+        client.law(throw, left_gamma_deg=240.0)
+    webs = throw | {"left_web": {"thickness": 0.07}}
+    assert client.law(webs, pin_force=force).remarks[1].startswith("No reactions: the law has")
     with pytest.raises(InputError, match="gamma_deg: given '120'; allowed is a number in deg"):
         client.law(throw, gamma_deg="120")
     with pytest.raises(InputError, match="gamma_deg: missing"):
@@ -116,6 +126,7 @@ def test_the_client_raises_what_the_service_says(client, throw):
 @pytest.mark.slow
 def test_an_analysis_gives_what_the_library_gives(client, throw):
     asked = {"accuracy": 0.05, "gamma_deg": 120.0, "pin_force": (0.0, -2e5, 0.0)}
+    asked["left_gamma_deg"] = 180.0
     job = client.analyze_throw(throw, **asked, stress=True)
     steps = [one.step for one in client.follow(job)]
     assert "Meshing and solving" in steps
@@ -125,7 +136,8 @@ def test_an_analysis_gives_what_the_library_gives(client, throw):
     assert pinned["axial_compliance"] == close(known.axial_compliance(), 1e-9)
     reactions = known.reactions((0.0, -2e5, 0.0))
     assert pinned["reactions"]["left"]["force"] == close(list(reactions.left.force), 1e-6, 1e-3)
-    assert "neighbors 120 deg" in found["supports"]
+    unequal = found["supports"]["neighbors 180 and 120 deg"]["axial_compliance"]
+    assert unequal == close(known.axial_compliance(Neighbors(180.0, 120.0)), 1e-9)
     assert pinned["errors"]["axial_compliance"] > 0.0
     job = client.job(job.id)
     assert {"result.json", "throw.step", "throw_view.json"} <= set(job.files)

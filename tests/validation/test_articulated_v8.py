@@ -1,18 +1,14 @@
 """Inertia forces of a V8 with hinged rods, engine 8ChN 26/26.
 
 Source: T. I. Mikhina, V. S. Vyalkov, Politekhnicheskiy molodezhnyy zhurnal, 2024, no. 05 (94): table 1
-(R 130, R_1 150, L 650, L_n 500 mm), table 2 (piston 44.1 kg, reciprocating 66.0 kg with the main rods
-and 55.1 kg with the hinged ones, rotating 133.3 kg), table 3 (cranks 0-180-180-0), 45 deg, 1000 1/min,
-equations (1) to (4), and the percentages in the text.
+(R 130, R_1 150, L 650, L_n 500 mm), table 2 (piston 44.1 kg, reciprocating 66.0 kg with the main rods and
+55.1 kg with the hinged ones, rotating 133.3 kg), table 3 (cranks 0-180-180-0), 45 deg, 1000 1/min, equations
+(1) to (4), and the percentages in the text.
 
-Tolerances: what follows from (1) to (4) directly agrees to round-off. Percentages of the print are met
-to half of its last digit where it says relative to what, or where that can be found: changes of the
-hodograph by the masses are relative to the mean of the two values. Those by the kinematics (13.3, 14.4
-and 0.08 %) do not follow from table 1; the lengths that they do follow from are tested as such. Own
-figures are held to half of the last digit that the documentation states.
-
-The paper gives no masses of single rods. Those assumed here make up table 2; nothing but the static
-moment beside the main rod depends on how they are chosen.
+Tolerances: results of (1) to (4) agree to round-off. Printed percentages are met to half of the last digit
+where their reference is known: changes of the hodograph by the masses refer to the mean of the two values.
+Those by the kinematics (13.3, 14.4 and 0.08 %) do not follow from table 1; the lengths that give them are
+tested. The single rods' masses are assumed such that they give table 2.
 """
 
 import math

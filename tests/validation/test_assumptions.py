@@ -1,8 +1,8 @@
 """Assumed inputs are counted; a verdict that depends on one is undecided.
 
-Each value that an engine file leaves open is given here one by one: every time the list is shorter by that
-value alone. The steel at which a verdict changes follows from a formula by hand where nothing may be barred,
-and from the whole calculation with the steel given where something may.
+Source: each value that an engine file leaves open is given one by one; the list of assumptions is then
+shorter by that value. The steel at which a verdict changes follows from a formula by hand where nothing may
+be barred, and from the whole calculation where something may.
 """
 
 import math

@@ -1,14 +1,12 @@
 """Axial force of a crankshaft over the working cycle.
 
-There is no printed figure: A. I. Yamanin, V. A. Zhukov, Vestnik AGTU, Morskaya tekhnika i tekhnologiya
-2021 no. 4, pp. 75-83, doi 10.24143/2073-1574-2021-4-75-83, show in figure 5 the reactions of main bearings
-to radial forces on two pins at one moment, for a crank without dimensions. Here all pins of shipped engines
-are loaded with radial and tangential forces at every degree of the cycle. The references are the shaft put
-together from superelements, its bearings as springs, solved with all loads; and the axial chain with its
-modal damping written out.
+Source: the shaft assembled from superelements with bearings as springs, solved with all loads, and the axial
+chain with its modal damping. All pins of shipped engines carry radial and tangential forces at every degree
+of the cycle. A. I. Yamanin, V. A. Zhukov, Vestnik AGTU, Morskaya tekhnika i tekhnologiya 2021 no. 4, pp.
+75-83, doi 10.24143/2073-1574-2021-4-75-83, show such reactions in figure 5, for a crank without dimensions.
 
-Tolerances: the solver's round-off and the superelement's residual under turning as a rigid body, 2e-6 of
-the largest, bound 1e-5; the chain is solved twice with the same numbers, 1e-8.
+Tolerances: round-off and the superelement's residual under rigid turning, 2e-6 of the largest, bound 1e-5;
+the chain is solved twice with the same numbers, 1e-8.
 """
 
 import numpy as np

@@ -1,9 +1,8 @@
 """Results over the range of the main bearings' stiffness.
 
-Source: no outside one. The engine is calculated again with a stiffness given without a range, at its
-full grid of speeds with the worst speeds looked for between them; the sweep, at a coarse grid, must find
-the same within 3 %, and the same verdict. The bounds of the chain's first frequency are those of an
-eigenproblem written down here.
+Source: the engine calculated again with one stiffness, at its full grid of speeds and the worst speeds
+between them. The sweep, at a coarse grid, must find the same within 3 %, and the same verdict. The bounds of
+the chain's first frequency are those of an eigenproblem in the test.
 """
 
 import math

@@ -1,18 +1,13 @@
 """Compliances and reactions of throws with all features, on the same mesh.
 
 Source: CalculiX 2.20 (G. Dhondt, https://www.calculix.de), element C3D10, end sections as rigid bodies,
-linear static steps; each throw is meshed whole and coarsely, for the mesh is the same on both sides.
-CalculiX solves the whole throw under each load; our answers come from the condensed 12 x 12 stiffness, as the
-mesh gives it, not corrected for discretization.
+linear static steps, on the same coarse mesh of the whole throw. CalculiX solves the throw under each load;
+crankfem uses the condensed 12 x 12 stiffness, not corrected for discretization.
 
-Tolerance: elements and quadrature are the same, so the two differ by round-off and by the 7 digits that
-CalculiX prints: by 3e-7 of a value at most. 1e-5 leaves room for other equation solvers; a wrong edge
-node, support, load share or sign shows in the percents. Reactions are compared relative to the load,
-their moments relative to the load times the crank radius.
-
-CalculiX itself is first tried on a square bar of a material with nu = 0, whose tension and pure bending
-the elements represent exactly: L/(E A) and L/(E I), and reactions known from equilibrium. There the
-printed digits alone are left: 1e-6 of a value.
+Tolerance: the differences are round-off and the 7 digits that CalculiX prints, at most 3e-7 of a value. 1e-5
+leaves room for other equation solvers; a wrong edge node, support, load share or sign makes percents.
+Reactions are relative to the load, their moments to the load times the crank radius. CalculiX itself is
+first tested on a square bar with nu = 0: L/(E A), L/(E I) and reactions from equilibrium, 1e-6.
 """
 
 import math

@@ -1,15 +1,12 @@
 """Natural vibration of chains.
 
-Sources: the free chain of N equal masses m and springs k, f_j = (1/pi) sqrt(k/m) sin(j pi / (2N))
-with shapes cos(j pi (i + 1/2) / N), and the uniform free rod, f_j = j/(2L) sqrt(E/rho): textbook
-results, such as in S. S. Rao, Mechanical Vibrations (chapters on multi-degree-of-freedom and
-continuous systems); the chain's follows from the difference equation by inserting the shape.
+Sources: the free chain of N equal masses m and springs k, f_j = (1/pi) sqrt(k/m) sin(j pi / (2N)) with shapes
+cos(j pi (i + 1/2) / N), and the uniform free rod, f_j = j/(2L) sqrt(E/rho), as in S. S. Rao, Mechanical
+Vibrations.
 
-Tolerances: round-off for the chain, as the closed form is that of the same equations. A rod of N
-elements with half masses at their ends is such a chain, with w_j = 2 sqrt(k/m) sin(j pi / (2N)); with
-consistent mass the difference equation gives w_j^2 = 6 (k/m) (1 - cos t) / (2 + cos t), t = j pi / N.
-Both follow to round-off. Beside the rod's frequencies they are too low and too high by t^2 / 24, up to
-terms in t^4: the tests check that error, not only its size.
+Tolerances: round-off for the chain. A rod of N elements with half masses at their ends has
+w_j = 2 sqrt(k/m) sin(j pi / (2N)), with consistent mass w_j^2 = 6 (k/m) (1 - cos t) / (2 + cos t),
+t = j pi / N: round-off. They are too low and too high against the rod by t^2 / 24, which is tested.
 """
 
 import numpy as np

@@ -1,10 +1,9 @@
 """Difference between a whole crankshaft and its chain, on five engines.
 
-Source: no outside one; statics and an eigenproblem of its own. The throws' stiffness is joined here row
-by row, with springs of the main bearings, coupling and damper's ring. Inertia stands where the chain has
-it and about the shaft axis alone: at the pins, the ends, the ring and the machine. So nothing is left
-between both but the path of inertia loads in the shaft, and the first torsional frequency of the
-crankshaft itself must be that of the chain within 1 %.
+Source: statics and an eigenproblem in the test. The throws' stiffness is assembled row by row, with springs
+of the main bearings, coupling and damper's ring. Inertia is at the chain's positions, about the shaft axis
+alone. Only the path of inertia loads then differs: the first torsional frequency must be that of the chain
+within 1 %.
 """
 
 import math

@@ -1,27 +1,20 @@
 """Convergence of the axial compliance with the mesh.
 
-Sources. Where the stresses grow like r^(s - 1) at an edge, the energy, and with it a compliance, has an
-error of order 2 s on evenly refined meshes; smooth parts of the field leave one of order 4 with ten-node
-tetrahedra (Strang and Fix, An analysis of the finite element method, 1973, chapter 8). The exponents s are
-roots of Williams's equations (M. L. Williams, Stress singularities resulting from various boundary
-conditions in angular corners of plates in extension, J. Appl. Mech. 19, 1952), solved below:
+Sources. Where stresses grow like r^(s - 1) at an edge, the energy has an error of order 2 s on evenly refined
+meshes; smooth parts leave order 4 with ten-node tetrahedra (Strang and Fix, An analysis of the finite
+element method, 1973, chapter 8). The exponents s are roots of Williams's equations (M. L. Williams, J. Appl.
+Mech. 19, 1952), solved here:
     free re-entrant corner of 270 deg: sin(3 pi s / 2) = s, s = 0.545, order 1.09;
     corner of 90 deg, one face held, the other free, in plane strain with nu = 0.3: s = 0.711, order 1.42.
-A throw with sharp corners has the first round journals and pin, every throw has the second round its rigid
-end sections. An error of several such terms shows an order between the least of them and 4, which falls
-towards the least as the mesh is refined.
+A throw with sharp corners has the first round journals and pin, every throw the second round its rigid ends.
 
-Nested meshes: each element is divided into eight on its own curved shape, so that the solid does not
-change, the spaces are contained in one another, and the compliance must rise. The first mesh may have no
-mended elements with fillets: those are flat, and would keep their corners. The orders measured are 1.25
-with sharp corners and 1.56 with fillets; the upper bounds leave 0.2 and 0.35 for the first mesh of another
-gmsh (meshes of other sizes gave 1.12 to 1.34, and 1.56 to 1.86).
+Nested meshes divide each element into eight on its own curved shape, so the compliance must rise. Measured
+orders are 1.25 with sharp corners and 1.56 with fillets; the upper bounds leave 0.2 and 0.35 for another
+first mesh (other sizes gave 1.12 to 1.34, and 1.56 to 1.86).
 
-Meshes of the program's own sizes, at factors that are halved twice, are not nested, and each is off by its
-own noise: about 0.15 % with sharp corners and 0.03 % with fillets, beside differences of 1 % and 0.5 %
-between the last two. Single triples of meshes gave orders of 0.55 to 1.2 and of 1.5 to 1.85 about the 1.0
-and 1.6 that the error estimate counts on; with sharp corners means over two factors are taken, and the
-bounds are twice the scatter that is then left, some 0.2.
+The program's own meshes, at factors halved twice, are not nested; each has a scatter of about 0.15 % with
+sharp corners and 0.03 % with fillets. The error estimate assumes orders of 1.0 and 1.6. With sharp corners
+means over two factors are used; the bounds are twice the remaining scatter of 0.2.
 """
 
 import math
@@ -128,7 +121,7 @@ def test_nested_meshes(exponents, fillet_radius, corner, highest, figure):
     limit = values[2] + steps[1] ** 2 / (steps[0] - steps[1])
     own = {0.0: 1.416e-9, 0.012: 1.281e-9}[fillet_radius]
     corners = "filleted" if fillet_radius else "sharp"
-    figure(f"e_n to which nested meshes lead, {corners}", limit, own, 5e-3, "m/N")
+    figure(f"e_n, limit of nested meshes, {corners}", limit, own, 5e-3, "m/N")
 
 
 @pytest.mark.slow

@@ -1,12 +1,10 @@
 """Critical speeds with damping, damped modes and the cause of a peak.
 
-An engine of six cylinders with a viscous damper is written down as matrices M, C, K and H, and solved
-with numpy alone: each order at each of very many speeds, of which the largest neighbors are the peaks;
-the eigenvalues of the state space; the sum of the orders over the shaft angle at many thousand angles.
-No part of the project stands in it. The forces are those of gas and, growing with the squared speed, of
-masses, so that a peak is not where the forces alone would put it.
+Source: matrices M, C, K and H of an engine of six cylinders with a viscous damper, solved with numpy alone:
+each order at each of very many speeds; the eigenvalues of the state space; the sum of the orders over many
+thousand angles. The forces are those of gas and, growing with the squared speed, of masses.
 
-The project's peaks are refined between speeds; those here are the vertex of a parabola through three
+Tolerance: peaks are refined between speeds; the reference is the vertex of a parabola through three
 neighbors 2e-4 of the speed apart, off by less than 1e-6 where the half bandwidth is 5e-3 and more.
 """
 

@@ -4,15 +4,13 @@ Sources:
 
 - untuned viscous damper (Houdaille): least peak (2 + mu) / mu at c / (2 I w) =
   1 / sqrt(2 (1 + mu) (2 + mu)); J. P. Den Hartog, Mechanical Vibrations, 4th edition, section 3.3.
-- tuned damper: all curves pass through two fixed points, at best both of sqrt(1 + 2 / mu) with the
-  tuning 1 / (1 + mu); the same section. That is a lower bound on the peak of any tuned damper,
-  viscous or with a loss factor. Which loss factor is best, and how far above the bound its peak is,
-  follows here from the response written out, minimized over a fine grid of frequencies, tunings and
-  loss factors: no part of the project stands in it.
+- tuned damper: two fixed points, at best both of sqrt(1 + 2 / mu) with the tuning 1 / (1 + mu); the same
+  section. It is a lower bound on the peak of any tuned damper. The best loss factor follows here from the
+  response, minimized over a fine grid of frequencies, tunings and loss factors.
 
-Tolerances: the search knows its variables to 5e-4 and looks at speeds 0.004 apart and at
-resonances; a curve between them is higher by up to (0.002 / half width)^2 / 2, below 2e-4 here.
-The peak is flat at its least, so that the damping found may differ by the root of that, 2 %.
+Tolerances: the search resolves its variables to 5e-4 and uses speeds 0.004 apart and resonances; a curve
+between them is higher by up to (0.002 / half width)^2 / 2, below 2e-4 here. The peak is flat at its least,
+so the damping may differ by the root of that, 2 %.
 """
 
 import numpy as np

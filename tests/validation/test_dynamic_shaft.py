@@ -1,26 +1,19 @@
 """Modes of straight bars and of a shaft of four throws.
 
-Bars. Sources: natural frequencies of a free bar of length L, n c/(2 L) with the wave speed sqrt(E/rho)
-along it and sqrt(G/rho) in torsion; the first divided by sqrt(1 + (n pi nu r/L)^2), r the polar radius of
-gyration, for the inertia of contraction (A. E. H. Love, A Treatise on the Mathematical Theory of
-Elasticity, 4th ed. 1927, art. 278). Bending by Timoshenko's beam, its equations integrated by the matrix
-exponential, with the shear coefficient of a vibrating solid circle 6 (1 + nu)^2/(7 + 12 nu + 4 nu^2) (J. R.
-Hutchinson, Shear coefficients for Timoshenko beam theory, J. Appl. Mech. 68, 87-92, 2001; Cowper's of
-static loads would be 0.05 to 0.3 % off). Euler's and Bernoulli's beam is its limit for long waves: x^2
-sqrt(E I/(rho A))/(2 pi L^2), x = 4.7300, 7.8532, 10.9956 the roots of cos x cosh x = 1. Guyan's mass of a
-twisted bar is that of the linear bar element with consistent mass, whose free frequencies in a row of
-elements of length h are sqrt(6 (1 - cos t)/(2 + cos t)) c/(2 pi h), t = n pi h/L, from its difference
-equation K (2 cos t - 2) + w^2 M (4 + 2 cos t)/6 = 0.
+Bars. Sources: natural frequencies of a free bar of length L, n c/(2 L) with the wave speed sqrt(E/rho) along
+it, divided by sqrt(1 + (n pi nu r/L)^2) for the inertia of contraction (r the polar radius of gyration; A. E.
+H. Love, A Treatise on the Mathematical Theory of Elasticity, 4th ed. 1927, art. 278), and sqrt(G/rho) in
+torsion. Bending: Timoshenko's beam by matrix exponential, with the shear coefficient
+6 (1 + nu)^2/(7 + 12 nu + 4 nu^2) (J. R. Hutchinson, J. Appl. Mech. 68, 87-92, 2001). Guyan's mass of a
+twisted bar is that of the linear bar element, with frequencies sqrt(6 (1 - cos t)/(2 + cos t)) c/(2 pi h),
+t = n pi h/L, in elements of length h.
 
-Tolerances: torsion is exact in three dimensions and shows the mesh alone, measured 3e-5 in the first mode
-to 1.6e-4 in the fourth. The corrected bar and Timoshenko's beam are theories in one dimension, measured
-within 5e-5 in tension and 2e-5, 1e-4 and 2.5e-4 in the first three modes of bending. Bounds are twice what
-is measured.
+Tolerances, twice the measured values: torsion 3e-5 (first mode) to 1.6e-4 (fourth), tension 5e-5, bending
+2e-5, 1e-4 and 2.5e-4 in the first three modes.
 
-Shaft. Four throws with cranks at 0, 180, 180, 0 degrees in bearings that hold the main journals'
-centers laterally, free along and about the shaft. There is no outside reference: the limit is the same
-mesh's superelement with natural modes to 8000 Hz and corrections. Leaving out those above 6000 Hz changes
-frequencies up to 800 Hz by 1e-9.
+Shaft. Four throws with cranks at 0, 180, 180, 0 degrees in bearings that hold the main journals' centers
+laterally. The reference is the same mesh's superelement with natural modes to 8000 Hz and corrections; modes
+above 6000 Hz change frequencies up to 800 Hz by 1e-9.
 """
 
 import numpy as np

@@ -1,13 +1,11 @@
 """Chains of engines in elastic main bearings.
 
-Source: no outside one; statics. The stiffness of each throw, turned to its crank angle, is put into the
-shaft's matrix row by row, sections that bend shared by neighbors and free at the shaft's ends, a spring per
-direction on each journal, and the whole matrix is inverted. A
-chain holds what the ends of each throw do under a pull and under a torque at the flywheel; both come from one
-linear system, so 1e-9 is round-off.
+Source: statics. The stiffness of each throw, turned to its crank angle, is assembled row by row, with shared
+sections between neighbors and a spring per direction on each journal; the whole matrix is inverted. Both
+results come from one linear system: 1e-9 is round-off.
 
 The frequencies of 6ChN 25/34 with rigid sections (rigid bearings 86.97 Hz, 85.0 at 2.2e9 N/m, 82.2 at 2.2e8,
-free 80.8) come from an eigenproblem written down here with the chain's inertias.
+free 80.8) come from an eigenproblem with the chain's inertias.
 """
 
 import math

@@ -1,16 +1,13 @@
 """Factors of stress concentration by finite elements on the rule's mesh.
 
-Source: the same throw on a finer mesh. Appendix III of IACS UR M53 (Rev.5) asks for elements of a quarter of
-the fillet's radius, layers of one, two and three times that below, and six across the web. Sizes asked for
-at the fillets, below them and at the oil hole are then halved, and nine elements stand across the web: 2.6
-times the nodes, largest elements and first layers 1.3 to 1.8 times smaller (the program refines its own mesh
-further where elements differ). Three throws: pin and journals that overlap; such that do not; bored journals
-and an oil hole across the pin.
+Source: the same throw on a finer mesh. Appendix III of IACS UR M53 (Rev.5) requires elements of a quarter of
+the fillet's radius, layers of one, two and three times that below, and six across the web. These sizes are
+halved at the fillets, below them and at the oil hole, with nine elements across the web: 2.6 times the nodes.
+Three throws: with overlap; without; with bored journals and an oil hole across the pin.
 
-Tolerance: 3 %, as much as the factors are said to be good for; those that are read from one stress are
-within 0.4 %. beta_Q by method 1 is (s_3P - s_N3P beta_B)/s_Q3P, where s_3P/(beta_Q s_Q3P) is 10 to 14, so
-that largest stresses that differ by 0.2 % change it by 2 %. With method 2, s_3P/s_N3P, the assessment's
-beta_B s_N + beta_Q s_Q is the same stress, with one rod in the middle of the pin.
+Tolerance: 3 %, the accuracy stated for the factors; those from one stress are within 0.4 %. beta_Q by method
+1 is (s_3P - s_N3P beta_B)/s_Q3P, where s_3P/(beta_Q s_Q3P) is 10 to 14: stresses that differ by 0.2 % change
+it by 2 %.
 """
 
 import math

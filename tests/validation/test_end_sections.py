@@ -1,27 +1,18 @@
 """Rigid and averaged end sections as bounds of a continuous shaft.
 
-Source: own derivation; no print gives e_n of a continuous solid shaft. Throws of equal webs in line (0
-deg) are mirror images of each other in the middles of their main journals. Under an axial pull these
-planes stay plane: uz is uniform, there is no shear, and no bearing carries anything across. That is one
-direct solve of a quarter, its end pulled evenly and free to contract. Of a throw and one turned by 180
-deg each is the other turned about the line x through the middle of the journal, so ux there is even in
-y and uy and uz - apart from a uniform part of uz - are odd, and the tractions the other way round.
-Prescribing the section's motion as odd or even polynomials of degree k leaves it too stiff, and letting
-only the moments of its wrong parts with such polynomials vanish leaves it too soft; the two close on
-the truth as k grows. k = 1 of the second is the averaged section itself.
-Between throws of equal webs ends are guided in the first case and pinned in the second, whatever the
-sections (tests/test_fem/test_neighbors_limits.py).
+Source: own derivation. Throws of equal webs in line (0 deg) are mirror images in the middles of their main
+journals: under an axial pull these planes stay plane, without shear. One direct solve of a quarter gives e_n.
+A throw and one turned by 180 deg are images of each other about the line x through the middle of the journal:
+ux is even in y, uy and uz odd. Prescribed polynomials of degree k there are too stiff, vanishing moments of
+the wrong parts too soft; both converge with k. Between throws of equal webs ends are guided in the first case
+and pinned in the second (tests/test_fem/test_neighbors_limits.py).
 
-All are solved on one mesh. Fields of rigid sections are among those of the truth and these among those
-of averaged ones, so the order is exact whatever the mesh, and the discretization error (5 % on these
-coarse ones) nearly falls out of the gaps: from 4,281 to 9,201 unknowns those at 0 deg change by a
-fortieth, the smaller ones at 180 deg by a tenth; 15 % is allowed. The brackets around the truth at 180 deg
-meet to 6e-5 at k = 5, of which a part is that the mesh is not symmetric about the line x: tolerance
-1e-4 there, round-off (1e-9) elsewhere.
+Tolerances: all are solved on one mesh, so the order is exact, and the discretization error nearly cancels in
+the differences: 15 %. The bounds at 180 deg meet to 6e-5 at k = 5: 1e-4; elsewhere round-off (1e-9).
 
-Measured for R 170, D 220/180, L 120/139, B 300, h 68, r 12 mm, rigid sections give at 0 deg 1.7 % less
-than the truth and averaged ones 2.6 % more, at 180 deg 0.5 % less and 0.3 % more. With main journals of
-250 mm it is 1.6 % and 0.1 %, and 0.14 % and 0.01 %.
+Measured for R 170, D 220/180, L 120/139, B 300, h 68, r 12 mm: rigid sections at 0 deg 1.7 % too stiff,
+averaged ones 2.6 % too soft, at 180 deg 0.5 and 0.3 %. With main journals of 250 mm: 1.6 and 0.1 %, 0.14 and
+0.01 %.
 """
 
 from dataclasses import dataclass

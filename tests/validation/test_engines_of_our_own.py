@@ -1,8 +1,8 @@
 """Critical speeds and causes of peaks of three engines of our own.
 
-Each order is solved here at very many speeds with the dynamic stiffness of the chain's matrices, numpy
-alone: the critical speeds found must be the peaks, within 0.2 % of the speed and 1 % of the amplitude.
-The parts of the orders are checked by the sum of them over the shaft angle.
+Source: the dynamic stiffness of the chain's matrices, solved with numpy alone at very many speeds. Critical
+speeds must be the peaks within 0.2 % of the speed and 1 % of the amplitude. The orders' parts are checked by
+their sum over the shaft angle.
 """
 
 from pathlib import Path

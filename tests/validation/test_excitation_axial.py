@@ -1,17 +1,14 @@
 """Axial force of a loaded throw in a shaft.
 
-There is no printed figure: A. I. Yamanin, V. A. Zhukov, Vestnik AGTU, Morskaya tekhnika i tekhnologiya
-2021 no. 4, pp. 75-83, doi 10.24143/2073-1574-2021-4-75-83, take the axial force as the reaction of the
-supports to the radial force in finite elements, and set it against P = c Z / e_n. Here both are of one
-shaft, the throw of 6ChN 25/34 with cranks at 0, 120, 240, 240, 120, 0 deg. The reference is the shaft of
-superelements itself: all six unknowns of each section, its main journals held laterally.
+Source: the shaft of superelements, all six unknowns of each section, main journals held laterally: the throw
+of 6ChN 25/34 with cranks at 0, 120, 240, 240, 120, 0 deg. A. I. Yamanin, V. A. Zhukov, Vestnik AGTU, Morskaya
+tekhnika i tekhnologiya 2021 no. 4, pp. 75-83, doi 10.24143/2073-1574-2021-4-75-83, compare the supports'
+reaction to the radial force with P = c Z / e_n, without printed figures.
 
-Tolerances. Excitation of the first axial mode: the chain has a spring 1/e per throw in place of the
-shaft's full axial matrix. With the influence of all pins the work of a unit radial force on each pin meets
-the shaft's within 1.6e-3 of the largest (bound 3e-3); by c Z / e of the throw alone it misses by 0.14 of the
-largest and for the third pin by a factor of 2.3 (at least 0.1 asked, so that it stays visible). Symmetry
-holds to the solver's round-off, 1e-8 of c. That torque may be taken at either end holds to the residual of
-the superelement's turning as a rigid body, measured 6e-7, bound 2e-6.
+Tolerances. With the influence of all pins the work of a unit radial force on each pin in the first axial mode
+meets the shaft's within 1.6e-3 of the largest (bound 3e-3); c Z / e of the throw alone misses by 0.14 of the
+largest (at least 0.1 required, to keep it visible). Symmetry holds to round-off, 1e-8 of c. Torque may act at
+either end: the superelement's residual under rigid turning is 6e-7, bound 2e-6.
 """
 
 import numpy as np

@@ -1,7 +1,7 @@
 """The first mode reported is that of the crankshaft, not of a coupling or a ring.
 
-Source: no outside one. Against two inertias on the coupling alone, in closed form: an engine behind a
-coupling of 1e5 N m/rad swings against its generator as one body at 1/(2 pi) sqrt(k (1/J1 + 1/J2)).
+Source: two inertias on the coupling, in closed form. An engine behind a coupling of 1e5 N m/rad vibrates
+against its generator as one body at 1/(2 pi) sqrt(k (1/J1 + 1/J2)).
 """
 
 import math

@@ -1,15 +1,12 @@
 """Published axial formulas in the limit of slender beams.
 
-The source is the theory of plane frames: an Euler-Bernoulli frame of journal halves, webs and pin,
-clamped nowhere, solved here by its own small stiffness method, which shares nothing with the
-formulas. With the journal ends free to tilt (gamma = 180 deg between neighboring cranks) the
-throw's compliance is pin + 2/3 web, with them blocked (gamma = 0) it tends to 1/2 pin + 1/6 web as
-the webs become flexible.
+Source: the theory of plane frames. An Euler-Bernoulli frame of journal halves, webs and pin is solved here by
+its own small stiffness method. With journal ends free to tilt (gamma = 180 deg) the compliance is
+pin + 2/3 web, with blocked ones (gamma = 0) it tends to 1/2 pin + 1/6 web as the webs become flexible.
 
-Where a formula is compared with its own terms the tolerance is round-off (1e-9 and less). Where it is
-compared with the frame, the tolerance is what the formula has besides: 0.167 for 1/6 and 0.667 for 2/3
-(1e-3), 4.72 x 1.7 = 8.024 for 8 (3e-3), journals and pin that bend while the webs' tilt is blocked
-(2e-2), shares of h added to lengths (1e-2 and more, said at the test).
+Tolerances: round-off (1e-9 and less) against a formula's own terms. Against the frame, the formula's further
+terms: 0.167 for 1/6 and 0.667 for 2/3 (1e-3), 4.72 x 1.7 = 8.024 for 8 (3e-3), journals and pin that bend
+while the webs' tilt is blocked (2e-2), shares of h added to lengths (1e-2 and more, stated at the test).
 """
 
 import math
@@ -135,7 +132,7 @@ def test_draminsky_1_is_the_exact_frame(figure):
         _, _, tension = beam_parts(throw)
         exact = frame_compliance(throw, tilt_blocked=False) - tension
         value = axial_formula("Draminsky (1)", throw).value
-        figure("Draminsky (1) beside the frame", value, exact, 1e-9, "m/N")
+        figure("Draminsky (1) against the frame", value, exact, 1e-9, "m/N")
 
 
 def test_dorey_tends_to_the_frame_at_both_ends_of_the_angle(figure):
@@ -144,12 +141,12 @@ def test_dorey_tends_to_the_frame_at_both_ends_of_the_angle(figure):
     opposite = axial_formula("Dorey", throw, 180.0).value
     assert opposite == close(pin + 0.667 * web, rel=1e-12)
     exact = frame_compliance(throw, tilt_blocked=False) - tension
-    figure("Dorey beside the frame, 180 deg", opposite, exact, 1e-3, "m/N")
+    figure("Dorey against the frame, 180 deg", opposite, exact, 1e-3, "m/N")
     parallel = axial_formula("Dorey", throw, 0.0).value
     assert parallel == close(0.5 * pin + 0.167 * web, rel=1e-12)
     # Webs so flexible that journals and pin count as rigid.
     exact = frame_compliance(throw, tilt_blocked=True) - tension
-    figure("Dorey beside the frame, 0 deg", parallel, exact, 0.02, "m/N")
+    figure("Dorey against the frame, 0 deg", parallel, exact, 0.02, "m/N")
 
 
 def test_anderson_tends_to_the_frame_at_both_ends_of_the_angle(figure):
@@ -182,7 +179,7 @@ def test_anderson_tends_to_the_frame_at_both_ends_of_the_angle(figure):
         assert web_part == close(share * web, rel=0.03)
         exact = frame_compliance(thin, tilt_blocked=blocked)
         value = axial_formula("Anderson", thin, gamma).value
-        figure(f"Anderson beside the frame, {gamma:.0f} deg", value, exact, 0.15, "m/N")
+        figure(f"Anderson against the frame, {gamma:.0f} deg", value, exact, 0.15, "m/N")
 
 
 def test_gorbunov_web_is_the_exact_web_at_half_the_printed_factor(figure):
@@ -191,7 +188,7 @@ def test_gorbunov_web_is_the_exact_web_at_half_the_printed_factor(figure):
     pin, web, _ = beam_parts(throw)
     value = axial_formula("Gorbunov", throw, constants={"k_gorbunov": 0.5}).value
     exact = frame_compliance(throw, tilt_blocked=False)
-    figure("Gorbunov with 0.5 beside the frame", value, exact, 0.01, "m/N")
+    figure("Gorbunov with 0.5 against the frame", value, exact, 0.01, "m/N")
     more = axial_formula("Gorbunov", throw, constants={"k_gorbunov": 1.0}).value
     assert more - value == close(2 / 3 * web, rel=1e-9)
     assert value > pin
@@ -229,7 +226,7 @@ def test_stoyanov_web_is_the_exact_web(figure):
     assert printed == close(8.0, rel=3.1e-3)
     exact = frame_compliance(throw, tilt_blocked=False)
     # Besides: 0.48 h on 0.9 m of the pin (2.7 % of it, 0.2 % of the whole).
-    figure("Stoyanov beside the frame", c * web_part + pin, exact, 5e-3, "m/N")
+    figure("Stoyanov against the frame", c * web_part + pin, exact, 5e-3, "m/N")
 
 
 def test_tsniimf_without_overlap_is_the_exact_web(figure):
@@ -237,7 +234,7 @@ def test_tsniimf_without_overlap_is_the_exact_web(figure):
     _, web, _ = beam_parts(throw)
     for variant in ("corrected", "plain"):
         value = axial_formula("TsNIIMF", throw, variant=variant).value
-        figure("TsNIIMF beside 2/3 web", value, 2 / 3 * web, 1e-12, "m/N")
+        figure("TsNIIMF against 2/3 web", value, 2 / 3 * web, 1e-12, "m/N")
 
 
 def test_draminsky_2_with_k_4_tends_to_the_frame_at_both_ends_of_the_angle(figure):

@@ -1,36 +1,26 @@
 """Throws of slender parts.
 
-Source: the theory of frames, derived here. The throw is cut open at its right end and pulled by a unit
-force along z, or twisted by a unit moment about z. Half journals and pin lie along z at y = 0 and
-y = R, the webs along y between them; L = L_j + L_p.
+Source: the theory of frames, derived here. The throw is cut open at its right end and loaded by a unit force
+along z, or a unit moment about z. Half journals and pin are along z at y = 0 and y = R, the webs along y;
+L = L_j + L_p.
 
-Pulled, ends free to tilt (pinned): no support reacts sideways. A web carries the moment y, the pin R, so
-that integrals of M^2/(E I) give pin + 2/3 web with pin = R^2 L_p/(E I_p), web = R^3/(E I_w),
-I_w = B h^3/12. Journals and pin lengthen by ten = (L_j/F_j + L_p/F_p)/E, the webs shear by
-1.2 * 2 R/(G B h), 1.2 being the rectangle's shear factor.
+- Pulled, pinned: integrals of M^2/(E I) give pin + 2/3 web with pin = R^2 L_p/(E I_p), web = R^3/(E I_w),
+  I_w = B h^3/12, plus (L_j/F_j + L_p/F_p)/E and the webs' shear 1.2 * 2 R/(G B h).
+- Pulled, guided: a moment m R acts at both ends; m = (a + b/2)/(a + b + j) with a = pin/2, b = web,
+  j = R^2 L_j/(2 E I_j). The bending part is (1 - m) pin + (2/3 - m) web.
+- Twisted, pinned: L_j/(G J_j) + L_p/(G J_p) + 2 R/(E h B^3/12).
+- Twisted, guided: with u = 2 M/L the moments are u z about y and 1 - u y about z. The flexibility against u
+  is A, the unit moment drives it by C, and the compliance is the pinned one less C^2/A:
 
-Pulled, ends kept from tilting (guided): a moment m R at both ends takes its part of the above, journals
--m R, webs y - m R, pin (1 - m) R. The ends do not tilt where the energy is least: m = (a + b/2)/(a + b + j)
-with a = pin/2, b = web, j = R^2 L_j/(2 E I_j). The bending part is then (1 - m) pin + (2/3 - m) web.
-
-Twisted, pinned: the moment is 1 about z everywhere. It twists journals and pin, and bends the webs in
-their own plane: L_j/(G J_j) + L_p/(G J_p) + 2 R/(E h B^3/12).
-
-Twisted, guided: a moment M about y at both ends, balanced by sideways forces 2 M/L. With u = 2 M/L and
-z from the middle of the pin, the moments are u z about y and 1 - u y about z. The flexibility against u is
     A = 2/3 [(L/2)^3 - (L_p/2)^3]/(E I_j) + 2/3 (L_p/2)^3/(E I_p) + R^2 L_p/(G J_p)
-        + 2/3 R^3/(E h B^3/12) + 2 (L_p/2)^2 R/(G K),
-K the rectangle's torsion constant, and the unit moment drives it by
-    C = R L_p/(G J_p) + R^2/(E h B^3/12).
-The compliance is the pinned one less C^2/A.
+        + 2/3 R^3/(E h B^3/12) + 2 (L_p/2)^2 R/(G K)        (K: the rectangle's torsion constant)
+    C = R L_p/(G J_p) + R^2/(E h B^3/12)
 
-Three throws of one family have the same R, L_j and L_p; all dimensions across the parts are halved from one
-to the next. Tension and shear then lose three quarters of their share each time, and the joints, which
-have a size, half of theirs: finite element value over frame value = 1 + c1 D/R + c2 (D/R)^2 + ...
+Three throws have the same R, L_j and L_p; all transverse dimensions are halved from one to the next. So the
+ratio to the frame is 1 + c1 D/R + c2 (D/R)^2 + ..., and is extrapolated.
 
-Tolerances. Extrapolation that takes out both powers leaves c3 (D/R)^3 and the mesh: with errors of about
-0.15 % in each of the three values, weighted 8/3, 2 and 1/3, it is 0.5 %. The values extrapolated differ
-from the frame by up to 24 %. A wrong factor (1/2 for 2/3, J for I, a missing half) is off by much more.
+Tolerances. The extrapolation leaves c3 (D/R)^3 and the mesh: errors of 0.15 % in each of three values,
+weighted 8/3, 2 and 1/3, make 0.5 %. The throws themselves differ from the frame by up to 24 %.
 """
 
 import math

@@ -1,16 +1,12 @@
 """The cycle model of the gas pressure.
 
-Sources: textbook results for a gas with constant heat capacities, such as in J. B. Heywood,
-Internal Combustion Engine Fundamentals, the chapter on ideal models of engine cycles: isentropic
-compression p V^g = const; the constant-volume (Otto) cycle, whose work ratio is 1 - r^(1 - g);
-the constant-volume rise of pressure (g - 1) Q / V. Volume of a slider-crank: its law written out,
-V = V_c + A (R + L - R cos a - sqrt(L^2 - R^2 sin^2 a)). The factor 6.908 of the Wiebe law is
--ln(1 - 0.999).
+Sources: ideal cycles of a gas with constant heat capacities, as in J. B. Heywood, Internal Combustion Engine
+Fundamentals: isentropic compression p V^g = const; the constant-volume (Otto) cycle with the work ratio
+1 - r^(1 - g); the constant-volume rise of pressure (g - 1) Q / V. Volume of a slider-crank:
+V = V_c + A (R + L - R cos a - sqrt(L^2 - R^2 sin^2 a)). The factor 6.908 of Wiebe's law is -ln(1 - 0.999).
 
-Tolerances: round-off where the closed form is that of the model. Combustion of a short duration d
-at the top is the constant-volume one but for the volume's growth over d, which near the top is
-V / V_c - 1 = (r - 1) (1 + R / L) a^2 / 4: the test checks that shortfall, not only its size, to a
-hundredth, as the square law is the first term of its series in d.
+Tolerances: round-off where the closed form is that of the model. A short combustion at the top falls short
+of the constant-volume one by V / V_c - 1 = (r - 1) (1 + R / L) a^2 / 4, tested to a hundredth.
 """
 
 from dataclasses import replace

@@ -173,7 +173,7 @@ def test_what_the_moment_lacks_is_told_as_mean_and_as_largest(figure):
     wanted = other.point.moment
     lacking = wanted - run.profile.with_pressure(other.best.pressure).moment
     mean = np.sqrt(np.sum(lacking**2) / np.sum(wanted**2))
-    figure("lacking, root mean square", other.best.moment_residual, mean, 1e-9)
+    figure("missing moment, root mean square", other.best.moment_residual, mean, 1e-9)
     largest = np.abs(lacking).max() / np.abs(wanted).max()
-    figure("lacking, largest", other.best.largest_residual, largest, 1e-9)
+    figure("missing moment, largest", other.best.largest_residual, largest, 1e-9)
     assert largest > 1.5 * mean

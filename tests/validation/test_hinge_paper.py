@@ -1,23 +1,20 @@
 """The elastic hinge of a two-stroke crosshead engine.
 
-Source: A. N. Zotov, E. Sh. Imaeva, Two-stroke single-cylinder engine with constant angular velocity
-crank, Transport i khranenie nefteproduktov i uglevodorodnogo syr'ya 2024 no. 1-2, pp. 50-55, doi
-10.24412/0131-4270-2024-1-2-50-55: equations (1) to (14), data of figures 3 and 4.
+Source: A. N. Zotov, E. Sh. Imaeva, Transport i khranenie nefteproduktov i uglevodorodnogo syr'ya 2024
+no. 1-2, pp. 50-55, doi 10.24412/0131-4270-2024-1-2-50-55: equations (1) to (14), data of figures 3 and 4.
 
-What can be compared: the paper prints no number that its equations lead to except one, the pressure
-of 9.75 MPa (1.95 times 5 MPa) that suits the guides made for 89 1/min to 142 1/min. Its gas forces
-are only drawn (figure 2); so are the moments (figure 3) and the guides (figure 4). Ours come from a
-cycle model with assumed pressures (data/hinges/crosshead-30-100.toml), hence no curve of the paper
-can be met. Tested are its equations, in the form in which they hold, and its statements:
+The paper prints one resulting number: the pressure of 9.75 MPa (1.95 times 5 MPa) at which the guides made
+for 89 1/min suit 142 1/min. Gas forces, moments and guides are only drawn; those here come from a cycle model
+with assumed pressures (data/hinges/crosshead-30-100.toml). Tested are the corrected equations and these
+statements:
 
 - the hinge moment has the integral zero over a turn;
-- a hinge made for a speed makes it constant (the paper does not integrate the equation of motion);
+- a hinge made for a speed makes it constant;
 - the larger H and p_0, the closer the guides are to a circle;
 - the moment is proportional to the start pressure;
-- by the start pressure alone the same guides serve other speeds "practically": not with our forces.
+- other start pressures adapt the guides to other speeds "practically": not with the forces here.
 
-Tolerances: 1e-9 where the statement is exact; the others are the statement itself. Figures that the
-tests hold to three digits are ours, a record for whoever changes the cycle model.
+Tolerances: 1e-9 where the statement is exact; figures of three digits are records of this program.
 """
 
 import numpy as np

@@ -1,18 +1,16 @@
 """Balance of well-known engines.
 
 Source: one cylinder with crank radius R, lambda = R/L and reciprocating mass m has the inertia force
-m R w^2 (cos a + A_2 cos 2a + A_4 cos 4a + ...) along its axis. From s = R cos a + L sqrt(1 - lambda^2
-sin^2 a), with the binomial series and sin^2n a as a sum of cosines,
+m R w^2 (cos a + A_2 cos 2a + A_4 cos 4a + ...) along its axis,
 
     A_2k = (2k)^2 (2/lambda) (-1)^k sum over n >= k of C(1/2, n) (-lambda^2/4)^n C(2n, n-k),
 
-whose first terms are the textbooks' A_2 = lambda + lambda^3/4 + 15 lambda^5/128 and
-A_4 = -(lambda^3/4 + 3 lambda^5/16). The resultants of an engine follow from summing exp(i k angle) over
-its cranks by hand; the results stand at each engine below and in handbooks (for example the tables of
-free forces and moments in Bosch's Automotive Handbook), with h_k = m R w^2 A_k and cylinder pitch a.
+from the binomial series; its first terms are A_2 = lambda + lambda^3/4 + 15 lambda^5/128 and
+A_4 = -(lambda^3/4 + 3 lambda^5/16). Sums of exp(i k angle) over the cranks give the engine's resultants, as
+in handbooks (free forces and moments in Bosch's Automotive Handbook), with h_k = m R w^2 A_k and cylinder
+pitch a.
 
-Tolerances: the series above is summed until its terms are below 1e-17, the engines are exact: 1e-12 of
-the value leaves room for round-off of some tens of terms. Numbers printed with three digits after the
+Tolerances: the series ends below 1e-17: 1e-12 of the value. Numbers printed with three digits after the
 point are met to half of the last one.
 """
 

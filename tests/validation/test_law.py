@@ -1,12 +1,12 @@
 """The law on throws excluded from its fit.
 
 Source: data/tables/law_throws.csv.gz, corrected superelements of this program's finite elements for random
-throws of the samples plain-test and real-test, which took part neither in training nor in any choice; and
-e_n of the shipped engines' throws by corrected finite elements at 1 %, end sections rigid, as below. The
-law is an interpolation of other throws' answers, so that its own error is judged. Tolerances are what the
-law is held to: plain throws' e_n pinned 0.2 % rms and 1 % at most, their other compliances 0.5 % rms; real
-throws as docs/law.md tells, and most shipped engines' 2 %. A band that holds 95 of 100 true values holds 90
-of 100 of a sample of some hundred, with luck of one in several hundred against it.
+throws of the samples plain-test and real-test, used neither for training nor for any choice; e_n of the
+shipped engines' throws by corrected finite elements at 1 %, end sections rigid.
+
+Tolerances: plain throws' e_n pinned 0.2 % rms and 1 % at most, their other compliances 0.5 % rms; real throws
+as docs/law.md states, and most shipped engines' 2 %. A band for 95 of 100 true values must hold 90 of 100 of
+a sample of some hundred.
 """
 
 import csv
@@ -89,7 +89,7 @@ def test_plain_throws(throws, figure):
     figure("error of e_n pinned, rms", rms(found[0]), 0.0, 0.002, kind="absolute")
     figure("error of e_n pinned, largest", np.abs(found[0]).max(), 0.0, 0.01, kind="absolute")
     for error in rms(found[1:]):
-        figure("errors of its other answers, rms", error, 0.0, 0.005, kind="absolute")
+        figure("errors of its other results, rms", error, 0.0, 0.005, kind="absolute")
 
 
 def test_real_throws(throws, figure):
@@ -104,7 +104,7 @@ def test_real_throws(throws, figure):
         kind="absolute",
     )
     for error in rms(found[1:]):
-        figure("errors of real throws' other answers, rms", error, 0.0, 0.01, kind="absolute")
+        figure("errors of real throws' other results, rms", error, 0.0, 0.01, kind="absolute")
 
 
 def test_shipped_engines():

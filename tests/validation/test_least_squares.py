@@ -1,14 +1,12 @@
 """Ordinary least squares, and Longley's data.
 
-Longley (J. W. Longley, Journal of the American Statistical Association 62, 1967, pp. 819-841) is
-the standard test of accuracy on nearly dependent columns; the certified values are those of the
-NIST Statistical Reference Datasets (Longley.dat, certified to 15 digits). The second set is stack
-loss (Brownlee, Statistical Theory and Methodology, 1965, p. 454), the third our own study
-(tests/golden/paper_study.csv).
+Sources: Longley (J. W. Longley, Journal of the American Statistical Association 62, 1967, pp. 819-841) with
+certified values of the NIST Statistical Reference Datasets (Longley.dat, 15 digits); stack loss (Brownlee,
+Statistical Theory and Methodology, 1965, p. 454); our own study (tests/golden/paper_study.csv), both against
+statsmodels.
 
-Tolerance against statsmodels: 1e-10, what two orthogonal factorizations of coded columns agree to
-(their condition numbers are below 1e3, so 1e-13 is lost at most); of PRESS and its like the same.
-Against certified values 1e-9: nine digits are asked for.
+Tolerance against statsmodels: 1e-10, the agreement of two orthogonal factorizations of coded columns with
+condition numbers below 1e3. Against certified values 1e-9.
 """
 
 import csv

@@ -27,9 +27,9 @@ def test_intermediate_shaft_of_500_mm(figure):
     limit = propulsion_shaft_limit(560e6, 0.5, 100.0)
     kept = at(limit.continuous, 0.5, 0.9, 1.0, 1.06)
     wanted = [61.83, 34.13, 34.13, np.inf]
-    figure("intermediate shaft, kept speeds", kept, wanted, 0.005, "MPa", "absolute")
+    figure("intermediate shaft, continuous running", kept, wanted, 0.005, "MPa", "absolute")
     passed = at(limit.passing, 0.5)
-    figure("intermediate shaft, passed speeds", passed, 105.12, 0.01, "MPa", "absolute")
+    figure("intermediate shaft, passing", passed, 105.12, 0.01, "MPa", "absolute")
     assert limit.passing.high == close(80.0)
 
 
@@ -37,15 +37,15 @@ def test_propeller_shaft_may_be_passed_with_more_of_its_lower_limit(figure):
     """1.7 / sqrt(0.55) = 2.2923 times 0.55 * 61.834 = 34.01."""
     limit = propulsion_shaft_limit(560e6, 0.5, 100.0, feature="propeller shaft")
     kept, passed = at(limit.continuous, 0.5), at(limit.passing, 0.5)
-    figure("propeller shaft, kept speeds", kept, 34.01, 0.005, "MPa", "absolute")
-    figure("propeller shaft, passed speeds", passed, 77.96, 0.02, "MPa", "absolute")
+    figure("propeller shaft, continuous running", kept, 34.01, 0.005, "MPa", "absolute")
+    figure("propeller shaft, passing", passed, 77.96, 0.02, "MPa", "absolute")
 
 
 def test_crankshaft_of_a_main_engine(figure):
     """45 - 24 * 0.25 = 39; 45 - 24 = 21; 21 + 237 * 0.3 * sqrt(0.1) = 43.48."""
     limit = crankshaft_limit(100.0, strokes=4)
     kept, wanted = at(limit.continuous, 0.5, 1.0, 1.1, 1.16), [39.0, 21.0, 43.48, np.inf]
-    figure("crankshaft, kept speeds", kept, wanted, 0.005, "MPa", "absolute")
+    figure("crankshaft, continuous running", kept, wanted, 0.005, "MPa", "absolute")
     assert at(limit.passing, 0.5, 0.81) == close([78.0, np.inf])
 
 

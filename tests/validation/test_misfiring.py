@@ -1,9 +1,8 @@
 """The worst misfiring cylinder of engines of our own.
 
-The combustion of each cylinder in turn is cut out by hand: torque is the gas force times the piston's
-travel per angle, its orders are plain Fourier sums, the torsional chain's matrices are solved by numpy for
-each order at each speed, and stresses are summed over many shaft angles. Which cylinder is worst by the
-rule's limit, and the stress it brings, must be those of the program.
+Source: the combustion of each cylinder in turn is removed by hand: torque is the gas force times the piston's
+travel per angle, its orders are Fourier sums, numpy solves the chain at each speed, and stresses are summed
+over many shaft angles. The worst cylinder by the rule's limit, and its stress, must be the same.
 """
 
 from pathlib import Path

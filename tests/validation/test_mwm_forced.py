@@ -1,20 +1,15 @@
 """Forced torsional vibration of the MWM six-cylinder diesel.
 
-Source: Mendes, Meirelles, Zampieri, Analysis of torsional vibration in internal combustion engines:
-modelling and experimental validation, Proc. IMechE K 222 (2008) 155-178, doi
-10.1243/14644193JMBD126: inertias, stiffnesses, absolute damping of 2 N m s/rad at each cylinder,
-loss factor 0.035 of each shaft, bore 105, stroke 137, rod 207 mm, firing at 120 deg x (0, 4, 2, 5, 1,
-3). Its cylinder pressure is measured and not printed in numbers, so that the amplitudes of its
-figures cannot be the reference. The torque here is our choice, stated in full: pressure above that
-of the crankcase 90 bar exp(-((theta - 12 deg) / 24 deg)^2) after the firing top, on the piston of a
-slider-crank of these dimensions, orders 0.5 to 12.
+Source: Mendes, Meirelles, Zampieri, Proc. IMechE K 222 (2008) 155-178, doi 10.1243/14644193JMBD126:
+inertias, stiffnesses, absolute damping of 2 N m s/rad at each cylinder, loss factor 0.035 of each shaft, bore
+105, stroke 137, rod 207 mm, firing at 120 deg x (0, 4, 2, 5, 1, 3). Its cylinder pressure is not printed in
+numbers. The torque here is assumed: pressure above the crankcase's of 90 bar exp(-((theta - 12 deg) / 24
+deg)^2) after the firing top, on the piston of a slider-crank of these dimensions, orders 0.5 to 12.
 
-Tolerances. With hysteretic damping the answer of each order is solved for here, order by order:
-round-off times a condition of at most 1e4, so 1e-10. Time integration needs viscous damping: c = eta
-k / w_1 takes the place of the loss factors in both. One cycle is integrated with a relative
-tolerance of 1e-9 from the initial state that the exact propagator of a cycle makes periodic; what
-must agree within 0.5 % agrees within 2e-5, of which 1e-5 is the share that extremes may lose between
-20,000 instants, (24 pi / 20,000)^2 / 2, and the rest the error of integration.
+Tolerances. Each order is solved here with hysteretic damping: round-off times a condition of at most 1e4, so
+1e-10. Time integration uses viscous damping, c = eta k / w_1, in both. One cycle is integrated with a
+relative tolerance of 1e-9 from the periodic initial state; it agrees within 2e-5, of which 1e-5 is lost
+between 20,000 instants.
 """
 
 import numpy as np

@@ -1,19 +1,16 @@
 """A shaft of two different throws.
 
 Three cranks at 0, 240 and 120 deg (`tests/data/unequal-three.toml`), the first with a counterweight and
-longer, the others without: the shaft is out of balance, and no two throws stand alike. Mass properties and
-the 12 x 12 stiffness of either throw alone are taken as given; everything that is made of them is made once
-more with numpy alone:
+longer. Mass properties and the 12 x 12 stiffness of either throw are given; the rest is repeated with numpy
+alone:
 
-- balance: masses at their centers, at the angle and the place of each crank, and moments about the middle;
-- chains: rods as two masses at their pins and half of what moves with the piston at each crank; compliances
-  from both stiffnesses turned to the crank angles and put in a row, with sections on springs across the shaft
-  and free to tilt, throws sharing what sections do beside; half of a throw's compliance on either side of its
-  crank;
-- the whole crankshaft: where its sections stand, and its mass by the throws' mass matrices.
+- balance: masses at their centers, angles and positions, and moments about the middle;
+- chains: rods as two masses at their pins and half of the reciprocating mass at each crank; compliances of
+  the assembled throws with sections on lateral springs; half of a throw's compliance on either side;
+- the whole crankshaft: positions of its sections, and its mass by the throws' mass matrices.
 
-Tolerances: both sides are the same linear algebra on systems of 24 unknowns, whose condition number (1e7 in
-SI units) leaves 1e-9 of the round-off; sums of masses and places are exact to 1e-12.
+Tolerances: the same linear algebra on 24 unknowns with a condition number of 1e7 leaves 1e-9; sums of masses
+and positions 1e-12.
 """
 
 import math

@@ -2,29 +2,21 @@
 
 Sources and tolerances:
 
-- Volume of a cylinder of radius a that pierces one of radius R across its axis:
-  8/3 R ((R^2 + a^2) E(m) - (R^2 - a^2) K(m)), m = (a/R)^2, with the complete elliptic integrals K and E
-  (the integral of 4 sqrt(R^2 - x^2) sqrt(a^2 - x^2); a tilted hole has it divided by the cosine of its tilt,
-  for its chords are so much longer). A rounded exit is checked by counting: material that no ball of
-  that radius within the solid reaches. Formula against closed form 1e-9; solids and meshes against the
-  formula 0.1 % of the hole and of the throw, of which the kernel and curved elements take 0.006 %.
+- Volume of a cylinder of radius a across one of radius R:
+  8/3 R ((R^2 + a^2) E(m) - (R^2 - a^2) K(m)), m = (a/R)^2, with the complete elliptic integrals K and E; a
+  tilted hole has it divided by the cosine of its tilt. A rounded exit is checked by counting. Formula 1e-9;
+  solids and meshes 0.1 % of the hole and of the throw.
 - Stress concentration at a sharp hole across a round bar or tube: W. D. Pilkey, Peterson's Stress
-  Concentration Factors, chapter 4, transverse hole in a round bar or tube (the polynomials as reprinted
-  at eng-calculations.com; they are fitted to photoelastic measurements, above all those of H. T. Jessop,
-  C. Snell and I. M. Allison, 1959): largest principal stress by the nominal stress of the full section.
-  3 % in tension of bars, for tubes, and in bending and torsion for holes of 0.3 diameters. In bars with
-  holes of 0.1 and 0.2 diameters finite elements find 3 to 8 % more than this in bending and torsion; these
-  have 8.5 %. CalculiX says the same of the same bar (hole of 0.1, eight elements a quarter of it: 2.98 and
-  4.01, here 2.95 and 3.94), and the smallest hole must have what an infinitely small one has, see below: the
-  curves, which fall from there by 6 times the hole's diameter over the bar's, have 2.89 and 3.89 at 0.02. The
-  largest stress lies a fifth to a third of the hole's diameter below the rim, where the stress of the bar
-  has fallen by 0.4 to 0.7 times that ratio. A slope of 6 has no such reason; slices of photoelastic
-  models average over a steep slope.
-- G. Kirsch (Z. VDI 42, 797-807, 1898): a small hole has 3 under tension and 4 under shear. In a bar with a
-  hole of 0.02 diameters 3 %, which is what the free surface adds a little below the rim.
+  Concentration Factors, chapter 4 (polynomials as reprinted at eng-calculations.com, fitted to photoelastic
+  measurements, mainly of H. T. Jessop, C. Snell and I. M. Allison, 1959). 3 % in tension of bars, for tubes,
+  and in bending and torsion for holes of 0.3 diameters. For holes of 0.1 and 0.2 diameters in bending and
+  torsion 8.5 %: finite elements find 3 to 8 % more, and so does CalculiX on the same bar (hole of 0.1: 2.98
+  and 4.01, here 2.95 and 3.94).
+- G. Kirsch (Z. VDI 42, 797-807, 1898): a small hole has 3 under tension and 4 under shear; 3 % for a hole of
+  0.02 diameters.
 - The factors for oil bores of IACS UR M53 (Rev.5, as printed in Korean Register, Rules for the
   Classification of Steel Ships 2025, Part 5 Guidance, Annex 5-3), gamma_B = 3 - 5.88 d + 34.6 d^2 and
-  gamma_T = 4 - 6 d + 30 d^2: 3 % at d = 0.2, the end of their range; like Peterson's they are lower at 0.1.
+  gamma_T = 4 - 6 d + 30 d^2: 3 % at d = 0.2, the end of their range.
 - Twice as many elements change the factors by less than 2 %.
 """
 
@@ -133,7 +125,7 @@ def test_solid_and_mesh_lose_what_the_hole_takes(hole, dimensions, figure):
     copies = {"quarter": 4.0, "half": 2.0}[throw.symmetry]
     solid = copies * throw_solid(throw).volume
     figure("volume of a throw with a hole", solid, throw.volume, 1e-3, "m^3")
-    figure("volume that the hole takes", plain.volume - solid, taken, 1e-3, "m^3")
+    figure("volume of the hole in the throw", plain.volume - solid, taken, 1e-3, "m^3")
     meshed = mesh_mass_properties(mesh_throw(throw), 1.0).mass
     figure("volume of its mesh", meshed, throw.volume, 1e-3, "m^3")
 

@@ -1,15 +1,13 @@
 """The paper's regression repeated, and a family of engines.
 
-Yamanin and Zhukov (Vestnik AGTU, Morskaya tekhnika, 2021 no. 4, pp. 75-83) fit the axial compliance
-of a 25/34 throw by ``e = 1e-10 (6.1 - 0.0583 B - 0.0386 h + 0.0102 L_shm)`` for B 270 ... 330,
-h 38 ... 98, L_shm 120 ... 158 mm, without saying what units the variables have. Finite element
-results here are this program's (tests/golden, README.md there); they are not a check of the finite
-elements but of what a regression makes of them.
+Yamanin and Zhukov (Vestnik AGTU, Morskaya tekhnika, 2021 no. 4, pp. 75-83) fit the axial compliance of a
+25/34 throw by ``e = 1e-10 (6.1 - 0.0583 B - 0.0386 h + 0.0102 L_shm)`` for B 270 ... 330, h 38 ... 98,
+L_shm 120 ... 158 mm, without units of the variables. Finite element results are this program's (tests/golden,
+README.md there); the case verifies the regression, not the finite elements.
 
-Tolerances: the errors asked for are 2.5 % with 27 runs, 0.5 % with at most 40, 5 % for the left-out
-engine; measured are 1.9, 0.12 and 0.1 %. Q2 of the linear form is asked to be about 0.87 (within
-0.01). Golden numbers are recomputed within 0.2 %: another mesh of the same fineness moves e_n by
-some 0.05 %, other fineness by the estimated error, 0.9 %.
+Tolerances: 2.5 % with 27 runs, 0.5 % with at most 40, 5 % for the engine left out; measured are 1.9, 0.12 and
+0.1 %. Q2 of the linear form is 0.87 within 0.01. Golden numbers are recomputed within 0.2 %, as another mesh
+moves e_n by some 0.05 %.
 """
 
 import csv

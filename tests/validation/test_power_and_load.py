@@ -1,10 +1,9 @@
 """Power of the gas and load over the speed.
 
-The work of a cylinder is integrated here over the volume of a slider crank, Simpson's rule over the
-pressure's own samples and the volume's derivative written out, numpy alone. A propeller takes power with
-the cube of the speed: at half speed a quarter of the mean pressure and an eighth of the power, told, in the
-forces that excite, and in the torque of the mechanism. The published engine is MAN B&W 6S50MC-C: 9480 kW
-at 127 1/min with a mean effective pressure of 19.0 bar (project guide, figure 1.02, layout point L1).
+Sources: the work of a cylinder by Simpson's rule over the volume of a slider-crank, numpy alone. A propeller
+takes power with the cube of the speed: at half speed a quarter of the mean pressure and an eighth of the
+power. MAN B&W 6S50MC-C: 9480 kW at 127 1/min with a mean effective pressure of 19.0 bar (project guide,
+figure 1.02, layout point L1).
 """
 
 from pathlib import Path
@@ -78,9 +77,9 @@ def test_a_propeller_takes_the_cube_of_the_speed(name, figure):
     full, _ = own_power(engine, mechanism.pressure[0], rated)
     told = engine_load(engine, mechanism)
     place = int(np.argmin(np.abs(told.speeds - 0.5 * rated)))
-    figure("told power at half speed", told.power[place], full / 8.0, 1e-4, "W")
+    figure("reported power at half speed", told.power[place], full / 8.0, 1e-4, "W")
     mean = mechanism.power.mean_indicated_pressure
-    figure("told mean pressure", told.mean_pressure[place], mean / 4.0, 1e-4, "Pa")
+    figure("reported mean pressure", told.mean_pressure[place], mean / 4.0, 1e-4, "Pa")
     turned = cf.run_mechanism(mechanism, 0.5 * rated)
     figure("power of the torque at half speed", turned.torque.power, full / 8.0, 1e-4, "W")
     speeds = np.array([0.45, 0.5, 0.7, 1.0, 1.1]) * rated

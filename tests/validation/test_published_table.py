@@ -1,12 +1,11 @@
 """The survey's table of axial compliances, as printed and repaired.
 
-Source: A. I. Yamanin, V. A. Zhukov, Vestnik AGTU, Ser. Marine Engineering and Technologies, 2021,
-no. 4, pp. 75-83, doi 10.24143/2073-1574-2021-4-75-83, its table and the sentence below it.
+Source: A. I. Yamanin, V. A. Zhukov, Vestnik AGTU, Ser. Marine Engineering and Technologies, 2021, no. 4,
+pp. 75-83, doi 10.24143/2073-1574-2021-4-75-83, its table and the sentence below it.
 
-The paper gives no dimensions and its columns do not go together, so that the table proves no formula:
-beside a formula it is good for a factor of two at best. What is tested is the transcription (single
-values, the sums of rows), that the repaired powers of ten put every value where the others are, that
-two of its columns cannot go together, and what web the column of TsNIIMF has in its plain reading.
+The paper gives no dimensions and its columns contradict each other, so the table cannot verify a formula.
+Tested are the transcription (single values, sums of rows), the repaired powers of ten, the contradiction of
+two columns, and the web of the column TsNIIMF in its plain reading.
 """
 
 import math
@@ -169,7 +168,7 @@ def test_column_of_tsniimf_with_a_plain_web(table, figure):
     throw = throw_25_34(0.290)
     printed = table["ChN 25/34", "TsNIIMF"].printed
     plain = axial_formula("TsNIIMF", throw, variant="plain").value
-    figure("TsNIIMF with a plain web beside its column", plain, printed, 1e-4, "m/N")
+    figure("TsNIIMF with a plain web against its column", plain, printed, 1e-4, "m/N")
     # Neither the printed nor the corrected reading gives it for this web.
     for variant in ("printed", "corrected"):
         value = axial_formula("TsNIIMF", throw, variant=variant).value

@@ -1,13 +1,13 @@
 """Reactions from a study's equations, for 50 fresh throws.
 
-The study of 6chn25-34 (web width, web thickness, pin length) is run and fitted anew; the throws are drawn
-evenly over its box by another seed than its designs. Each is analyzed by itself, and its axial reaction
-compared with the one looked up, and with the band: ends pinned, guided and between neighbors at 120 deg, a
-radial force on the pin, or (between neighbors, where it has an axial reaction too) a tangential one.
+Source: finite elements of each throw. The study of 6chn25-34 (web width, web thickness, pin length) is run
+and fitted again; 50 throws are drawn evenly from its box by another seed. Axial reactions are compared with
+lookups and their bands: ends pinned, guided and between neighbors at 120 deg, under a radial force or
+(between neighbors) a tangential one.
 
-Tolerance: the root mean square error of the axial reaction is asked to be at most 1.5 %; measured are
-0.1 to 0.3 %. Bands are asked to hold 95 of 100 components; those of equilibrium alone are exact but for
-the mesh, whose pin is round to 2e-5 of its radius: that much of the load is allowed beside each band.
+Tolerance: root mean square error of the axial reaction at most 1.5 %; measured 0.1 to 0.3 %. Bands must hold
+95 of 100 components; for those of equilibrium alone 2e-5 of the load is allowed, the roundness of the mesh's
+pin.
 """
 
 import numpy as np

@@ -1,15 +1,14 @@
 """Crankpin load by two and by three masses, as in figure 4.
 
-Source: A. I. Yamanin, V. A. Zhukov, S. O. Baryshnikov, Vestnik GUMRF im. adm. S. O. Makarova 10
-(2018) no. 1, pp. 191-200, doi 10.21821/2309-5180-2018-10-1-191-200, figure 4: (a) ChN 13/14 at the
-rated load, (b) with a shortened rod, motored; static model of two masses (1), dynamic one of three (2).
-In the text: momentary values differ by up to 5 to 8 %, more with a shorter rod and less load. Neither
-masses nor pressures are printed, nor any value of the curves; those here are the shipped engine's, for
-(b) with a rod of 225 mm and atmospheric pressure in the intake.
+Source: A. I. Yamanin, V. A. Zhukov, S. O. Baryshnikov, Vestnik GUMRF im. adm. S. O. Makarova 10 (2018) no. 1,
+pp. 191-200, doi 10.21821/2309-5180-2018-10-1-191-200, figure 4: (a) ChN 13/14 at the rated load, (b) with a
+shortened rod, motored; static model of two masses (1), dynamic one of three (2). In the text momentary values
+differ by up to 5 to 8 %. Masses, pressures and values of the curves are not printed; those here are the
+shipped engine's, for (b) with a rod of 225 mm and atmospheric intake pressure.
 
-Independent are the masses (1) and the forces (9), (10), with the signs that test_rod_models_paper.py
-shows to be right, typed in here. They agree to round-off, 1e-12 of the largest force. Percentages are
-held to half of the last digit that docs/mechanism.md states.
+Tolerances: the masses (1) and the forces (9), (10), corrected as in test_rod_models_paper.py, are typed in
+here and agree to round-off, 1e-12 of the largest force. Percentages are held to half of the last digit that
+docs/mechanism.md states.
 """
 
 import numpy as np

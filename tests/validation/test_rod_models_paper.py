@@ -1,17 +1,15 @@
 """Rod models, accelerations and forces, as printed and corrected.
 
-Source: A. I. Yamanin, V. A. Zhukov, S. O. Baryshnikov, Vestnik GUMRF im. adm. S. O. Makarova 10
-(2018) no. 1, pp. 191-200, doi 10.21821/2309-5180-2018-10-1-191-200: masses (1), inertia force (2),
-positions (3) and (4), the accelerations printed after them, equilibrium (5) to (12). Engine ChN 13/14
-with l_shk 0.097, l_shp 0.168, l_d 0.009 m (R 0.070 m from the stroke). Its x runs across the cylinder
-to the side of rotation, its y towards the shaft: (x, y) = (n, -s) here; its N, t, z act on the rod:
-N = -side, and t, z are -T, -Z without the inertia of the mass at the crankpin.
+Source: A. I. Yamanin, V. A. Zhukov, S. O. Baryshnikov, Vestnik GUMRF im. adm. S. O. Makarova 10 (2018) no. 1,
+pp. 191-200, doi 10.21821/2309-5180-2018-10-1-191-200: masses (1), inertia force (2), positions (3) and (4),
+accelerations, equilibrium (5) to (12). Engine ChN 13/14 with l_shk 0.097, l_shp 0.168, l_d 0.009 m (R 0.070 m
+from the stroke). Its (x, y) = (n, -s) here; its N = -side, and t, z are -T, -Z without the inertia of the
+mass at the crankpin.
 
-Printed formulas are typed in as they stand and compared with mechanism_forces, which knows only the
-equilibrium of rigid bodies. Where they hold, they hold to round-off: 1e-12 of the largest value. Where
-not, the one sign or factor that mends them is shown, and the size of the difference is asserted to the
-digits that docs/mechanism.md states. The paper prints neither masses nor pressures: ours are stated
-below, and with them the sizes, not the signs, would change.
+Tolerances: printed formulas are compared with mechanism_forces. Right ones agree to round-off, 1e-12 of the
+largest value. For others the corrected sign or factor is shown, and the size of the difference is held to
+the stated digits. The paper prints neither masses nor pressures; those assumed here set the sizes, not the
+signs.
 """
 
 import math
@@ -215,7 +213,7 @@ def test_equilibrium_5_to_10_of_the_three_mass_model(figure):
     assert off(printed["Y_A"], wanted["Y_A"]) < 1e-12
     wrong = [off(printed[name], wanted[name]) for name in ("X_A", "t", "z")]
     wanted = [0.0504, 0.0087, 0.0041]
-    figure("what the printed sign in X_A, t, z costs", wrong, wanted, 5e-5, "", "absolute")
+    figure("error by the printed sign in X_A, t, z", wrong, wanted, 5e-5, "", "absolute")
 
 
 def test_inertia_force_2_has_the_sign_that_5_does_not_take():
@@ -323,7 +321,7 @@ def test_static_and_dynamic_model_differ_by_5_to_8_percent(
     found = np.array(
         [largest_change(length, ratio, motored=motored) for length, motored in CASES]
     ).T
-    what = "static beside dynamic model, at the same angle"
+    what = "difference of static and dynamic model, at the same angle"
     figure(what, found[0], same_angle, 0.06, "%", "absolute")
     np.testing.assert_allclose(found[1], of_mean, rtol=0.0, atol=0.06)
     np.testing.assert_allclose(found[2], of_maximum, rtol=0.0, atol=0.06)

@@ -1,16 +1,13 @@
 """A uniform shaft cut and joined again by section motions.
 
-Source: the uncut shaft itself, on the same mesh and with the same (rigid) ends. Two pieces of one
-diameter's length share a section in the middle; whatever the section cannot do is a seam. In torsion a
-section turns rigidly (Saint-Venant), so no choice has a seam; under a pull it contracts uniformly, a
-polynomial of degree 1; in pure bending by u_x = nu x y / rho and u_y = nu (y^2 - x^2) / (2 rho) for a
+Source: the uncut shaft, on the same mesh and with the same (rigid) ends. Two pieces of one diameter's length
+share a section in the middle. In torsion a section turns rigidly, so no choice has a seam; under a pull it
+contracts uniformly, degree 1; in pure bending u_x = nu x y / rho and u_y = nu (y^2 - x^2) / (2 rho) for a
 curvature 1 / rho in the plane of y, degree 2.
 
-Tolerance: 1e-5 of the compliance where the degree holds what the section does (0.1 % is promised);
-measured are 2e-6 at most, what is left of the ends' disturbance at the seam. The rigid seam is told: it makes
-the shaft of two diameters stiffer by as much as two rigid ends of a shaft (about 0.028 diameters each in
-tension and 0.022 in bending, see `test_straight_shaft`), 2.8 % in tension and 2.2 % in bending, allowed a
-fifth.
+Tolerance: 1e-5 of the compliance where the degree is sufficient; measured 2e-6. A rigid seam stiffens by as
+much as two rigid ends (0.028 diameters each in tension, 0.022 in bending, see `test_straight_shaft`), 2.8 %
+in tension and 2.2 % in bending, within a fifth.
 """
 
 from dataclasses import replace

@@ -1,27 +1,25 @@
 """Frequencies of shafts whose sections bend.
 
-Source: the project's own finite elements of whole shafts, free in space, nothing condensed and no section
-rigid. Four throws with short journals: R 64, D 88/75, L 34/38, B 112 mm obround, h 22, fillets 4 mm, cranks
-at 0-180-180-0 degrees; a quarter of the shaft is meshed (`benchmarks/shaft_solid.py`, `mesh_shaft_quarter`).
-Six throws of the 25/34, cranks at 0-120-240-240-120-0 degrees; a half, cut across the middle of the shaft.
+Source: the project's finite elements of whole shafts, free in space, nothing condensed and no section rigid.
+Four throws with short journals: R 64, D 88/75, L 34/38, B 112 mm obround, h 22, fillets 4 mm, cranks at
+0-180-180-0 degrees, a quarter meshed (`benchmarks/shaft_solid.py`, `mesh_shaft_quarter`). Six throws of the
+25/34, cranks at 0-120-240-240-120-0 degrees, a half meshed.
 
-Frequencies fall as meshes get finer. The square of each is short of the true one by the energy of the error
-of its mode (B. M. Irons's bound from above), which recovered stresses tell as they tell that of a throw
-(`fem.recovery`, times 1.25 on fine meshes, `fem.correction`). So corrected, modes 1 to 5 [Hz] are:
+Frequencies fall as meshes get finer; the energy of each mode's error, estimated from recovered stresses
+(`fem.recovery`, `fem.correction`), corrects them (B. M. Irons's bound from above). Modes 1 to 5 [Hz]:
 
     four throws                as the mesh gives them                          corrected
      49,620 unknowns   333.03 678.61 886.72 1050.38 1264.15   328.67 672.40 875.21 1047.70 1248.68
-     91,794 unknowns   331.12 676.12 882.10 1049.52 1258.33   328.54 672.36 875.10 1047.95 1248.59
     228,027 unknowns   329.92 674.44 878.75 1049.00 1254.14   328.75 672.78 875.62 1048.37 1249.85
     six throws
      75,714 unknowns    54.50  64.54 137.81  150.79  183.43    53.36  63.35 134.97  148.37  180.02
     179,139 unknowns    53.98  64.04 136.47  149.79  181.90    53.30  63.35 134.85  148.44  179.98
 
-All ten agree within 0.1 % between the two finest meshes of either: so much is the reference's own error.
+All ten agree within 0.1 % between the two finest meshes: the reference's own error.
 
-Tolerances: what is promised, 0.7 % of modes 1 to 5 and 1 % of modes 6 to 10, from one superelement made to
-1 % of compliance. Measured: four throws 0.45 and 0.6 % high with degree 2, 0.15 and 0.3 % with degree 4, up
-to 3.9 % with rigid sections; six throws 0.4 % with degree 2, 0.9 % with rigid sections.
+Tolerances: 0.7 % of modes 1 to 5 and 1 % of modes 6 to 10, from one superelement made to 1 % of compliance.
+Measured: four throws 0.45 and 0.6 % high with degree 2, 0.15 and 0.3 % with degree 4, up to 3.9 % with rigid
+sections; six throws 0.4 % with degree 2, 0.9 % with rigid sections.
 """
 
 import numpy as np

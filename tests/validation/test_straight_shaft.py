@@ -1,23 +1,17 @@
 """Straight shafts, solid and hollow, by the throw's condensation.
 
-Sources: the strength of materials of a prismatic shaft of length L: L/(E A) in tension, L/(G J) in torsion,
+Sources: strength of materials of a prismatic shaft of length L: L/(E A) in tension, L/(G J) in torsion,
 L/(E I) and L^2/(2 E I), slope and deflection of the end under a moment there, and Timoshenko's deflection
-L^3/(3 E I) + L/(kappa G A) under a force there, with Cowper's shear coefficient of a tube whose inner
-diameter is m times its outer one,
-kappa = 6 (1 + nu) (1 + m^2)^2/[(7 + 6 nu) (1 + m^2)^2 + (20 + 12 nu) m^2]
-(G. R. Cowper, The shear coefficient in Timoshenko's beam theory, J. Appl. Mech. 33, 1966).
+L^3/(3 E I) + L/(kappa G A) under a force there, with Cowper's shear coefficient of a tube with the ratio m
+of inner to outer diameter, kappa = 6 (1 + nu) (1 + m^2)^2/[(7 + 6 nu) (1 + m^2)^2 + (20 + 12 nu) m^2]
+(G. R. Cowper, J. Appl. Mech. 33, 1966).
 
-Where the theory holds. Averaged end sections are pulled, twisted and bent by tractions of uniform and
-linear distribution. These are Saint-Venant's own, so that the theory holds for any length; only the shear
-stress of a force across is distributed otherwise. Rigid end sections keep the shaft from contracting where
-it is pulled or bent, which is felt within a diameter from each end: the shaft acts as if it were shorter by
-a piece of about 0.022 diameters at each end in bending and 0.028 in tension, whatever its length. Torsion
-contracts nothing. Differences of two lengths are free of these pieces. A force across is the exception: its
-moment P L at the held end turns the section less by the piece's share, which grows with the length; the
-piece is known from the slope and put back.
+Averaged end sections carry Saint-Venant's tractions, so the theory holds for any length. Rigid ones prevent
+contraction: the shaft acts as if it were shorter by about 0.022 diameters at each end in bending and 0.028
+in tension. Differences of two lengths are free of this; for a force across it is corrected from the slope.
 
-Tolerances: 0.1 %, of deflections 0.2 %. Measured are up to 0.02 % (the mesh), of deflections 0.1 %
-(the shear at averaged ends). Where a bound is wider, it is to show the pieces themselves.
+Tolerances: 0.1 %, of deflections 0.2 %. Measured: up to 0.02 % (the mesh), deflections 0.1 % (shear at
+averaged ends). Wider bounds show the ends' effect itself.
 """
 
 from dataclasses import dataclass

@@ -3,20 +3,16 @@
 Sources and tolerances:
 
 - Neuber's closed form of a round bar with a deep hyperbolic notch (H. Neuber, Theory of Notch Stresses,
-  2nd ed., Springer 1958; W. D. Pilkey, Peterson's Stress Concentration Factors, 2nd ed., chapter 2),
-  exact for a hyperboloid that goes on for ever: 1.5 %, of which the mesh, with six elements across a
-  quarter circle of the root's radius, takes 1 %, and the end at 2.5 neck radii 0.5 %.
+  2nd ed., Springer 1958; W. D. Pilkey, Peterson's Stress Concentration Factors, 2nd ed., chapter 2): 1.5 %,
+  of which the mesh takes 1 % and the end at 2.5 neck radii 0.5 %.
 - Peterson's polynomials for a stepped round bar with shoulder fillet in bending and torsion (Pilkey,
-  charts 3.10 and 3.12; the coefficients also in W. C. Young, Roark's Formulas, table 17.1): 3 %, for
-  they are fitted to photoelastic measurements and drawn curves.
-- In tension Peterson's curve is known to be some 10 % low; the equation of S. M. Tipton, J. R. Sorem and
-  R. D. Rolovic (J. Mech. Des. 118, 321-327, 1996), fitted to finite elements: 3 %, what they and the
-  mesh leave together.
-- Sixteen elements across the shoulder fillet in place of eight (UR M53 asks for 6.3) change its
-  factors by less than 2 %.
-- Equilibrium: stresses over a section of a throw have the applied loads as resultant: 1.2 %, which is what
-  elements of 12 mm on a section of 180 mm leave (20 mm leave 2.5 %).
-- Stresses of beams, far from fillets and ends: 1.5 %, half of it what reaches there from the end.
+  charts 3.10 and 3.12; W. C. Young, Roark's Formulas, table 17.1): 3 %, as they are fitted to photoelastic
+  measurements and drawn curves.
+- In tension the equation of S. M. Tipton, J. R. Sorem and R. D. Rolovic (J. Mech. Des. 118, 321-327, 1996),
+  fitted to finite elements: 3 %. Peterson's curve is some 10 % low.
+- Sixteen elements across the shoulder fillet instead of eight (UR M53 requires 6.3): less than 2 %.
+- Resultants of stresses over a section equal the applied loads: 1.2 %, with elements of 12 mm on 180 mm.
+- Beam stresses, far from fillets and ends: 1.5 %.
 """
 
 import math

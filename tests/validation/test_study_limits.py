@@ -1,9 +1,9 @@
 """Range of a model: constraints and ranges of its study.
 
-A study of three dimensions with two constraints and a relation; its responses are closed forms of a frame
-of beams in place of finite elements. Which of 2,000 random throws belong to the study is decided here by
-comparing their dimensions with the study's numbers, and must be what the model says of each, whatever the
-form of its equation, as a number, in an array and on the command line. Counts are equal, without tolerance.
+A study of three dimensions with two constraints and a relation; its responses are closed forms of a frame of
+beams. For 2,000 random throws, comparisons of dimensions decide which belong to the study; the model must
+agree for each, for every form of its equation, as a number, in an array and on the command line. Tolerance:
+none, counts are equal.
 """
 
 import json

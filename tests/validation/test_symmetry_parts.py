@@ -1,13 +1,11 @@
 """One throw meshed as a quarter, as a half and whole.
 
-Source: the symmetry of the throw itself. Its quarter is solved in four classes of motion, its half in two,
-the whole in one, so that a sign or a factor of two wrong in any class shows between the three; a mesh
-mirrored from the quarter (tests/test_fem) would share the quarter's errors.
+Source: the throw's symmetry. Its quarter is solved in four classes of motion, its half in two, the whole in
+one, on meshes that share no node: a wrong sign or factor in any class shows.
 
-Tolerance: at size factor 1.2 the quarter's axial compliance is 1.1 % below the converged one, and meshes
-of that size are off by nearly the same. Halves and whole meshes, freer of the cuts, have slightly larger
-elements: they are 0.1 to 0.65 % stiffer than the quarter. Allowed is 1 %, the error of any of them. The
-pin's loads on the ends follow from equilibrium for the most part; they differ by 0.2 %, allowed is 0.5 %.
+Tolerance: at size factor 1.2 the quarter's axial compliance is 1.1 % below the converged one; halves and
+whole meshes are 0.1 to 0.65 % stiffer. Allowed is 1 %, the error of any of them. The pin's loads on the ends
+differ by 0.2 %; allowed is 0.5 %.
 """
 
 import numpy as np

@@ -5,18 +5,15 @@ All throws: crank radius 170 mm, journals 220 and 180 mm, journal lengths 120 an
 
 Sources and tolerances:
 
-- Project design calculations: second-order tetrahedra, whole throws and quarters refined until they
-  settled, web 68 mm thick. Sharp corners: e_n 1.41e-9 m/N pinned and 2.63e-10 m/N guided, still creeping
-  up with refinement; 2 % covers that and this code's own error. Fillets of 12 mm: e_n 1.281e-9 m/N
-  pinned, 2.505e-10 m/N guided; torsional compliance 3.96e-8 rad/(N m) pinned, 2.43e-8 guided; 1 %, the
-  accuracy that is asked for below.
-- CalculiX 2.20, whole throw with sharp corners, second-order tetrahedra, rigid end faces: e_n pinned
-  1.3288e-9 m/N on a coarse mesh and 1.3654e-9 m/N at 77,000 unknowns. Displacement elements are too
-  stiff, so the converged value lies above both.
-- Study of the angle between cranks: whole throws with sharp corners, 23,000 to 38,000 unknowns, helical
-  boundary conditions; e_n at 180, 120, 90 and 0 deg, and rho, the ratio of the stiffnesses against
-  tilting across and in the crank plane. Up to 6 % too stiff: coarse, with sharp corners. So they are
-  compared with answers of a mesh as coarse, which are not corrected for discretization.
+- Project design calculations: second-order tetrahedra, refined until they settled, web 68 mm thick. Sharp
+  corners: e_n 1.41e-9 m/N pinned and 2.63e-10 m/N guided, still rising with refinement: 2 %. Fillets of
+  12 mm: e_n 1.281e-9 m/N pinned, 2.505e-10 m/N guided; torsional compliance 3.96e-8 rad/(N m) pinned,
+  2.43e-8 guided: 1 %, the requested accuracy.
+- CalculiX 2.20, whole throw with sharp corners: e_n pinned 1.3288e-9 m/N on a coarse mesh and 1.3654e-9 m/N
+  at 77,000 unknowns. Displacement elements are too stiff, so the converged value is above both.
+- Study of the angle between cranks: sharp corners, 23,000 to 38,000 unknowns, helical boundary conditions;
+  e_n at 180, 120, 90 and 0 deg, and rho. These are up to 6 % too stiff, and compared with uncorrected
+  results of an equally coarse mesh.
 """
 
 import numpy as np

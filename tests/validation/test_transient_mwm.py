@@ -1,14 +1,12 @@
 """Time integration of the MWM diesel's vibration.
 
-Source of the engine: Mendes, Meirelles, Zampieri 2008, doi 10.1243/14644193JMBD126, six-cylinder MWM
-diesel: inertias, stiffnesses, absolute damping of 2 N m s/rad at each cylinder (nodes 3 to 8), loss
-factor 0.035 of every shaft, firing offsets (0, 4, 2, 5, 1, 3) times 120 deg. Its pressure trace is not
-printed; the torque here is stated in `torque`. Time integration knows no loss factor: the harmonic
-solution is asked for the same viscous damping, so that both stand for one model.
+Source of the engine: Mendes, Meirelles, Zampieri 2008, doi 10.1243/14644193JMBD126, six-cylinder MWM diesel:
+inertias, stiffnesses, absolute damping of 2 N m s/rad at each cylinder (nodes 3 to 8), loss factor 0.035 of
+every shaft, firing offsets (0, 4, 2, 5, 1, 3) times 120 deg. The torque is stated in `torque`. The harmonic
+solution uses the same viscous damping as the integration.
 
-Tolerances. Steps are exact for polynomial forces, which leaves round-off: 1e-9 of the largest order is
-asked for, where 0.5 % would do for the engineer. The independent integrator (DOP853 with a relative
-tolerance of 1e-10) and the quadrature of Duhamel's integral set the others.
+Tolerances. Steps are exact for polynomial forces: 1e-9 of the largest order. The independent integrator
+(DOP853 with a relative tolerance of 1e-10) and the quadrature of Duhamel's integral set the others.
 """
 
 import math
@@ -60,7 +58,7 @@ def test_steady_motion_is_the_harmonic_solution(failing, figure):
         for place in (0, 3, 8):
             found = steady_motion(chain, acting, float(SPEEDS[place])).phasors(ORDERS)
             largest = np.max(np.abs(wanted[:, place]))
-            what = f"steady motion beside the harmonic one, {method}"
+            what = f"steady motion against the harmonic one, {method}"
             figure(what, found, wanted[:, place], 1e-9, "rad", scale=largest)
 
 

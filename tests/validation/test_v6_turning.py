@@ -1,23 +1,18 @@
 """A freely turning V6.
 
-Engine: Modelica.Mechanics.MultiBody.Examples.Loops.EngineV6_analytic of the Modelica Standard
-Library 4.0.0 (its Utilities CylinderBase, Cylinder_analytic_CAD, EngineV6_analytic, GasForce2):
-crank radius 50 mm, rods 175 mm of 1 kg and 0.006 kg m^2 with the center of mass in the middle,
-pistons 6 kg, bore 100 mm, banks at -30 and 30 deg, cranks at -30, 90, 210, 210, 90 and -30 deg,
-crankshaft 0.1 kg m^2, load 1 kg m^2 and a torque of 100 N m (w / 200 rad/s)^2; gravity. The gas
-force is a function of the piston's place in a cylinder of 195 mm and of its direction; it repeats
-every turn. The start: angle 0, 10 rad/s.
+Engine: Modelica.Mechanics.MultiBody.Examples.Loops.EngineV6_analytic of the Modelica Standard Library 4.0.0:
+crank radius 50 mm, rods 175 mm of 1 kg and 0.006 kg m^2 with the center of mass in the middle, pistons 6 kg,
+bore 100 mm, banks at -30 and 30 deg, cranks at -30, 90, 210, 210, 90 and -30 deg, crankshaft 0.1 kg m^2, load
+1 kg m^2 and a torque of 100 N m (w / 200 rad/s)^2; gravity. The gas force is a function of the piston's
+position in a cylinder of 195 mm and of its direction. Start: angle 0, 10 rad/s.
 
-Results: reference trajectory of the Modelica Association (MAP-LIB_ReferenceResults, branch of
-version 4.0.0, EngineV6_analytic.csv, Dymola 2020x with DASSL, relative tolerance 1e-6). At the
-start nothing has been integrated: the torque on the load agrees to the 15 digits printed. Later the
-difference is what DASSL's tolerance leaves: measured 4e-6 of the angle after 130 rad, at most 5e-6
-of angle and speed at any of the places read; 1e-5 allowed.
+Source: reference trajectory of the Modelica Association (MAP-LIB_ReferenceResults, branch of version 4.0.0,
+EngineV6_analytic.csv, Dymola 2020x with DASSL, relative tolerance 1e-6). The torque at the start agrees to
+the 15 digits printed. Later DASSL's tolerance remains: at most 5e-6 of angle and speed; 1e-5 allowed.
 
-The second reference is ours but shares nothing with the code under test: piston and rod places by
-Pythagoras' theorem, kinetic energy and its derivative by differences of fourth order with steps of
-1e-3 rad (error 1e-12 of the fifth derivatives, which are a few times the values), integrated over
-the angle stroke by stroke with a tolerance of 1e-12. Both integrations together leave 1e-9.
+The second reference shares nothing with the code under test: positions by Pythagoras' theorem, kinetic
+energy and its derivative by differences of fourth order, integrated stroke by stroke to 1e-12. Both
+integrations leave 1e-9.
 """
 
 import math

@@ -11,7 +11,6 @@ from crankfem.analyses.shaft.whole_shaft import ShaftComparison, WholeShaft
 from dynamics.chains.engine_chains import EngineChain
 from dynamics.crankshaft.chain_comparison import FREQUENCY_LIMIT, RESPONSE_LIMIT, ChainVerdict
 from dynamics.crankshaft.chain_difference import (
-    FrequencyDifference,
     flywheel_tilt,
     frequency_difference,
 )
@@ -63,8 +62,7 @@ def whole_shaft_remark(comparison: ShaftComparison) -> tuple[str, ...]:
     tuple of str
         A sentence; none where the chains suffice.
     """
-    causes = {(one.kind, one.mode): one for one in comparison.differences}
-    differing = [_difference(one, causes) for one in comparison.verdicts[::-1] if not one.suffices]
+    differing = [_difference(one) for one in comparison.verdicts[::-1] if not one.suffices]
     if not differing:
         return ()
     return (
@@ -73,7 +71,7 @@ def whole_shaft_remark(comparison: ShaftComparison) -> tuple[str, ...]:
     )
 
 
-def _difference(verdict: ChainVerdict, causes: dict[tuple[str, int], FrequencyDifference]) -> str:
+def _difference(verdict: ChainVerdict) -> str:
     """Tell what weighs most: another amplitude, another frequency, else a mode of mixed motion."""
     motion, found = MOTION[verdict.kind], verdict.response
     if found is not None and abs(found.difference) > RESPONSE_LIMIT:
@@ -81,23 +79,19 @@ def _difference(verdict: ChainVerdict, causes: dict[tuple[str, int], FrequencyDi
             significant(peak / motion.size, 3) if np.isfinite(peak) else UNBOUNDED
             for peak in (float(np.max(found.chain)), float(np.max(found.shaft)))
         )
-        first = next((one for one in causes.values() if one.kind == verdict.kind), None)
-        said = (
+        return (
             f"largest {verdict.kind} amplitude of the free end, over all speeds calculated, {shaft} "
             f"instead of {chain} {motion.printed}"
         )
-        return said if first is None else f"{said} ({first.sentence})"
     for match in verdict.modes:
         number = match.chain_mode - match.chain_rigid + 1
         if match.shaft_frequency is None:
             return f"it has no mode like {verdict.kind} mode {number}"
         if abs(match.difference) > FREQUENCY_LIMIT:
-            said = (
+            return (
                 f"{verdict.kind} mode {number} at {match.shaft_frequency:.1f} instead of "
                 f"{match.chain_frequency:.1f} Hz"
             )
-            own = causes.get((verdict.kind, number))
-            return f"{said} ({own.shown_causes})" if own and own.shown_causes else said
     mixed = min(verdict.modes, key=lambda match: match.share)
     return (
         f"its {verdict.kind} mode at {mixed.shaft_frequency:.1f} Hz is only {100.0 * mixed.share:.0f} % "

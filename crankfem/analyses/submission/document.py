@@ -114,7 +114,7 @@ def _failing_sentence(cases: FiringCases, way: str) -> str:
     at = format_quantity(own.speed, "rad/s", 4)
     within = "kept" if own.used <= 1.0 else "exceeded"
     return (
-        f"With {way} the stress limits are {within}. The worst case is {name} with cylinder "
+        f"With {way}, the stress limits are {within}. The worst case is {name} with cylinder "
         f"{numbers[name]} failing: {own.value / 1e6:.4g} MPa at {at}, {100.0 * own.used:.3g} % of the "
         "permitted stress."
     )

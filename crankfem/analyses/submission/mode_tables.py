@@ -305,8 +305,8 @@ def major_sentences(run: EngineVibration) -> tuple[str, ...]:
     orders = " and ".join(f"{order:g}" for order in own.orders)
     low, high = (f"{speed / engine.rated_speed:.2g}" for speed in own.clear)
     sentences = [
-        f"No critical speed of a major order ({orders}) may lie between {low} and {high} of the rated speed: "
-        + (f"{_told(run, own.found)}." if own.found else "none does."),
+        f"No critical speed of a major order ({orders}) may be between {low} and {high} of the rated speed. "
+        "Found: " + (f"{_told(run, own.found)}." if own.found else "none."),
         f"Rule: {MAJOR_SOURCE}; {MAJOR_READING}.",
     ]
     if engine.bank_angles is not None:
@@ -322,7 +322,7 @@ def _told(run: EngineVibration, found: Sequence[CriticalSpeed]) -> str:
     forced = run.forced_torsional
     damped = {one.mode: one.damping_ratio for one in (() if forced is None else forced.resonances)}
     return ", ".join(
-        f"order {one.order:g} in mode {one.mode + 1} does at {one.speed_rpm:.1f} 1/min"
+        f"order {one.order:g} in mode {one.mode + 1} at {one.speed_rpm:.1f} 1/min"
         + (
             f" (a mode with {100.0 * damped[one.mode + 1]:.3g} % of critical damping)"
             if one.mode + 1 in damped

@@ -26,6 +26,7 @@ def throw_record(
     *,
     pin_force: Sequence[float] | None = None,
     gamma_deg: float | None = None,
+    left_gamma_deg: float | None = None,
 ) -> Record:
     """Compliances, reactions and masses of a throw.
 
@@ -38,11 +39,15 @@ def throw_record(
         On the first pin, in the throw frame, in place of Z [N].
     gamma_deg : float, optional
         Angle to equal neighbors, one more support [deg].
+    left_gamma_deg : float, optional
+        That to the left neighbor, where it differs [deg].
     """
     supports, mesh = {}, analysis.mesh
     named: dict[str, Support] = {str(support): support for support in SUPPORTS}
     if gamma_deg is not None:
-        named[f"neighbors {gamma_deg:g} deg"] = Neighbors(gamma_deg, gamma_deg)
+        left = gamma_deg if left_gamma_deg is None else left_gamma_deg
+        angles = f"{gamma_deg:g}" if left == gamma_deg else f"{left:g} and {gamma_deg:g}"
+        named[f"neighbors {angles} deg"] = Neighbors(left, gamma_deg)
     acting = (0.0, -radial_force, 0.0) if pin_force is None else tuple(pin_force)
     for name, support in named.items():
         answer = analysis.supported(support)

@@ -10,7 +10,7 @@ from crankbase.summaries import summarized
 from crankbase.tables.frames import Row
 from crankbase.units.quantity import format_quantity
 from dynamics.assessment.largest_amplitude import largest_amplitude
-from dynamics.assessment.limit_sentences import use_in_words
+from dynamics.assessment.limit_sentences import limit_at, use_in_words
 from dynamics.assessment.limits import VibrationLimit
 from dynamics.response.series import OrderSeries
 
@@ -101,8 +101,8 @@ class FiringCheck:
             found = use_in_words(limit, own.speed, own.value, own.permitted, DIGITS)
         elsewhere = "" if normal.place == own.place else f", {normal.place}"
         return (
-            f"With {named(self.cylinders)} misfiring, {self.quantity}, {own.place}: {found}; with all "
-            f"cylinders firing {self._amount(normal)}{elsewhere}."
+            f"With {named(self.cylinders)} misfiring, {limit_at(self.quantity, own.place)}: {found}; with "
+            f"all cylinders firing {self._amount(normal)}{elsewhere}."
         )
 
     def _amount(self, found: Reached) -> str:

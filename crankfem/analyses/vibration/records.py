@@ -1,6 +1,7 @@
 """An engine's vibration as plain numbers in SI units, and the columns of its files."""
 
 from collections.abc import Sequence
+from math import isnan
 
 import numpy as np
 
@@ -201,7 +202,12 @@ def _resonance(found: DampedCritical) -> Record:
         ),
         *("mode_share", "severity", "kind", "unbounded", "in_running_range"),
     )
-    return attributes(found, *names) | plain(beside)
+    record = attributes(found, *names) | plain(beside)
+    # Without a peak, or without a ring, there is no such value.
+    missing = {
+        name: None for name, value in record.items() if isinstance(value, float) and isnan(value)
+    }
+    return record | missing
 
 
 def forced_columns(forced: ForcedVibration) -> tuple[dict[str, FloatArray], str]:

@@ -10,6 +10,7 @@ from crankbase.units.number_formats import UNBOUNDED
 from crankbase.units.units import RPM
 from crankfem.analyses.record import Record
 from crankfem.analyses.shaft.motion import MOTION
+from dynamics.assessment.limit_sentences import limit_at
 
 # What a table shows; files hold everything.
 ROWS_SHOWN = 12
@@ -255,7 +256,7 @@ def misfiring_table(record: Record, units: OutputUnits = SI) -> Table:
         at = found["speed_rpm"] / RPM
         alone = one["quantity"].endswith(LONE_PLACE)
         return [
-            one["quantity"] if alone else f"{one['quantity']}, {found['place']}",
+            one["quantity"] if alone else limit_at(one["quantity"], found["place"]),
             *(firing, at, reached or UNBOUNDED, permitted, found["used"]),
         ]
 

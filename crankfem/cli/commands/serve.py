@@ -36,7 +36,7 @@ def serve(
     *,
     out: Output,
 ) -> None:
-    """Serve an API and a page on which a throw's dimensions are turned like knobs.
+    """Serve an API and a page where sliders change a throw's dimensions.
 
     Only this machine is answered, unless --host and --key-file are given.
     """

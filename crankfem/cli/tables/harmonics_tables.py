@@ -170,7 +170,7 @@ def print_stars(record: Record, units: OutputUnits, *, hinged: bool) -> None:
     named = ", ".join(f"{order:g}" for order in record["leading_orders"])
     kinds = {star["kind"] for star in record["stars"]}
     said = "Major orders" if "major" in kinds else "No order is major; the strongest"
-    print_line(f"{said}: {named or 'none'}.")
+    print_line(f"{said}: {named}." if named else "All orders cancel.")
 
 
 def print_pin_forces(record: Record, units: OutputUnits = SI) -> None:

@@ -1,4 +1,4 @@
-/* What the page asks of the service. Problems come as errors with what is wrong by field. */
+/* Requests to the service. Refusals become errors with sentences by field. */
 
 export class ProblemError extends Error {
   constructor(problem) {
@@ -13,7 +13,7 @@ async function refused(response) {
   try {
     problem = await response.json();
   } catch {
-    /* It is told by its status. */
+    /* The status is all there is. */
   }
   if (response.status === 401) {
     document.dispatchEvent(new Event("key-needed"));
@@ -50,7 +50,7 @@ export async function askText(path, question, options) {
   return (await ask(path, question, options)).text();
 }
 
-/* Follow a job until it has ended; `tell` gets it at each change. */
+/* Follow a job until it has ended; `tell` receives each change. */
 export function follow(id, tell) {
   return new Promise((resolve) => {
     const events = new EventSource(`/api/jobs/${id}/events`);

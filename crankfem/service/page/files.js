@@ -41,7 +41,7 @@ async function check(files) {
   const place = byId("checked");
   const engines = files.filter((file) => file.name.endsWith(".toml"));
   if (engines.length !== 1) {
-    place.textContent = `${engines.length} TOML files; choose one, with the tables that it names.`;
+    place.textContent = `Choose one TOML file and the tables that it names; given were ${engines.length} TOML files.`;
     return;
   }
   const [engine] = engines;
@@ -70,7 +70,7 @@ async function check(files) {
   }
 }
 
-/* What is wrong, each at its field. */
+/* Show each error at its field. */
 function refuse(place, name, error) {
   const errors = error instanceof ProblemError ? error.errors : [];
   const rows = errors.map(({ field, message }) =>
@@ -86,7 +86,7 @@ function refuse(place, name, error) {
 async function run(path, question) {
   try {
     await ask(path, question);
-    byId("checked").textContent = `${question.name} waits or runs: see the jobs below.`;
+    byId("checked").textContent = `${question.name} is queued: see Jobs below.`;
     await listJobs();
   } catch (error) {
     refuse(byId("checked"), question.name, error);
@@ -159,7 +159,7 @@ function words(job) {
     return `failed. ${job.problem?.detail ?? ""}`;
   }
   if (job.state !== "running") {
-    return { queued: "waits", done: "done", canceled: "canceled" }[job.state];
+    return { queued: "queued", done: "done", canceled: "canceled" }[job.state];
   }
   return job.total ? `${job.step} (${job.finished} of ${job.total} designs)` : job.step || "starts";
 }

@@ -2,7 +2,7 @@
 
 import { ask, askJson, ProblemError } from "./api.js";
 import { startFiles, listJobs } from "./files.js";
-import { METERS } from "./knobs.js";
+import { METERS } from "./sliders.js";
 import { Panel } from "./panel.js";
 
 const byId = (id) => document.getElementById(id);
@@ -36,7 +36,7 @@ const settings = {
   },
 };
 
-/* The fields of a throw as the API describes them; parts of it are for files. */
+/* The fields of a throw from the description of the API; its parts are left to files. */
 async function readFields() {
   const api = await askJson("/api/openapi.json");
   const record = api.components.schemas.CrankThrow;
@@ -89,7 +89,7 @@ function writeLink() {
 function linkOf() {
   const given = new URLSearchParams();
   for (const panel of panels) {
-    for (const [field, value] of Object.entries(panel.knobs.throw())) {
+    for (const [field, value] of Object.entries(panel.sliders.throw())) {
       given.set(`${panel.name}.${field}`, value);
     }
   }
@@ -112,7 +112,7 @@ function startSettings() {
   byId("unit").value = settings.unit;
   byId("unit").addEventListener("change", () => {
     settings.unit = byId("unit").value;
-    panels.forEach((panel) => panel.knobs.setUnit(settings.unit));
+    panels.forEach((panel) => panel.sliders.setUnit(settings.unit));
     writeLink();
   });
   byId("source").addEventListener("change", () => {
@@ -122,7 +122,7 @@ function startSettings() {
   });
   byId("compare").addEventListener("click", () => {
     if (panels.length === 1) {
-      add("b", panels[0].knobs.values);
+      add("b", panels[0].sliders.values);
     } else {
       panels.pop().root.remove();
       byId("throws").classList.remove("two");
@@ -136,7 +136,7 @@ function startSettings() {
       await navigator.clipboard.writeText(location.href);
       byId("told").textContent = "Copied.";
     } catch {
-      byId("told").textContent = "The link stands in the address line.";
+      byId("told").textContent = "The link is in the address line.";
     }
   });
 }

@@ -17,7 +17,7 @@ export function rowsOf(estimate, elements) {
     ["axial_compliance", "pinned", "Axial compliance eₙ, ends pinned", "m/N"],
     ["axial_compliance", "guided", "Axial compliance eₙ, ends guided", "m/N"],
     ["torsional_compliance", "pinned", "Torsional compliance, ends pinned", "rad/(N m)"],
-    ["influence_coefficient", "pinned", "Lengthening by radial force c, ends pinned", "m/N"],
+    ["influence_coefficient", "pinned", "Influence coefficient c, ends pinned", "m/N"],
   ];
   for (const [name, support, title, unit] of wanted) {
     const found = elements?.supports?.[support];
@@ -30,21 +30,21 @@ export function rowsOf(estimate, elements) {
     });
   }
   for (const side of ["left", "right"]) {
-    const guess = estimate?.reactions?.[side];
-    const axial = guess && guess.force[2] / 1000;
-    const off = guess?.force_band?.[2] / 1000;
+    const found = estimate?.reactions?.[side];
+    const axial = found && found.force[2] / 1000;
+    const off = found?.force_band?.[2] / 1000;
     const known = elements?.supports?.pinned?.reactions?.[side];
     rows.push({
       title: `Axial reaction, ${side} end, to 100 kN on the pin towards the shaft`,
       unit: "kN",
-      estimate: guess ? { value: axial, lower: axial - off, upper: axial + off } : null,
+      estimate: found ? { value: axial, lower: axial - off, upper: axial + off } : null,
       value: known && known.force[2] / 1000,
     });
   }
   return rows;
 }
 
-/* Cells that tell by themselves what they are, where the head of the table has no room. */
+/* Cells with labels of their own, shown where the table's head has no room. */
 function cell(text, label) {
   const made = Object.assign(document.createElement("td"), { textContent: text });
   made.dataset.label = label;
@@ -68,7 +68,7 @@ export function fill(body, rows, by) {
   );
 }
 
-/* The number without its unit, which stands in the head of its row. */
+/* The number without its unit, which the head of its row shows. */
 function bare(value, unit, digits) {
   return quantity(value, unit, digits).split(" ")[0];
 }
@@ -80,17 +80,17 @@ function band(estimate, unit) {
   return `${bare(estimate.lower, unit)} to ${bare(estimate.upper, unit)}`;
 }
 
-/* Errors are told by two digits. */
+/* Errors have two digits. */
 function withError(row) {
   const value = bare(row.value, row.unit);
   return Number.isFinite(row.error) ? `${value} ± ${bare(row.error, row.unit, 2)}` : value;
 }
 
-/* Published formulas beside what the law, or finite elements, say. */
-export function fillFormulas(body, formulas, beside) {
+/* Published formulas, and their ratios to finite elements or to the law. */
+export function fillFormulas(body, formulas, reference) {
   const rows = [
-    ...formulas.axial.map((one) => [one, beside.axial]),
-    ...formulas.torsional.map((one) => [one, beside.torsional]),
+    ...formulas.axial.map((one) => [one, reference.axial]),
+    ...formulas.torsional.map((one) => [one, reference.torsional]),
   ];
   body.replaceChildren(
     ...rows.map(([one, known]) => {
@@ -98,7 +98,7 @@ export function fillFormulas(body, formulas, beside) {
       const texts = [
         one.name,
         quantity(one.value, one.unit),
-        known ? `${(one.value / known).toFixed(2)} times` : "–",
+        known ? (one.value / known).toFixed(2) : "–",
         one.valid ? "yes" : "no",
       ];
       made.append(...texts.map((text) => cell(text, "")));

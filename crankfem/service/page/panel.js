@@ -1,12 +1,12 @@
-/* One throw: its knobs, its views, its numbers, and finite elements when they are asked for. */
+/* One throw: its sliders, views and numbers, and its finite-element results. */
 
 import { ask, askJson, askText, follow, ProblemError, save } from "./api.js";
-import { Knobs } from "./knobs.js";
+import { Sliders } from "./sliders.js";
 import { fill, fillFormulas, rowsOf } from "./numbers.js";
 
 let drawing = null;
 
-/* The scripts that draw the throw to turn are loaded when they are needed, plotly before what uses it. */
+/* Load the scripts of the interactive view, plotly first. */
 function loadDrawing() {
   drawing ??= ["plotly.js", "interactive.js"].reduce(
     (before, name) =>
@@ -37,7 +37,7 @@ export class Panel {
     this.find("h2").textContent = title;
     this.find("h2").id = `title-${name}`;
     this.root.setAttribute("aria-labelledby", `title-${name}`);
-    this.knobs = new Knobs(
+    this.sliders = new Sliders(
       name, fields, this.find("fieldset.main"), this.find("fieldset.more"), values, settings.unit,
       () => this.change()
     );
@@ -53,7 +53,7 @@ export class Panel {
     setTimeout(loadDrawing, 500);
   }
 
-  /* A dimension has changed: what finite elements said holds no more. */
+  /* A dimension has changed: finite-element results are of another throw. */
   change() {
     this.elements = null;
     this.job = null;
@@ -64,7 +64,7 @@ export class Panel {
     this.update();
   }
 
-  /* Ask once at a time; what changed meanwhile is asked afterwards, the newest alone. */
+  /* One update at a time; after it, one more with the newest values if they changed meanwhile. */
   async update() {
     if (this.asking) {
       this.again = true;
@@ -79,14 +79,14 @@ export class Panel {
   }
 
   async refresh() {
-    const question = { throw: this.knobs.throw() };
+    const question = { throw: this.sliders.throw() };
     const views = ["side", "front"].map((view) => askText("/api/throws/outline", { ...question, view }));
     const formulas = askJson("/api/throws/formulas", question);
     const estimate = this.settings.estimate(question).catch((error) => ({ refused: error.message }));
     try {
       const [side, front] = await Promise.all(views);
       this.show(side, front, await formulas, await estimate);
-      this.find(".wrong").textContent = this.knobs.complain([]).join(" ");
+      this.find(".wrong").textContent = this.sliders.complain([]).join(" ");
       this.root.classList.remove("stale");
     } catch (error) {
       await Promise.allSettled([...views, formulas]);
@@ -97,7 +97,7 @@ export class Panel {
 
   refuse(error) {
     const found = error instanceof ProblemError && error.errors.length ? error.errors : [{ field: "", message: error.message }];
-    this.find(".wrong").textContent = this.knobs.complain(found).join(" ");
+    this.find(".wrong").textContent = this.sliders.complain(found).join(" ");
     this.root.classList.add("stale");
   }
 
@@ -117,8 +117,9 @@ export class Panel {
     const known = this.elements?.throw.supports.pinned;
     const values = estimate?.values || {};
     this.find(".numbers caption").textContent = known
-      ? "Steel; ± is the error of finite elements by their own estimate."
-      : "Steel. Calculate for the values by finite elements.";
+      ? "Steel. ± is the estimated error of the finite elements."
+      : "Steel. Calculate gives the values by finite elements.";
+    this.find(".ratio").textContent = known ? "Ratio to FE" : `Ratio to ${this.settings.source}`;
     fillFormulas(this.find(".formulas tbody"), this.formulas, {
       axial: known?.axial_compliance ?? values.axial_compliance_pinned?.value,
       torsional: known?.torsional_compliance ?? values.torsional_compliance_pinned?.value,
@@ -126,7 +127,7 @@ export class Panel {
   }
 
   async calculate() {
-    const question = { throw: this.knobs.throw(), stress: this.find(".stress").checked };
+    const question = { throw: this.sliders.throw(), stress: this.find(".stress").checked };
     try {
       const job = await askJson("/api/throws/analysis", question);
       this.job = job.id;
@@ -197,7 +198,7 @@ export class Panel {
 
   async saveToml() {
     try {
-      const found = await askJson("/api/throws/validate", { throw: this.knobs.throw() });
+      const found = await askJson("/api/throws/validate", { throw: this.sliders.throw() });
       save("throw.toml", found.toml, "text/plain");
     } catch (error) {
       this.refuse(error);
@@ -206,7 +207,7 @@ export class Panel {
 
   saveJson() {
     const { estimate, formulas, elements } = this;
-    const content = { throw: this.knobs.throw(), estimate, formulas, finite_elements: elements };
+    const content = { throw: this.sliders.throw(), estimate, formulas, finite_elements: elements };
     save("throw.json", JSON.stringify(content, null, 1), "application/json");
   }
 

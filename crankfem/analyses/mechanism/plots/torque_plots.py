@@ -5,6 +5,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
+from numpy.typing import NDArray
 
 from crankbase.checks.arrays import FloatArray
 from crankbase.drawing.diagram_style import figure
@@ -19,7 +20,7 @@ from dynamics.torque_table import TorqueTable
 
 STARS_A_ROW = 4
 PANELS_A_ROW, MOST_PANELS = 3, 24
-# Smaller amplitudes, as shares of the largest, are round-off of a sum that is zero.
+# Smaller amplitudes, as shares of the largest or of the mean torque, are round-off of a sum that is zero.
 CANCELLED = 1e-9
 FILES = ("torque.svg", "harmonics.svg", "stars.svg", "single_harmonics.svg")
 
@@ -49,15 +50,17 @@ def plot_amplitudes(
     path: Path, found: Harmonics, stars: Sequence[Star], *, title: str = ""
 ) -> None:
     """Plot the amplitudes of the engine's torque by order, colored by the star of the order."""
+    amplitude = np.where(_uncancelled(found), found.amplitude, 0.0)
     with figure(path, width=7.2, height=3.6) as axes:
         for kind, color in KIND_COLORS.items():
             orders = [star.order for star in stars if star.kind == kind]
-            heights = [found.amplitude[found.index_of(order)] / 1000.0 for order in orders]
+            heights = [amplitude[found.index_of(order)] / 1000.0 for order in orders]
             if orders:
                 axes.bar(orders, heights, width=0.6 * found.orders[0], color=color, label=kind)
         axes.set_xlabel("harmonic order [cycles per revolution]")
         axes.set_ylabel(r"amplitude $M_k$ [kN m]")
         axes.set_title("Harmonics of the engine's torque")
+        axes.set_ylim(bottom=0.0)
         axes.legend(fontsize=8, title="star of the order", title_fontsize=8)
         add_title(axes, title)
 
@@ -122,12 +125,23 @@ def plot_torque(path: Path, samples: FloatArray, found: Harmonics) -> None:
         )
 
 
+def _uncancelled(found: Harmonics) -> NDArray[np.bool_]:
+    """Return which harmonics are more than the round-off that orders leave where all cylinders cancel."""
+    return found.amplitude >= CANCELLED * max(float(np.max(found.amplitude)), abs(found.mean))
+
+
 def plot_single_harmonics(path: Path, found: Harmonics, *, title: str = "") -> None:
     """Plot harmonics of a torque, each in a panel of its own, the lowest where there are too many.
 
     Orders that cancel in the sum of several cylinders are left out.
     """
-    left = np.flatnonzero(found.amplitude >= CANCELLED * np.max(found.amplitude))[:MOST_PANELS]
+    left = np.flatnonzero(_uncancelled(found))[:MOST_PANELS]
+    if not left.size:
+        with figure(path, width=4.0, height=1.2) as axes:
+            axes.set_axis_off()
+            axes.set_title(f"All orders up to {found.orders[-1]:g} cancel.", fontsize=9)
+            add_title(axes, title)
+        return
     count = len(left)
     columns = min(PANELS_A_ROW, count)
     rows = math.ceil(count / columns)

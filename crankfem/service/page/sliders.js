@@ -1,4 +1,4 @@
-/* The dimensions of one throw: a slider and a field each, with units; what is wrong stands at its field. */
+/* The dimensions of one throw: a slider and a field each, with units; errors are shown at their fields. */
 
 export const METERS = { mm: 0.001, cm: 0.01, m: 1, in: 0.0254 };
 const SPAN = 2.5; // a slider reaches from a part of its first value to a multiple of it
@@ -10,13 +10,13 @@ export function shown(value, unit) {
 }
 
 /* Lengths are in meters here; null is not given. */
-export class Knobs {
+export class Sliders {
   constructor(name, fields, place, more, values, unit, changed) {
     this.name = name;
     this.values = { ...values };
     this.unit = unit;
     this.changed = changed;
-    this.knobs = {};
+    this.rows = {};
     for (const field of fields) {
       this.add(field, field.required || field.name === "fillet_radius" ? place : more);
     }
@@ -24,8 +24,8 @@ export class Knobs {
 
   add(field, place) {
     const id = `${this.name}-${field.name}`;
-    const knob = document.createElement("div");
-    knob.className = "knob";
+    const row = document.createElement("div");
+    row.className = "dimension";
     const label = document.createElement("label");
     label.htmlFor = id;
     label.textContent = field.meaning;
@@ -60,16 +60,16 @@ export class Knobs {
     }
     box.id = id;
     box.setAttribute("aria-describedby", wrong.id);
-    knob.append(label, box, ...(slider ? [slider] : []), wrong);
-    place.append(knob);
-    this.knobs[field.name] = { field, box, slider, wrong, text: null };
+    row.append(label, box, ...(slider ? [slider] : []), wrong);
+    place.append(row);
+    this.rows[field.name] = { field, box, slider, wrong, text: null };
     this.show(field.name);
     this.center(field.name);
   }
 
-  /* Let the slider reach about the value that is there. */
+  /* Set the slider's range around the present value. */
   center(name) {
-    const { slider, field } = this.knobs[name];
+    const { slider, field } = this.rows[name];
     if (!slider) {
       return;
     }
@@ -84,32 +84,32 @@ export class Knobs {
   }
 
   describe(name) {
-    const { slider, box } = this.knobs[name];
+    const { slider, box } = this.rows[name];
     slider?.setAttribute("aria-valuetext", box.value ? `${box.value} ${this.unit}` : "not given");
   }
 
   slide(name, value) {
     const rounded = METERS[this.unit] * Number((value / METERS[this.unit]).toPrecision(4));
-    this.knobs[name].text = null;
+    this.rows[name].text = null;
     this.values[name] = rounded;
     this.show(name);
     this.changed();
   }
 
-  /* What is typed counts as it stands: a unit other than the page's is the service's to read. */
+  /* Units that the page does not know are left to the service. */
   type(name, text) {
-    const knob = this.knobs[name];
+    const row = this.rows[name];
     const found = QUANTITY.exec(text);
     const unit = found && (found[2] || this.unit);
     if (!text.trim()) {
-      knob.text = null;
+      row.text = null;
       this.values[name] = null;
     } else if (found && METERS[unit]) {
-      knob.text = null;
+      row.text = null;
       this.values[name] = Number(found[1]) * METERS[unit];
-      knob.slider.value = this.values[name];
+      row.slider.value = this.values[name];
     } else {
-      knob.text = text;
+      row.text = text;
     }
     this.describe(name);
     this.changed();
@@ -121,7 +121,7 @@ export class Knobs {
   }
 
   show(name) {
-    const { box, slider } = this.knobs[name];
+    const { box, slider } = this.rows[name];
     const value = this.values[name];
     if (slider) {
       box.value = typeof value === "number" ? shown(value, this.unit) : "";
@@ -133,15 +133,15 @@ export class Knobs {
 
   setUnit(unit) {
     this.unit = unit;
-    for (const name of Object.keys(this.knobs)) {
+    for (const name of Object.keys(this.rows)) {
       this.show(name);
     }
   }
 
-  /* The throw as the service takes it. */
+  /* The throw for a request. */
   throw() {
     const found = {};
-    for (const [name, { text }] of Object.entries(this.knobs)) {
+    for (const [name, { text }] of Object.entries(this.rows)) {
       const value = text ?? this.values[name];
       if (value !== null && value !== undefined && value !== "") {
         found[name] = typeof value === "number" ? Number(value.toPrecision(12)) : value;
@@ -150,19 +150,19 @@ export class Knobs {
     return found;
   }
 
-  /* Show what is wrong at its fields; return the sentences that belong to none of them. */
+  /* Show errors at their fields; return the sentences that belong to none of them. */
   complain(errors) {
     const others = [];
     const told = {};
     for (const { field, message } of errors) {
       const name = field.replace(/^throw\./, "");
-      if (this.knobs[name]) {
+      if (this.rows[name]) {
         told[name] = message.replace(/^[\w.]+: /, "");
       } else {
         others.push(message);
       }
     }
-    for (const [name, { box, wrong }] of Object.entries(this.knobs)) {
+    for (const [name, { box, wrong }] of Object.entries(this.rows)) {
       wrong.textContent = told[name] || "";
       box.toggleAttribute("aria-invalid", false);
       if (told[name]) {
