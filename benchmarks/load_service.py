@@ -4,7 +4,7 @@
 
 Fifty clients ask for laws and lookups of ever different throws; in turns with them, the same clients ask
 an application of the same server that has one empty route, so that what else the machine does falls on
-both. With --page a browser turns a slider and calculates a throw. Times are of this machine.
+both. With --page a browser moves a slider and calculates a throw. Times are of this machine.
 """
 
 import argparse
