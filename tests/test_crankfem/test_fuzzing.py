@@ -153,6 +153,14 @@ FOUND = {
     "speed without end": lambda: cf.excitation.axial_force_over_cycle(
         np.inf, np.ones((2, 1, 2)), [1e-9], np.full((1, 1, 2), 1e-10), shaft_angles_deg=[0.0, 30.0]
     ),
+    "fewer sections than none": lambda: cf.crankshaft.MainBearings(1e9, 1e4).at(-1),
+    "direction without end": lambda: cf.balances.Hodograph(1, 2.0 + 0.0j, 1.0 + 0.0j).amplitude_along(
+        angle_deg=np.inf
+    ),
+    "order by no number": lambda: cf.OrderExcitation(
+        [1.0, 2.0], [50.0, 60.0], np.ones((2, 2, 3))
+    ).interpolated(np.array([0.5]), np.array([55.0])),
+    "curves that are limits": lambda: cf.judge([()], (50.0, 60.0), cf.limits.BarredRangeRule(100.0)),
     "length of a web": lambda: cf.strength.CrankWeb(0.2, 0.2, 0.1, 0.1, 0.3, 0.01, 0.01).ratio("depth"),
     "law of no throws": lambda: cf.formulas.axial_laws(
         crank_radius=0.17, main_journal_diameter=0.22, pin_diameter=0.18, main_journal_length=0.12,
