@@ -8,6 +8,7 @@ import crankfem as cf
 from crankbase.errors import InputError
 from crankbase.units.quantity import parse_quantity
 from crankfem.cli import app as cli
+from regression.plans.relations import read_expression
 from strategies import requests
 from strategies.calls import wrong_calls
 from strategies.outcomes import NOT_FINITE, TRACEBACK, outcome_of
@@ -126,6 +127,7 @@ FOUND = {
     "unit to the power of zero": lambda: parse_quantity("3 a^0", "m", "field"),
     "power with zeros in front": lambda: parse_quantity("3 a^001", "m", "field"),
     "unit that is no number": lambda: parse_quantity("3 nan", "m", "field"),
+    "relation with no number": lambda: read_expression("nan * mm", "field", {}),
     "percentile": lambda: samples().percentile(1e9),
     "millions of chains": lambda: cf.limits.chain_samples(chain_of_two(), [], float, samples=10**6),
     "no parts": lambda: cf.chains.ShaftCone(0.7, 0.2, 0.2).divided(0),
