@@ -132,11 +132,13 @@ class OrderExcitation:
                 f"order_index: given {quoted(order_index.tolist())}; allowed are the whole numbers 0 to "
                 f"{count - 1}, because they count the orders."
             )
-        if 1 not in (order_index.size, speeds.size) and order_index.shape != speeds.shape:
+        try:
+            np.broadcast_shapes(order_index.shape, speeds.shape)
+        except ValueError:
             raise InputError(
                 f"order_index: given the shape {order_index.shape} for speeds of shape {speeds.shape}; "
                 "allowed is one for each, because they are pairs."
-            )
+            ) from None
         low, high = self.speeds[[0, -1]]
         outside = (speeds < low * (1.0 - ROOM)) | (speeds > high * (1.0 + ROOM))
         if np.any(outside):
