@@ -173,7 +173,7 @@ def test_a_model_says_nothing_outside_its_range(plain, make_model, tmp_path, thr
             ) as error:
                 cf.engine_vibration(named, **given)
             assert said in str(error.value)
-            assert "says nothing of this throw" in str(error.value)
+            assert "does not apply to this throw" in str(error.value)
 
 
 def test_as_no_source_it_is_left_out(plain, analysis, make_model):
@@ -182,7 +182,7 @@ def test_as_no_source_it_is_left_out(plain, analysis, make_model):
     assert [own.source for own in found.torsional.others if own.source == "regression"]
     assert not [own.source for own in found.axial.others if own.source == "regression"]
     assert found.axial.unusable[0] == (
-        "regression: says nothing of this throw: the model has torsional_compliance and no "
+        "regression: does not apply to this throw: the model has torsional_compliance and no "
         "axial_compliance"
     )
 
@@ -200,7 +200,7 @@ def test_a_study_of_other_throws_is_told_before_it_runs(plain):
     assert other.startswith("pin_length: given 139 mm, not 136 mm")
 
 
-# docs/formulas.md, "Beside finite elements": least and greatest at 180 deg; the torsional ones of throws
+# docs/formulas.md, "Ratio to finite elements": least and greatest at 180 deg; the torsional ones of throws
 # with one pin stand below the table.
 PRINTED = {
     ("axial", "Draminsky (1)"): (1.22, 3.52),
