@@ -163,6 +163,7 @@ FOUND = {
         [1.0, 2.0], [50.0, 60.0], np.ones((2, 2, 3))
     ).interpolated(np.array([0.5]), np.array([55.0])),
     "curves that are limits": lambda: cf.judge([()], (50.0, 60.0), cf.limits.BarredRangeRule(100.0)),
+    "limit next to nothing": lambda: cf.studies.Limit(("axial_compliance",), at_most=5e-324),
     "length of a web": lambda: cf.strength.CrankWeb(0.2, 0.2, 0.1, 0.1, 0.3, 0.01, 0.01).ratio("depth"),
     "law of no throws": lambda: cf.formulas.axial_laws(
         crank_radius=0.17, main_journal_diameter=0.22, pin_diameter=0.18, main_journal_length=0.12,
