@@ -1,1 +1,1 @@
-"""What every package stands on: errors, checks, quantities, tables, drawing style, child processes."""
+"""Common basis of all packages: errors, checks, quantities, tables, drawing style, child processes."""

@@ -1,4 +1,4 @@
-"""The errors that a user of crankfem meets: a clear sentence for each thing that is wrong."""
+"""Errors for users: one clear sentence for each wrong input."""
 
 import re
 from collections.abc import Iterable, Iterator
@@ -87,6 +87,10 @@ class InputError(ValueError):
     def of_all(cls, errors: Iterable["InputError"]) -> "InputError":
         """Return one error that says what all say, each sentence once."""
         return cls("\n".join(dict.fromkeys(line for error in errors for line in error.sentences)))
+
+
+class NotEnoughMemoryError(InputError):
+    """Work that needs more memory than the machine has free; the message has both figures."""
 
 
 class InputErrors:

@@ -1,4 +1,4 @@
-"""Processes of our own, and scratch folders: what a process has made ends with it, however it ends.
+"""Child processes and scratch folders, which end with the process that made them.
 
 A child is told of its owner's end by a pipe that only the owner holds open: the system closes it, so this
 needs no handler in the owner, which may be killed. On Linux the pipe's end is a signal to the child, which

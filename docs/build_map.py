@@ -46,7 +46,7 @@ MAIN = {
 }
 WIDTH, MARGIN, GAP, PADDING = 720, 10, 34, 10
 COLUMN = (WIDTH - 2 * MARGIN - 20) // 2
-LINE, NAME, LETTERS = 14, 17, 52
+LINE, NAME, LETTERS = 14, 17, 48
 COLORS = {
     "crankfem": "#1f5f99",
     "dynamics": "#8a4f00",

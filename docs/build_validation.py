@@ -22,11 +22,14 @@ PERCENT_OF = {"relative": "", "scaled": NO_BREAK + r"\*"}
 
 INTRODUCTION = """# Validation
 
-Check crankfem's results against independent ones: other programs, published figures, finer models and closed
-forms. The table has one line for each case, with one principal figure. The case links to all its figures,
-sources and tolerances.
+Check crankfem's results against CalculiX, openTorsion, Modelica, statsmodels, published papers, class rules,
+finer models and closed forms. Each line has one principal figure; its case links to all figures, sources and
+tolerances.
+"""
 
-| independent source | compared results |
+SOURCES = """## Independent sources
+
+| source | compared results |
 | --- | --- |
 | CalculiX 2.20 | compliances, reactions and natural frequencies of throws and shafts |
 | openTorsion, Mendes et al. 2008 | torque in the crankshaft of a diesel |
@@ -339,7 +342,7 @@ def pages() -> dict[str, str]:
     figures = json.loads(FIGURES.read_text(encoding="utf-8"))
     count = sum(count for entry in figures.values() for _, count in worst_rows(entry))
     number_of = f"{len(figures)} cases compare {count:,} numbers. {_versions(figures)}"
-    parts = [INTRODUCTION, "## All cases\n", *_summary(figures), f"\n{number_of}\n", READING]
+    parts = [INTRODUCTION, *_summary(figures), f"\n{number_of}\n", SOURCES, READING]
     written = {"validation.md": "\n".join(parts)}
     for heading, (sentence, files) in GROUPS.items():
         parts = [f"# Validation: {heading.lower()}\n\n{sentence} [All cases](validation.md)."]

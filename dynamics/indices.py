@@ -1,4 +1,4 @@
-"""Indices of nodes, cylinders and the like, given by number or by name, and groups of what is alike."""
+"""Indices of nodes, cylinders and similar, by number or by name, and groups of equal ones."""
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import TypeVar

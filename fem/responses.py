@@ -1,4 +1,4 @@
-"""What a study keeps of a throw: its responses, each with an estimate of its discretization error.
+"""The responses of a throw in a study, each with an estimate of its discretization error.
 
 Every answer is corrected for what discretization takes from it (`fem.correction`), and its error is a
 share of that.

@@ -1,4 +1,4 @@
-"""Solve symmetric positive definite systems; the one place that knows which library does it."""
+"""Solve symmetric positive definite systems; the only module that selects the library."""
 
 import copy
 import os

@@ -3,11 +3,12 @@
 import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from functools import cache
 from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.linalg import block_diag, pinvh
+from scipy.linalg import block_diag, pinvh, solve_banded
 
 from crankbase.checks.scalars import is_number
 from crankbase.errors import InputError, quoted
@@ -235,6 +236,7 @@ def _between_neighbors(throw: Superelement, pin_loads: Array, support: Neighbors
     condensed = own - carried @ coupling.T
     loads = np.hstack([np.zeros((len(coupled), 2)), pin_loads[coupled]]) - carried @ forces
 
+    @cache
     def turn(angle_deg: float) -> Array:
         angle = math.radians(angle_deg)
         return block_diag(section_rotation(angle)[:2, :2], throw.sections.turn(angle))
@@ -288,4 +290,11 @@ def _middle_motions(
         stiffness[part, part] += both @ throw @ both.T
         sides[part] += both @ loads
     middle = slice(count * reach, count * reach + 2 * count)
-    return np.asarray(np.linalg.solve(stiffness, sides)[middle])
+    # Only sections that one throw joins are coupled.
+    width = 2 * count - 1
+    banded = np.zeros((2 * width + 1, len(stiffness)))
+    for off in range(-width, width + 1):
+        diagonal = np.diagonal(stiffness, off)
+        start = max(off, 0)
+        banded[width - off, start : start + len(diagonal)] = diagonal
+    return np.asarray(solve_banded((width, width), banded, sides)[middle])

@@ -1,4 +1,4 @@
-"""Mesh a throw with second-order tetrahedra, and check what comes out."""
+"""Mesh a throw with second-order tetrahedra, and check the result."""
 
 from collections.abc import Callable
 from dataclasses import dataclass

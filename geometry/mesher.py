@@ -1,4 +1,4 @@
-"""Mesh throws in a process of its own, so that no throw can take this one down."""
+"""Mesh throws in a separate process, so that a crash of the mesher is contained."""
 
 from crankbase.calls import ProcessLostError
 from crankbase.errors import InputError

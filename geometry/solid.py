@@ -1,4 +1,4 @@
-"""The solid of a throw in gmsh's OpenCASCADE kernel: whole, or what its planes of symmetry leave.
+"""The solid of a throw in gmsh's OpenCASCADE kernel: whole, or its half or quarter by symmetry.
 
 A throw whose pins all lie in the crank plane is symmetric about x = 0: the half x >= 0 says
 everything about it. If its webs are alike it is symmetric about the middle as well, and a quarter

@@ -1,4 +1,4 @@
-"""One crank throw: its dimensions, what they mean, and which of them can be built."""
+"""One crank throw: its dimensions, their meaning, and checks that it can be built."""
 
 import math
 from functools import cached_property

@@ -1,4 +1,4 @@
-"""How a study's factors are called where people read: symbols, units and words."""
+"""Labels of a study's factors: symbols, units and words."""
 
 import re
 from dataclasses import dataclass

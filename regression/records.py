@@ -1,4 +1,4 @@
-"""What a study keeps: the outcomes of its designs, and rows that come from elsewhere."""
+"""Records of a study: results of its designs, and imported rows."""
 
 import hashlib
 import json

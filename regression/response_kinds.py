@@ -1,4 +1,4 @@
-"""What equations and lookups know of responses by name and unit; `fem.responses` declares all the rest."""
+"""Properties of responses for equations and lookups; `fem.responses` declares the rest."""
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass

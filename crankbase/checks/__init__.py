@@ -1,1 +1,1 @@
-"""Checks of what comes from outside: each refuses with one clear sentence."""
+"""Checks of input: each refuses with one clear sentence."""

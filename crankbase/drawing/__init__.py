@@ -1,1 +1,1 @@
-"""What all diagrams share: style, legends, curves over an axis, bars."""
+"""Common parts of diagrams: style, legends, curves over an axis, bars."""

@@ -30,7 +30,7 @@ NUMBER_AND_UNIT = re.compile(r"\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*
 POWER = re.compile(r"([A-Za-z])([2-4])\b")
 # What pint may see of a unit, as it spells units itself: names, ones and brackets with exponents, multiplied
 # and divided. Anything else it would calculate first, however long that takes.
-_NUMBER = r"[+-]?(?:\d+\.?\d*|\.\d+)"
+_NUMBER = r"[+-]?(?!0\d)(?:\d+\.?\d*|\.\d+)"
 _EXPONENT = rf"(?:\*\*\s*(?:(?P<power>{_NUMBER})|\(\s*(?P<root>{_NUMBER})\s*(?:/\s*\d+\s*)?\)))?"
 _FACTOR = re.compile(rf"(?<![\w.])[^\W\d]\w*\s*{_EXPONENT}")
 _BRACKET = re.compile(rf"\(\s*1\s*(?:[*/]\s*1\s*)*\)\s*{_EXPONENT}")

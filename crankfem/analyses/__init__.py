@@ -1,1 +1,1 @@
-"""What is calculated of a file: each folder has the run, its result and its record."""
+"""Calculations from a file: each folder has the run, its result and its record."""

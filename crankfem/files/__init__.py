@@ -1,1 +1,1 @@
-"""What a person wrote, read and checked: engines, mechanisms, chains, hinges, studies, tables."""
+"""Files of users, read and checked: engines, mechanisms, chains, hinges, studies, tables."""

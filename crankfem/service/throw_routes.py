@@ -1,5 +1,6 @@
 """What is answered of a throw at once: whether it can be built, its outline, the formulas."""
 
+from anyio import to_thread
 from fastapi import APIRouter
 from starlette.requests import Request
 from starlette.responses import Response
@@ -17,6 +18,7 @@ from crankfem.service.asking import (
 )
 from crankfem.service.law_answer import law_answer
 from crankfem.service.responses import answer, described
+from fem.supports import Neighbors
 from geometry.plots.throw_outline import outline_svg
 
 SVG = "image/svg+xml"
@@ -27,15 +29,13 @@ routes = APIRouter(prefix="/api/throws", tags=["throws"])
 async def evaluate_law(request: Request) -> Response:
     """Tell compliances, c and reactions of a throw by the law, with bands, without finite elements."""
     asked = await read_question(request, LawQuestion)
-    return answer(
-        law_answer(
-            asked.read_throw(),
-            asked.read_material(),
-            asked.gamma_deg,
-            asked.pin_force,
-            asked.read_support(),
-        )
-    )
+    throw, material, support = asked.read_throw(), asked.read_material(), asked.read_support()
+
+    def found() -> Response:
+        return answer(law_answer(throw, material, asked.gamma_deg, asked.pin_force, support))
+
+    # A chain of throws takes long enough to hold others up.
+    return await to_thread.run_sync(found) if isinstance(support, Neighbors) else found()
 
 
 @routes.post("/validate", **described(ValidThrow, ThrowQuestion))

@@ -1,1 +1,1 @@
-"""Judging vibration: limits, barred speed ranges, uncertainty, and dampers that suffice."""
+"""Judging vibration: limits, barred speed ranges, uncertainty, damper sizes."""

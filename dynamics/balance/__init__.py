@@ -1,1 +1,1 @@
-"""What the inertia of the moving parts leaves over: forces and moments on the engine, by order."""
+"""Free inertia forces and moments of the moving parts, by order."""

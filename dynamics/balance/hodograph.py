@@ -143,7 +143,14 @@ class Hodograph:
         return np.asarray(self.forward * turn + self.backward / turn)
 
     def points(self, count: int = 181) -> tuple[FloatArray, FloatArray]:
-        """Return x and y of points along the closed curve, each real of shape (count,)."""
+        """Return x and y of points along the closed curve, each real of shape (count,).
+
+        Raises
+        ------
+        InputError
+            If the number is none of 1 or more.
+        """
+        count = whole_number("count", count, 1, "so many points are wanted")
         vectors = self.at(
             shaft_angle_deg=np.degrees(np.linspace(0.0, 2.0 * np.pi / self.order, count))
         )

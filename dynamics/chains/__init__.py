@@ -1,1 +1,1 @@
-"""Chains of inertias and springs: their description, modes, and the chains that engines lead to."""
+"""Chains of inertias and springs: their description, modes, and the chains of engines."""

@@ -19,6 +19,7 @@ from dynamics.crankshaft.shaft_throw import RX, RY, RZ, UX, UY, UZ, ShaftThrow
 from dynamics.crankshaft.stations import Stations, on_axis, shaft_stations
 from dynamics.crankshaft.surroundings import ShaftSurroundings
 
+MOST_THROWS = 100
 PIN_MOTIONS = ("tangential", "radial", "axial")
 SECTION_MOTIONS = ("ux", "uy", "uz", "rx", "ry", "rz")
 
@@ -120,6 +121,10 @@ def assemble_crankshaft(
         raise InputError(
             "throws: given none, or what is no ShaftThrow; allowed is one of these or more, because a "
             "crankshaft has throws."
+        )
+    if len(throws) > MOST_THROWS:
+        raise InputError(
+            f"throws: given {len(throws)}; allowed are at most {MOST_THROWS}, because no crankshaft has more."
         )
     if turning_sense not in (1, -1):
         raise InputError(

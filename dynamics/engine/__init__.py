@@ -1,1 +1,1 @@
-"""Engines of any layout: where cylinders, cranks and rods are, how they move, what forces act."""
+"""Engines of any layout: positions, motion and forces of cylinders, cranks and rods."""

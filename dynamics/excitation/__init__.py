@@ -1,1 +1,1 @@
-"""What excites vibration, by orders: cylinders, axial forces of throws, propellers."""
+"""Excitation of vibration by orders: cylinders, axial forces of throws, propellers."""

@@ -6,7 +6,13 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from crankbase.checks.angles import checked_degrees
-from crankbase.checks.arrays import FloatArray, finite_array, positive_vector
+from crankbase.checks.arrays import (
+    FloatArray,
+    check_shape,
+    finite_array,
+    positive_vector,
+    turning_speeds,
+)
 from crankbase.drawing.curves import Curves, Series, draw_curves
 from crankbase.drawing.diagram_style import BLUE, GRAY, new_axes
 from crankbase.drawing.legends import legend_below, write_title
@@ -151,7 +157,7 @@ def axial_force_over_cycle(
     Raises
     ------
     InputError
-        If shapes of arrays do not fit, or a compliance is not above zero.
+        If shapes of arrays do not fit, a value is not finite, or a compliance is not above zero.
 
     Notes
     -----
@@ -167,6 +173,10 @@ def axial_force_over_cycle(
             f"allowed are ({angles.size}, p, 2) and ({e.size}, p, 2), because each pin has Z and T at each "
             "angle."
         )
+    check_shape("speed", turning_speeds("speed", speed), ())
+    if thrust_bearing is not None:
+        thrust_bearing = finite_array("thrust_bearing", thrust_bearing)
+        check_shape("thrust_bearing", thrust_bearing, angles.shape)
     lengthening = np.einsum("npx,mpx->mn", c, forces)
     return AxialForceOverCycle(
         shaft_angles_deg=angles,

@@ -125,6 +125,10 @@ class PressureMap:
             or too many.
         """
         asked = np.atleast_1d(turning_speeds("speeds", speeds))
+        if asked.size == 0:
+            raise InputError(
+                "speeds: given none; allowed is one or more, because weights are at speeds."
+            )
         along = axis_weights("speed", self.speeds, asked, self.method)
         if self.loads is None and load is not None:
             raise InputError(

@@ -1,1 +1,1 @@
-"""What diagrams of results are drawn by: functions of plain numbers that draw on axes given."""
+"""Diagrams of results: functions of plain numbers that draw on given axes."""

@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from crankbase.checks.angles import radians_of
 from crankbase.checks.arrays import ComplexArray, FloatArray
-from crankbase.checks.scalars import whole_number
+from crankbase.checks.scalars import whole_number, whole_within
 from crankbase.drawing.curves import Curves
 from crankbase.drawing.diagram_style import new_axes
 from crankbase.drawing.legends import write_title
@@ -181,7 +181,15 @@ class OrderSeries:
         return axes
 
     def over_speed(self, place: int, quantity: QuantityDisplay, **more: Any) -> Curves:
-        """Describe what `plot` draws of a place, from 0; further arguments as for `over_speed`."""
+        """Describe what `plot` draws of a place, from 0; further arguments as for `over_speed`.
+
+        Raises
+        ------
+        InputError
+            If there is no such place.
+        """
+        why = "one curve is that of one place"
+        place = whole_within("place", place, 0, self.amplitude.shape[2] - 1, why)
         both = self.synthesis
         return over_speed(
             self.speeds,

@@ -1,7 +1,7 @@
 """A crank web with its pin, its journal and their fillets: what UR M53 takes of a throw."""
 
 import math
-from dataclasses import KW_ONLY, dataclass
+from dataclasses import KW_ONLY, dataclass, fields
 
 from crankbase.checks.arrays import nonnegative_number, positive_number
 from crankbase.checks.choices import check_choice
@@ -115,7 +115,15 @@ class CrankWeb:
         return self.web_width * self.section_thickness**2 / 6.0
 
     def ratio(self, name: str) -> float:
-        """Return a length over the diameter of the pin; the web's thickness as of `section_thickness`."""
+        """Return a length over the diameter of the pin; the web's thickness as of `section_thickness`.
+
+        Raises
+        ------
+        InputError
+            If the web has no length of that name.
+        """
+        names = [one.name for one in fields(self) if one.name != "semi_built"]
+        check_choice("name", name, [*names, "overlap"], "these are the lengths of a crank web")
         length = "section_thickness" if name == "web_thickness" else name
         return float(getattr(self, length)) / self.pin_diameter
 

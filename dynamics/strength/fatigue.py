@@ -4,7 +4,7 @@ import math
 from dataclasses import dataclass, fields
 from typing import Literal
 
-from crankbase.checks.arrays import nonnegative_number, positive_number
+from crankbase.checks.arrays import check_shape, finite_array, nonnegative_number, positive_number
 from crankbase.checks.choices import check_choice
 from crankbase.summaries import summarized
 from crankbase.tables.frames import Row
@@ -126,18 +126,36 @@ def fatigue_strength(
 
 
 def fillet_equivalent(bending: float, torsion: float, added: float) -> float:
-    """Return sqrt((s_B + s_add)^2 + 3 t^2) of a fillet, alternating stresses [Pa]."""
+    """Return sqrt((s_B + s_add)^2 + 3 t^2) of a fillet, alternating stresses [Pa].
+
+    Raises
+    ------
+    InputError
+        If a stress is no finite number.
+    """
+    _check_finite(bending=bending, torsion=torsion, added=added)
     return math.hypot(bending + added, math.sqrt(3.0) * torsion)
 
 
 def hole_equivalent(bending: float, torsion: float) -> float:
     """Return the equivalent stress at an oil hole's outlet [Pa].
 
+    Raises
+    ------
+    InputError
+        If a stress is no finite number.
+
     Notes
     -----
     s_BO / 3 (1 + 2 sqrt(1 + 9/4 (s_TO / s_BO)^2)), written so that it holds without bending too.
     """
+    _check_finite(bending=bending, torsion=torsion)
     return (bending + math.hypot(2.0 * bending, 3.0 * torsion)) / 3.0
+
+
+def _check_finite(**stresses: float) -> None:
+    for name, stress in stresses.items():
+        check_shape(name, finite_array(name, stress), ())
 
 
 def added_bending(piston: str, axial_vibration: float | None = None) -> float:

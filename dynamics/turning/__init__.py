@@ -1,1 +1,1 @@
-"""A crank left to turn under gas, load and friction: over time, over the angle, steadily."""
+"""A crank that turns freely under gas, load and friction: over time, over the angle, steadily."""

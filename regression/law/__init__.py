@@ -1,1 +1,1 @@
-"""Compliances of any throw within the range of thousands of finite-element answers, by one equation."""
+"""Compliances of throws within the law's range, fitted to thousands of finite-element results."""

@@ -1,1 +1,1 @@
-"""Compliance models: equations in a file, asked by dimensions; optimum search."""
+"""Compliance models: equations in a file, evaluated by dimensions; optimum search."""

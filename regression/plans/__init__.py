@@ -1,1 +1,1 @@
-"""Plans of studies: what varies, which designs, what follows and what is excluded."""
+"""Plans of studies: factors, designs, relations and exclusions."""

@@ -1,1 +1,1 @@
-"""What studies, equations and formulas say, drawn on the axes of a diagram."""
+"""Diagrams of studies, equations and formulas."""

@@ -1,5 +1,6 @@
 """The file of a result store: opened if it is one, made if it can become one, refused otherwise."""
 
+import os
 import sqlite3
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -27,7 +28,7 @@ CAUSES = {
     sqlite3.SQLITE_READONLY: "it is read-only",
     sqlite3.SQLITE_BUSY: "another program holds it locked",
     sqlite3.SQLITE_LOCKED: "another program holds it locked",
-    sqlite3.SQLITE_CANTOPEN: "it cannot be opened",
+    sqlite3.SQLITE_CANTOPEN: "it cannot be opened, or its folder can only be read",
     sqlite3.SQLITE_CORRUPT: DAMAGED,
     sqlite3.SQLITE_NOTADB: DAMAGED,
 }
@@ -110,6 +111,10 @@ def open_store(path: Path, readonly: bool) -> sqlite3.Connection:
 def connect_readonly(path: Path) -> sqlite3.Connection:
     """Connect to a file that stays as it is."""
     uri = f"{path.absolute().as_uri()}?mode=ro"
+    if not os.access(path.absolute().parent, os.W_OK) and not Path(f"{path}-wal").exists():
+        uri += (
+            "&immutable=1"  # where SQLite can make no files beside it, nobody can write it either
+        )
     connection = sqlite3.connect(uri, uri=True, timeout=PATIENCE)
     connection.text_factory = _text
     return connection

@@ -128,8 +128,14 @@ def attack(row: Row, inputs: st.SearchStrategy[Any], attempt: Try, most: int) ->
     print(file=sys.stderr)
 
 
-def targets(folder: Path, calls: Path) -> dict[str, tuple[st.SearchStrategy[Any], Try, float]]:
+def targets(
+    folder: Path, calls: Path, names: list[str]
+) -> dict[str, tuple[st.SearchStrategy[Any], Try, float]]:
     """Return by name what is attacked: its inputs, what tries one, and its share of the inputs."""
+
+    def wanted(name: str) -> bool:
+        return not names or any(name.startswith(one) for one in names)
+
     lay_out(folder)
     found: dict[str, tuple[st.SearchStrategy[Any], Try, float]] = {}
     for name, parser in parsers().items():
@@ -141,10 +147,11 @@ def targets(folder: Path, calls: Path) -> dict[str, tuple[st.SearchStrategy[Any]
         1.0,
     )
     found["service"] = requests.requests(), requests.asking(folder), 1.0
-    quick, slow = recorded_calls(calls)
-    found["public functions"] = wrong_calls(quick), Attempted.outcome, 1.0
-    found["public functions, slow"] = wrong_calls(slow), Attempted.outcome, 0.05
-    return found
+    if wanted("public functions"):
+        quick, slow = recorded_calls(calls)
+        found["public functions"] = wrong_calls(quick), Attempted.outcome, 1.0
+        found["public functions, slow"] = wrong_calls(slow), Attempted.outcome, 0.05
+    return {name: one for name, one in found.items() if wanted(name)}
 
 
 def recorded_calls(path: Path) -> tuple[dict[str, list[Call]], dict[str, list[Call]]]:
@@ -184,10 +191,8 @@ def main() -> None:
     rows = []
     with tempfile.TemporaryDirectory() as scratch:
         for name, (inputs, attempt, share) in targets(
-            Path(scratch), asked.folder / "calls.pickle"
+            Path(scratch), asked.folder / "calls.pickle", asked.names
         ).items():
-            if asked.names and not any(name.startswith(one) for one in asked.names):
-                continue
             row = Row(name, asked.folder)
             if asked.fresh:
                 row.counts.clear()

@@ -310,7 +310,7 @@ def asking(folder: Path) -> Callable[[Request], Outcome]:
     (folder / "models" / "small.json").write_text(models()[0], encoding="utf-8")
     settings = Settings(folder / "jobs", folder / "models", key=None, bounds=Bounds(waiting=10**9))
     client = TestClient(
-        make_app(settings), base_url="http://127.0.0.1", raise_server_exceptions=False
+        make_app(settings)[0], base_url="http://127.0.0.1", raise_server_exceptions=False
     )
     checked = folder / "checked"
 

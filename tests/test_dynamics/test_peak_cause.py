@@ -65,6 +65,11 @@ def test_where_a_resonance_ends(ratio, magnifier, state):
     assert part.magnifier == close(size, rel=1e-6)
 
 
+def test_of_orders_at_one_resonance_the_largest_comes_first():
+    found = cause({4.0: 10.0, 5.0: 100.0}, NATURAL / 5.0, 2.5)
+    assert [one.order for one in found.resonant] == [5.0, 4.0]
+
+
 def test_unbounded():
     found = cause({1.0: 100.0, 2.0: 10.0}, NATURAL / 2.0, None)
     assert np.isinf(found.amplitude)

@@ -131,6 +131,15 @@ def test_a_finished_design_is_in_the_file_itself(tmp_path):
                 assert found.outcomes([outcome.key]) == {outcome.key: outcome}
 
 
+def test_a_store_can_be_read_in_a_folder_that_cannot_be_written(tmp_path, monkeypatch):
+    with ResultStore(tmp_path / "runs.sqlite") as store:
+        store.record(DONE)
+    monkeypatch.setattr("os.access", lambda *_: False)
+    with ResultStore(tmp_path / "runs.sqlite", readonly=True) as store:
+        assert store.outcomes([DONE.key]) == {DONE.key: DONE}
+        assert [path.name for path in tmp_path.iterdir()] == ["runs.sqlite"]
+
+
 def test_what_is_recorded_is_seen_by_others_at_once(tmp_path):
     path = tmp_path / "runs.sqlite"
     with ResultStore(path) as writer, ResultStore(path) as reader:

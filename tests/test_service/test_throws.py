@@ -81,7 +81,7 @@ def test_the_law_answers_with_bands_and_reactions(client, throw):
     known = law_reactions(CrankThrow(**throw), force, Neighbors(240.0, 120.0))
     assert unequal.right.moment == close(known.right.moment.tolist())
     assert unequal.right.moment[0] != close(found.reactions.right.moment[0], 1e-3)
-    with pytest.raises(InputError, match="pin_force: given .*; allowed are three numbers"):
+    with pytest.raises(InputError, match=r"pin_force: given .*; allowed are three numbers"):
         client.law(throw, pin_force=(0.0, 0.0, 1e4))
     with pytest.raises(InputError, match="gamma_deg: missing; the angle to the right neighbor"):
         client.law(throw, left_gamma_deg=240.0)

@@ -200,7 +200,7 @@ def test_a_study_of_other_throws_is_told_before_it_runs(plain):
     assert other.startswith("pin_length: given 139 mm, not 136 mm")
 
 
-# docs/formulas.md, "Beside finite elements": least and greatest at 180 deg; the torsional ones of throws
+# docs/formulas.md, "Ratio to finite elements": least and greatest at 180 deg; the torsional ones of throws
 # with one pin stand below the table.
 PRINTED = {
     ("axial", "Draminsky (1)"): (1.22, 3.52),

@@ -4,12 +4,12 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from crankbase.errors import InputError
-from crankfem.analyses.record import Record
 from crankfem.cli import console
 from crankfem.cli.commands.options import Output
 from crankfem.jobs.exit_codes import EXIT_INPUT
 
 if TYPE_CHECKING:
+    from crankfem.analyses.record import Record
     from regression.runs.store_check import StoreCheck, StudyCheck
     from regression.runs.store_repair import RebuiltStore
 
@@ -79,7 +79,7 @@ def _repaired(
     return rebuilt, computed
 
 
-def _record(found: "StoreCheck", rebuilt: "RebuiltStore | None", computed: int) -> Record:
+def _record(found: "StoreCheck", rebuilt: "RebuiltStore | None", computed: int) -> "Record":
     return {
         "store": str(found.path),
         "sound": found.sound,
