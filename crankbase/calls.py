@@ -18,11 +18,18 @@ from importlib import import_module
 from queue import Empty, SimpleQueue
 from typing import Any, BinaryIO, NoReturn
 
-from crankbase.errors import InputError, MeshError, MissingLibraryError, SolveError
+from crankbase.errors import (
+    InputError,
+    MeshError,
+    MissingLibraryError,
+    NotEnoughMemoryError,
+    SolveError,
+)
 from crankbase.processes import end_child, signal_name
 
 ERRORS: dict[str, type[Exception]] = {
-    kind.__name__: kind for kind in (InputError, MeshError, MissingLibraryError, SolveError)
+    kind.__name__: kind
+    for kind in (InputError, MeshError, MissingLibraryError, NotEnoughMemoryError, SolveError)
 }
 REMARK, RESULT = "remark", "result"
 # Seconds between two looks at a process's time and memory.

@@ -89,6 +89,10 @@ class InputError(ValueError):
         return cls("\n".join(dict.fromkeys(line for error in errors for line in error.sentences)))
 
 
+class NotEnoughMemoryError(InputError):
+    """Work that needs more memory than the machine has free; the message has both figures."""
+
+
 class InputErrors:
     """Errors of parts of an input, each part read for itself, to be told together.
 

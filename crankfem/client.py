@@ -59,7 +59,7 @@ class Client:
     Parameters
     ----------
     address : str
-        As ``crankfem serve`` tells it.
+        As printed by ``crankfem serve``.
     key : str, optional
         Where the service asks for one.
     seconds : float

@@ -28,7 +28,7 @@ Unknown sections and fields are refused. `crankfem new MY.toml --from 6chn25-34`
 | `[throw]`, or several `[throws.NAME]` | `throw`, `stress`, `formulas`, `draw`, `export` |
 | and `[engine]`, `[rod]`, `[piston]`, usually `[gas]` | also `mechanism`, `harmonics` |
 | and `[flywheel]`, `[thrust_bearing]` | also `run`, `vibration` |
-| `[throw]` and `[study]` | `doe`, `fit` (`throw = "NAME"` selects one of several; default: at the free end) |
+| `[throw]` and `[study]` | `doe`, `fit` (`throw = "NAME"` selects one; default: at the free end) |
 
 V engines give `bank_angles`, counted as `crank_angles` are. Here a V6 of 90 deg with pins split by 30 deg
 (`data/engines/buick-3800.toml`):

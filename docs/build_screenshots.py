@@ -36,7 +36,7 @@ ENGINE = "6chn25-34"
 # Names of pictures, commands, and where to end them: a line's beginning, so many last lines, or not at all.
 COMMANDS: tuple[tuple[str, str, str | int | None], ...] = (
     ("check", "crankfem check mine.toml", "Inputs"),
-    ("run", "crankfem run mine.toml", 34),
+    ("run", "crankfem run mine.toml", None),
     (
         "lookup",
         "crankfem lookup mine-results/model.json web_width=300mm web_thickness=72mm pin_length=139mm",

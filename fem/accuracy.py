@@ -19,6 +19,7 @@ from fem.condensation import CondensedClass, EndSections, condense
 from fem.correction import class_energies, class_errors, corrected_class, effectivity, error_bars
 from fem.loads import NodalLoads, unit_pin_loads
 from fem.material import Material
+from fem.memory import check_solving_memory
 from fem.recovery import EnergyErrors
 from fem.refinement import refined_sizes
 from fem.section_motions import RIGID
@@ -45,6 +46,8 @@ AIM_FILLETED = 0.85
 AIM_SHARP = 0.5
 AIM_AGAIN = 0.85
 MOST_REFINEMENTS = 5
+# The finest mesh has up to so many times the unknowns of the first, divided by the accuracy.
+GROWTH_FILLETED, GROWTH_SHARP = 0.0095, 0.030
 MOST_UNKNOWNS = 450_000
 
 # Makes the mesh of a throw: size factor, part, and element sizes instead of the planned ones.
@@ -194,6 +197,13 @@ def solve_level(mesh: ThrowMesh, problem: Problem) -> RefinementLevel:
     return RefinementLevel(mesh, stiffness, pins, part, solved, errors, factor, solver)
 
 
+def predicted_unknowns(throw: Throw, accuracy: float) -> float:
+    """Predict the unknowns of the finest mesh that an accuracy of the axial compliance takes, within 30 %."""
+    first = expected_unknowns(throw, FIRST_FILLETED if throw.filleted else FIRST_SHARP)
+    growth = GROWTH_FILLETED if throw.filleted else GROWTH_SHARP
+    return min(first * max(1.0, growth / accuracy), MOST_UNKNOWNS)
+
+
 def solve_to_accuracy(
     throw: Throw, accuracy: float, problem: Problem, mesher: Mesher = mesh_isolated
 ) -> RefinementLevel:
@@ -217,7 +227,7 @@ def solve_to_accuracy(
     Raises
     ------
     InputError
-        If an argument is out of range.
+        If an argument is out of range, or a mesh would need more memory than is free.
     MeshError, SolveError
         If the throw cannot be meshed or solved.
     """
@@ -225,6 +235,7 @@ def solve_to_accuracy(
     factor = FIRST_FILLETED if throw.filleted else FIRST_SHARP
     while expected_unknowns(throw, factor) > MOST_UNKNOWNS:
         factor *= 1.2
+    check_solving_memory(throw, expected_unknowns(throw, factor), accuracy)
     level = solve_level(_mesh(throw, factor, None, problem, mesher), problem)
     aim = AIM_FILLETED if throw.filleted else AIM_SHARP
     target = aim * MOST_CORRECTED * accuracy / level.effectivity
@@ -237,6 +248,7 @@ def solve_to_accuracy(
             while sizes.expected_unknowns(factor) > MOST_UNKNOWNS:
                 factor *= 1.05
         level.solver.close()  # factors of two meshes need not be kept at once
+        check_solving_memory(throw, sizes.expected_unknowns(factor), accuracy)
         finer = solve_level(_mesh(throw, factor, sizes, problem, mesher), problem)
         if finer.error_estimate >= level.error_estimate:
             break

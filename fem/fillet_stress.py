@@ -24,6 +24,7 @@ from fem.fillet_surface import FilletSurface, fillet_points, fillet_surface
 from fem.fillets import Fillet, sharp_corners, throw_fillets
 from fem.loads import radial_directions
 from fem.material import STEEL, Material
+from fem.memory import check_solving_memory
 from fem.nominal_stress import nominal_hole_stress, nominal_stress
 from fem.principal import largest_principal, principal_stresses, von_mises
 from fem.rule_mesh import RULE_LOADS, WISHED_SIZE, reading_quality, rule_sizes
@@ -145,6 +146,7 @@ def fillet_stresses(
     loads = unit_loads(radial_directions(throw))
 
     def solved(sizes: SizeMap, fineness: float) -> _FilletRefinementLevel:
+        check_solving_memory(throw, sizes.expected_unknowns(), accuracy, stresses=True)
         meshed = mesh_with(throw, 1.0, "auto", sizes)
         loaded = solve_unit_loads(meshed, loads, material, solver, end_sections)
         return _FilletRefinementLevel.judged(loaded, sites, fineness)

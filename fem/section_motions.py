@@ -14,7 +14,7 @@ shaft or across it, and even or odd under either mirror of the section.
 """
 
 from dataclasses import dataclass, replace
-from functools import cache, cached_property
+from functools import cached_property, lru_cache
 from typing import Literal
 
 import numpy as np
@@ -34,6 +34,8 @@ RIGID_COUNT = 6
 DEPENDENT = 1e-6
 # Exact for products of motions of degree 4.
 RADII, ANGLES = 6, 24
+# Rings of so many bores are kept: throws of a study have one each.
+KEPT = 16
 
 
 @dataclass(frozen=True)
@@ -198,7 +200,7 @@ def _monomials(terms: NDArray[np.int64], places: Array) -> Array:
     return found
 
 
-@cache
+@lru_cache(maxsize=KEPT)
 def _ring(bore: float) -> tuple[Array, Array]:
     """Places (q, 2) and weights (q,), of sum one, of the ring from a bore to radius one."""
     roots, weights = np.polynomial.legendre.leggauss(RADII)
@@ -209,7 +211,7 @@ def _ring(bore: float) -> tuple[Array, Array]:
     return places.reshape(-1, 2), np.repeat(0.5 * weights / ANGLES, ANGLES)
 
 
-@cache
+@lru_cache(maxsize=KEPT)
 def _basis(degree: int, bore: float) -> tuple[NDArray[np.int64], Array]:
     """Monomials (t, 3) and their coefficients (t, b) in the motions beyond the rigid ones, radius one."""
     terms = np.array(

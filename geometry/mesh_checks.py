@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from crankbase.errors import InputError, MeshError
+from crankbase.memory import check_memory
 from geometry.mesh_repair import corner_quality
 from geometry.parts import ThrowParts
 from geometry.shapes import element_volumes
@@ -16,6 +17,8 @@ from geometry.volume import throw_volume
 
 # More unknowns than this are not tried: their factorization needs 20 GiB and minutes.
 MOST_UNKNOWNS = 1_500_000
+# That the mesher takes for each unknown, beside the solid [byte].
+MESHING_MEMORY = 1e3
 # The mesh may differ from the solid by this share of the volume, the solid from its description.
 MESH_VOLUME_TOLERANCE = 1e-3
 SOLID_VOLUME_TOLERANCE = 1e-5
@@ -51,16 +54,21 @@ class SolidProperties:
 
 
 def check_budget(expected: int, size_factor: float) -> None:
-    """Refuse a mesh of too many expected unknowns.
+    """Refuse a mesh of too many expected unknowns, for any computer or for the memory that is free.
 
     Raises
     ------
     InputError
     """
+    check_memory(
+        MESHING_MEMORY * expected,
+        f"size_factor: given {size_factor:.3g}, whose mesh of about {expected:,} unknowns takes",
+        "ask for a larger one",
+    )
     if expected > MOST_UNKNOWNS:
         raise InputError(
             f"size_factor: given {size_factor:.3g}, which would make about {expected:,} unknowns; allowed "
-            f"are {MOST_UNKNOWNS:,}, because more do not fit into an ordinary computer's memory."
+            f"are {MOST_UNKNOWNS:,}, because solving more takes minutes and 20 GB."
         )
 
 

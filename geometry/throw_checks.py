@@ -170,7 +170,7 @@ def _too_thin(name: str, value: float, lowest: float, largest: float) -> InputEr
     return dimension_error(
         name,
         value,
-        f"{in_mm(lowest)} or more beside the throw's other dimensions (up to {in_mm(largest)})",
+        f"{in_mm(lowest)} or more, compared with the throw's other dimensions (up to {in_mm(largest)})",
         "because a thinner part cannot be meshed sensibly",
     )
 

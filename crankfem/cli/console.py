@@ -296,7 +296,7 @@ def parse_pairs(
     Raises
     ------
     InputError
-        If a pair has no equals sign or a name stands twice.
+        If a pair has no equals sign or a name is given twice.
     """
     found: dict[str, Value] = {}
     for pair in pairs:

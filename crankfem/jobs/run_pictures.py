@@ -32,7 +32,7 @@ class Pictures:
     static, interactive : dict
         Name of each picture or plot that is there to its file name.
     notes : list of str
-        What was told, each sentence once.
+        Messages, each sentence once.
     """
 
     def __init__(self, folder: Path, note: Callable[[str], None]) -> None:

@@ -7,7 +7,7 @@ from regression.records import Outcome
 
 
 class Progress(Protocol):
-    """What a run tells about itself while it works."""
+    """Progress messages of a run."""
 
     def step(self, text: str) -> None:
         """A new step begins."""

@@ -98,7 +98,7 @@ Bands = list[float | None] | list[list[float | None]]
 class EndReaction(Answer):
     """Force [N] and moment [N m] of a support on the shaft, x y z in the throw frame, of one throw or many.
 
-    Bands tell how far each may be off; None where no band holds.
+    Bands give the possible error of each; None where no band applies.
     """
 
     force: Components
@@ -169,7 +169,7 @@ class Lookups(Answer):
 
 
 class CheckedText(Answer):
-    """A file that is valid, as ``crankfem check --json`` tells it."""
+    """A valid file, as ``crankfem check --json`` reports it."""
 
     kind: str
     valid: bool

@@ -92,8 +92,8 @@ class NeighborsQuestion(InputModel):
             if self.left_gamma_deg is None:
                 return None
             raise InputError(
-                "gamma_deg: missing; the angle to the right neighbor [deg] must be given beside that to "
-                "the left one."
+                "gamma_deg: missing; the angle to the right neighbor [deg] must be given together with that "
+                "to the left one."
             )
         left = self.gamma_deg if self.left_gamma_deg is None else self.left_gamma_deg
         return Neighbors(left, self.gamma_deg)
@@ -155,7 +155,7 @@ class StressQuestion(ThrowQuestion):
 class LookupQuestion(ReactionsQuestion):
     """Dimensions to look up in a model: numbers, texts, or lists of them for many throws."""
 
-    throw: dict[str, Any] | None = Field(None, description="whose dimensions are taken")
+    throw: dict[str, Any] | None = Field(None, description="throw whose dimensions are used")
     dimensions: dict[str, Any] = Field(
         {}, description="value or list of values by name; these change the throw's"
     )

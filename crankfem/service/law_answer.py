@@ -28,7 +28,7 @@ def law_answer(
     gamma_deg : float, optional
         Angle to equal neighbors, one more support [deg].
     pin_force : (3,) sequence of float, optional
-        Across the shaft, in the throw frame [N]; without it no reactions are told.
+        Across the shaft, in the throw frame [N]; without it no reactions are returned.
     support : "pinned", "guided" or Neighbors
         For the reactions.
 

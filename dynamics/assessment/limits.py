@@ -86,7 +86,7 @@ class VibrationLimit:
     continuous : LimitCurve
         Permitted amplitude at speeds that are kept.
     source : str
-        Where the value stands, in words.
+        Source of the value, in words.
     passing : LimitCurve or None
         Permitted amplitude at speeds that are only passed quickly; above its range nothing may be
         barred. None if the source has none.

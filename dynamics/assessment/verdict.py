@@ -62,7 +62,7 @@ class LimitCheck:
     cause : PeakCause or None
         The orders that make the amplitude at the worst speed, where they are known.
     highest_running : float
-        The highest speed at which the engine runs [rad/s]; speeds judged above it are told apart.
+        The highest running speed [rad/s]; speeds judged above it are reported separately.
     """
 
     limit: VibrationLimit
@@ -316,7 +316,7 @@ def judge(
     Parameters
     ----------
     findings : sequence of pairs of VibrationLimit and AmplitudeCurve
-        Amplitudes over the speed with what they may reach; one limit may stand in many pairs.
+        Amplitudes over the speed with their limits; one limit may be used in many pairs.
     running_range : tuple of two floats
         Lowest and highest speed at which the engine runs [rad/s]; every curve must cover it. A limit
         that its source states up to a higher speed is held up to there as far as it was calculated.

@@ -147,7 +147,7 @@ def rubber_optimum(mass_ratio: float) -> AbsorberOptimum:
 
 
 def main_inertia(chain: Chain, node: str | int, mode: int = 1) -> tuple[float, float]:
-    """Return the inertia that stands for one mode at a node, and the mode's angular frequency.
+    """Return the modal inertia of one mode at a node, and the mode's angular frequency.
 
     Parameters
     ----------

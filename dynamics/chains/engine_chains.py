@@ -48,7 +48,7 @@ class EngineChain:
     chain : Chain
         Inertias and stiffnesses; its nodes have names.
     kind : {"axial", "torsional"}
-        Which motion the chain stands for, and so its units.
+        Motion of the chain, which sets its units.
     throw_nodes : tuple of int
         Torsional: node of each throw, from the free end. Axial: empty.
     sections : tuple of int
@@ -132,7 +132,7 @@ def axial_chain(
     Parameters
     ----------
     throw_compliances : array_like of shape (n,)
-        Axial compliance e_n of each throw as it stands in the shaft, between its neighbors [m/N].
+        Axial compliance e_n of each throw in the shaft, between its neighbors [m/N].
     throw_masses : array_like of shape (n,)
         Mass of each throw from journal middle to journal middle [kg].
     flywheel_mass : float
@@ -223,7 +223,7 @@ def torsional_chain(
     damper: TorsionalDamper | None = None,
     shaft_line: Chain | None = None,
 ) -> EngineChain:
-    """Build the torsional chain of an engine: one inertia at each crank, and what stands around.
+    """Build the torsional chain of an engine: one inertia at each crank, and its surroundings.
 
     Parameters
     ----------

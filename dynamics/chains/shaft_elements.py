@@ -22,7 +22,7 @@ SMALL_BORE = 0.05
 
 
 class ElasticMaterial(Protocol):
-    """What a shaft's material has to tell: E [Pa], G [Pa], density [kg/m^3]."""
+    """Material of a shaft: E [Pa], G [Pa], density [kg/m^3]."""
 
     @property
     def youngs_modulus(self) -> float:

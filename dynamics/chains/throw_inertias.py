@@ -32,7 +32,7 @@ def throw_inertia(
     reciprocating_mass: ArrayLike,
     crank_radius: float,
 ) -> float:
-    """Return the constant moment of inertia that stands for a throw with its rods and pistons.
+    """Return the equivalent constant moment of inertia of a throw with its rods and pistons.
 
     Parameters
     ----------

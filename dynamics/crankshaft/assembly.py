@@ -46,7 +46,7 @@ class AssembledShaft:
         Mean motion of each pin along the force that turns the shaft, towards the shaft axis and along
         it.
     stations : Stations
-        Slices of the shaft by which the energy of its motion is told apart.
+        Slices of the shaft that classify the energy of its motion.
     added : (a, u) array
         Rotation of damper ring and driven machine, as far as they are there.
     added_inertia : (a,) array

@@ -24,7 +24,7 @@ SYMMETRIC = 1e-8
 @summarized("length [m]", "crank_angle_deg [deg]", "stiffness", "pins")
 @dataclass(frozen=True, eq=False)
 class ShaftThrow:
-    """A throw by its matrices, in its own frame, and where it stands.
+    """A throw by its matrices, in its own frame, and its position.
 
     Parameters
     ----------

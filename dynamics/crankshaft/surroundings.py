@@ -28,7 +28,7 @@ class EndBody:
         About a diameter through its center of mass [kg m^2]; half the polar one, that of a thin disc,
         if not given.
     overhang : float
-        How far its center of mass stands beyond the end section, away from the shaft [m].
+        Distance of its center of mass beyond the end section, away from the shaft [m].
     """
 
     mass: float
@@ -164,7 +164,7 @@ class TorsionalRing:
 @summarized("bearings", "axial_supports", "loss_factor")
 @dataclass(frozen=True)
 class ShaftSurroundings:
-    """All that stands around the throws.
+    """Surroundings of the throws: bearings, supports, flywheel, free end.
 
     Parameters
     ----------

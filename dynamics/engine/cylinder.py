@@ -57,7 +57,7 @@ class SlavePin:
 )
 @dataclass(frozen=True)
 class EngineCylinder:
-    """One cylinder with its piston and rod, and where it stands.
+    """One cylinder with its piston and rod, and its position.
 
     Parameters
     ----------

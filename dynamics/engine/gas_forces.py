@@ -80,7 +80,7 @@ def gas_forces(
 
 
 def piston_position(engine: EngineLayout, number: int) -> Callable[[FloatArray], FloatArray]:
-    """Return where a cylinder's piston stands over the angle from its firing top.
+    """Return the position of a cylinder's piston over the angle from its firing top.
 
     Parameters
     ----------

@@ -71,7 +71,7 @@ def checked_orders(orders: Sequence[int]) -> tuple[int, ...]:
     Raises
     ------
     InputError
-        If there is none, or one is not a whole number of 1 or more, or stands twice.
+        If there is none, or one is not a whole number of 1 or more, or is given twice.
     """
     given = list(orders)
     whole = [order for order in given if is_whole(order) and order >= 1]

@@ -301,7 +301,7 @@ def pressure_map(
     Raises
     ------
     InputError
-        If there are no points, strokes differ, a point stands twice, or points do not fill a grid.
+        If there are no points, strokes differ, a point is given twice, or points do not fill a grid.
     """
     given = [
         (

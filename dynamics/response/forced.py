@@ -1,5 +1,6 @@
 """Forced vibration of a chain, or of any linear system, by orders over a range of speeds."""
 
+import math
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Unpack
@@ -10,6 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 from crankbase.checks.arrays import ComplexArray, FloatArray
 from crankbase.errors import InputError
 from crankbase.library_types import Axes, Dataset
+from crankbase.memory import check_memory
 from crankbase.summaries import summarized
 from crankbase.tables.frames import grid
 from dynamics.chains.chain import Chain
@@ -21,6 +23,9 @@ from dynamics.response.linear_system import LinearSystem, chain_system
 from dynamics.response.order_excitation import OrderExcitation
 from dynamics.response.series import DrawnBeside, OrderSeries
 from dynamics.response.synthesis import Synthesis
+
+# Complex amplitudes of every order, speed, node and unknown are held so many times at once.
+COPIES = 3.0
 
 
 @summarized("orders", "speeds [rad/s]", "amplitude", "names", "method")
@@ -200,6 +205,8 @@ def forced_response(
 
     Raises
     ------
+    NotEnoughMemoryError
+        If the amplitudes do not fit into the memory that is free.
     InputError
         If the excitation has another number of nodes, both magnifier and modal damping are given,
         or one of them is out of range.
@@ -213,6 +220,12 @@ def forced_response(
             f"of {nodes}, because the system has so many."
         )
     shape = excitation.forces.shape[:2]
+    check_memory(
+        COPIES * 16.0 * math.prod(shape) * (nodes + len(system.mass)),
+        f"excitation: given {shape[0]} orders at {shape[1]} speeds on {nodes} nodes, whose "
+        "amplitudes take",
+        "ask for fewer orders or speeds",
+    )
     # Mostly the unknowns are the nodes, and multiplying with ones and zeros would take its time.
     plain = np.array_equal(system.expand, np.eye(nodes))
     forces = excitation.forces.reshape(-1, nodes)

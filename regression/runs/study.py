@@ -29,6 +29,7 @@ from regression.runs.store import ResultStore
 from regression.runs.store_file import is_database
 from regression.runs.store_results import StoreResults, read_store
 from regression.runs.store_rows import damaged_rows_warning
+from regression.runs.study_memory import check_study_memory
 from regression.runs.study_table import StudyTable, study_table
 from regression.runs.supervised import design_limits
 from regression.runs.work_queue import Claim
@@ -103,7 +104,8 @@ def run_plan(
     Raises
     ------
     InputError
-        If the plan, the store, a limit, the cluster or the number of workers is unusable.
+        If the plan, the store, a limit, the cluster or the number of workers is unusable, or the workers
+        would need more memory than is free.
     MissingLibraryError
         If a cluster is asked for without the package for it.
     StudyStoppedError
@@ -164,6 +166,7 @@ def run_plan(
         if missing and dask is not None:
             _run_on_dask(missing, keep, dask, limits, note or _silent, claim)
         else:
+            check_study_memory([inputs for _, inputs in missing], workers)
             run_designs(missing, keep, workers, limits, claim)
         return _table(results, plan, planned, computed)
 

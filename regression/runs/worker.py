@@ -7,6 +7,7 @@ import math
 import time
 from typing import Any
 
+from crankbase.errors import NotEnoughMemoryError
 from fem.material import Material
 from fem.responses import ThrowResponses, evaluate_throw
 from geometry.mesher import mesh_here
@@ -48,7 +49,7 @@ def _of_the_machine(error: BaseException | None) -> bool:
     """Whether an error says something of the machine (no memory, a full disk), not of the design."""
     while error is not None:
         # Without memory a library cannot be loaded either.
-        if isinstance(error, MemoryError | OSError | ImportError):
+        if isinstance(error, MemoryError | OSError | ImportError | NotEnoughMemoryError):
             return True
         # Pardiso's own kind of error, known by its module: without Pardiso there is none.
         if type(error).__module__.startswith("pypardiso") and (

@@ -57,7 +57,7 @@ def masses_of_steel(files):
 def test_designs_go_out_and_results_of_another_program_come_back(call, folder):
     answer = call("doe", "study.toml", "--export", "designs", "--mesh", "inp")
     assert answer.code == 0, answer.err
-    assert "3 designs, of which 3 have a file beside it (3 written now)" in answer.out
+    assert "3 designs, of which 3 have a file in the folder (3 written now)" in answer.out
     table = lines(folder / "designs.csv")
     assert [line["role"] for line in table] == ["run", "run", "held out"]
     assert [line["pin_length [m]"] for line in table[:2]] == ["0.12", "0.158"]
@@ -113,7 +113,7 @@ def test_what_is_there_is_not_made_again(call, folder, quick):
     quick.clear()
     answer = call(*line)
     assert len(quick) == 1  # the one that is missing
-    assert "3 designs, of which 2 have a file beside it (0 written now)" in answer.out
+    assert "3 designs, of which 2 have a file in the folder (0 written now)" in answer.out
     assert f"Not written: {failed}: mesh: no way" in " ".join(answer.out.split())
 
 

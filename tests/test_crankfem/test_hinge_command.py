@@ -154,7 +154,7 @@ def test_tables_and_options(call, changed):
     assert "At 129 1/min" not in answer.out
     # Root mean square, and the largest beside it; which is which is told.
     assert re.search(r"│ +\d+\.?\d*, at most \d+\.?\d* +│", answer.out)
-    assert "first root mean square by root mean square, then largest by largest" in answer.out
+    assert "first by root mean squares, then by largest values" in answer.out
     weak = call(
         "hinge", changed({"comparison.pressures": '["0.2 MPa"]', "hinge.pressure": '"3 MPa"'})
     )

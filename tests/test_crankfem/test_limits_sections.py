@@ -69,7 +69,7 @@ def test_rules_are_picked():
         ({"crankshaft_rule": "KR main engine"}, "without tensile_strength and yield_strength"),
         (
             {"crankshaft_rule": "KR main engine", "crankshaft_stress": "30 MPa"},
-            "beside crankshaft_stress; allowed is one of them",
+            "together with crankshaft_stress; allowed is one of them",
         ),
         (
             {"coupling_torque_passing": "3 N m"},

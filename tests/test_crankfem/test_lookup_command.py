@@ -508,4 +508,4 @@ def test_a_frequency_needs_its_compliance(run, path):
 
 
 def test_the_command_says_what_it_is_for():
-    assert optimum_command.optimum.__doc__.startswith("Find the thinnest web")
+    assert optimum_command.optimum.__doc__.startswith("Find the smallest value")

@@ -108,6 +108,9 @@ def test_the_ring_of_a_damper_free_and_locked(damping):
     assert modes.undamped == close(free, rel=1e-9)
     assert modes.locked == close(locked, rel=1e-9)
     assert modes.numbers.tolist() == [1, 2]
+    frame = modes.to_pandas()
+    assert frame["undamped"].tolist() == close(free, rel=1e-9)
+    assert frame["locked"].tolist() == close(locked, rel=1e-9)
     if damping == 1e-3:
         assert modes.frequencies == close(free, rel=1e-4)
     elif damping == 1e6:

@@ -144,7 +144,7 @@ def test_sized_dampers_calm_the_mode_they_are_for():
         (lambda: ViscousDamper(1.0, 1.0).attached(MAIN, "hub"), "given 'hub'; allowed are main"),
         (lambda: ViscousDamper(1.0, 1.0, name="main").attached(MAIN, 0), "name: given 'main'"),
         (lambda: main_inertia(MAIN, 0, 2), "mode: given 2; allowed is 1, because the chain has 1"),
-        (lambda: main_inertia(Chain([1.0, 1.0, 1.0], [1.0, 1.0]), 1), "stands still in mode 1"),
+        (lambda: main_inertia(Chain([1.0, 1.0, 1.0], [1.0, 1.0]), 1), "does not move in mode 1"),
     ],
 )
 def test_unusable_dampers_are_refused(build, message):

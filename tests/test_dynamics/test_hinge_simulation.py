@@ -132,5 +132,5 @@ def test_refusals(point, profile):
         steady_hinge_turn(point, flywheel=-1.0)
     with pytest.raises(InputError, match="bounds: given 2 to 1"):
         best_pressure(point, profile, bounds=(2.0, 1.0))
-    with pytest.raises(InputError, match="between which the crank comes round"):
+    with pytest.raises(InputError, match="between which the crank completes revolutions"):
         best_pressure(point, profile, bounds=(0.1, 0.2))

@@ -39,8 +39,8 @@ def test_an_order_at_resonance_and_one_far_from_it():
     assert slow.contribution + fast.contribution == close(found.amplitude, rel=1e-12)
     assert found.share("at resonance") == close(fast.contribution / found.amplitude)
     assert found.resonant == (fast,)
-    assert "order 6, at the resonance of torsional mode 1, makes" in found.sentence
-    assert "order 1, forced without resonance, makes" in found.sentence
+    assert "order 6, at the resonance of torsional mode 1, contributes" in found.sentence
+    assert "order 1, forced without resonance, contributes" in found.sentence
 
 
 @pytest.mark.parametrize(
@@ -65,6 +65,11 @@ def test_where_a_resonance_ends(ratio, magnifier, state):
     assert part.magnifier == close(size, rel=1e-6)
 
 
+def test_of_orders_at_one_resonance_the_largest_comes_first():
+    found = cause({4.0: 10.0, 5.0: 100.0}, NATURAL / 5.0, 2.5)
+    assert [one.order for one in found.resonant] == [5.0, 4.0]
+
+
 def test_unbounded():
     found = cause({1.0: 100.0, 2.0: 10.0}, NATURAL / 2.0, None)
     assert np.isinf(found.amplitude)
@@ -75,7 +80,7 @@ def test_unbounded():
 def test_small_orders_are_told_together():
     amplitudes = {0.5 * number: 10.0 for number in range(1, 7)} | {9.0: 0.05, 3.5: 0.01, 4.0: 1e-4}
     found = cause(amplitudes, 0.01 * NATURAL)
-    assert "orders 0.5 to 3, forced without resonance, make" in found.sentence
+    assert "orders 0.5 to 3, forced without resonance, contribute" in found.sentence
     assert "9" not in found.sentence.partition(":")[2].split(",")[0]
 
 
@@ -83,7 +88,7 @@ def test_runs_end_at_orders_that_are_told_elsewhere():
     amplitudes = {1.0: 100.0, 2.0: 100.0, 3.0: 100.0, 4.0: 30.0, 5.0: 300.0, 6.0: 600.0, 7.0: 900.0}
     found = cause(amplitudes, NATURAL / 4.0)
     assert found.parts[3].state == "at resonance"
-    assert found.reasons.startswith("orders 2, 3 and 5 to 7, forced without resonance, make")
+    assert found.reasons.startswith("orders 2, 3 and 5 to 7, forced without resonance, contribute")
 
 
 def test_forces_that_another_vibration_brings():
@@ -101,7 +106,7 @@ def test_forces_that_another_vibration_brings():
     assert [one.state for one in found.parts] == ["forced", "at resonance"]
     assert found.parts[1].kind == "torsional"
     assert found.parts[1].amplitude == close(response.elastic.amplitude[1, 0, 0])
-    assert "order 6, at the resonance of torsional mode 1, makes" in found.sentence
+    assert "order 6, at the resonance of torsional mode 1, contributes" in found.sentence
     little = OrderExcitation([1.0, 6.0], [speed], 0.3 * forces)
     alone = peak_cause(response, response.elastic, "a", 0, driven=(little, torsional))
     assert [one.state for one in alone.parts] == ["forced", "forced"]

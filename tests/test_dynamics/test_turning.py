@@ -80,6 +80,23 @@ def test_free_shaft_keeps_its_energy():
     assert found.stopped_at_deg is None
 
 
+def test_steps_of_one_degree_are_not_divided():
+    """Round-off may make them a little longer: with 360 steps a turn there are fewer than with 400."""
+    asked = []
+
+    def moment(_speed, angle):
+        asked.append(angle)
+        return 0.0
+
+    def count(samples):
+        asked.clear()
+        start = {"start_angle_deg": 77.0, "start_speed": 10.0, "turns": 1.0}
+        speed_over_angle(constant(2.0), moment, samples=samples, **start)
+        return len(asked)
+
+    assert count(360) < count(400)
+
+
 def test_speed_dependent_moment_against_the_closed_form():
     """I w' = -c w in time is I dw/dphi = -c: w falls linearly, t = -(I / c) ln(w / w_0)."""
     found = speed_over_angle(

@@ -13,7 +13,15 @@ from fem.condensation import condense
 from fem.fields import displacement_field
 from fem.loads import unit_pin_loads
 from fem.material import STEEL
-from fem.section_motions import SectionMotions, both_ends, degree_of, section_turn
+from fem.section_motions import (
+    KEPT,
+    SectionMotions,
+    _basis,
+    _ring,
+    both_ends,
+    degree_of,
+    section_turn,
+)
 from fem.shaft import shaft_compliances, sharing_sections
 from fem.superelement import combine_classes, superelement_of_end_forces
 from fem.supports import Neighbors, end_motions, reactions, support_throw
@@ -222,6 +230,12 @@ def test_neighbors_of_other_degree_and_bore_share_the_lower_and_the_wider(solved
     )
     assert other.axial == close(one.axial, rel=2e-3)
     assert not np.array_equal(other.axial, one.axial)
+
+
+def test_rings_of_a_long_study_are_not_all_kept():
+    for share in np.linspace(0.1, 0.8, 3 * KEPT):
+        SectionMotions(2, 0.11, 0.11 * share).fields(np.zeros((1, 3)))
+    assert _ring.cache_info().currsize == _basis.cache_info().currsize == KEPT
 
 
 @pytest.mark.slow

@@ -109,7 +109,7 @@ def test_natural_transformation():
         ({"center": (0.5, np.nan)}, "center: .* all numbers must be finite"),
         ({"terms": ((), (0,), (1,), (1, 0))}, r"terms: given \[1, 0\]; allowed .* in rising order"),
         ({"terms": ((), (0,), (1,), (2,))}, r"terms: given \[2\]; allowed are numbers of columns"),
-        ({"terms": ((), (0,), (1,), (1,))}, "terms: given .*; each may stand once"),
+        ({"terms": ((), (0,), (1,), (1,))}, "terms: given .*; each is allowed once"),
     ],
 )
 def test_contradictory_equations(changes, match):

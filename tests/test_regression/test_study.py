@@ -13,7 +13,8 @@ import numpy as np
 import pytest
 
 from comparing import close
-from crankbase.errors import InputError
+from crankbase import memory
+from crankbase.errors import InputError, NotEnoughMemoryError
 from fem.material import STEEL
 from fem.responses import evaluate_throw
 from geometry.throw import CrankThrow
@@ -25,7 +26,7 @@ from regression.plans.factors import Factor
 from regression.plans.plan import StudyPlan, plan_designs
 from regression.records import HELD_OUT, RUN
 from regression.runs import study as study_module
-from regression.runs import supervised
+from regression.runs import study_memory, supervised
 from regression.runs.store import ResultStore
 from regression.runs.study import import_results, read_study, run_plan
 
@@ -188,6 +189,18 @@ def test_failed_designs_are_told_and_not_repeated(tmp_path, monkeypatch):
     again = run_plan(SMALL, tmp_path / "runs.sqlite")
     assert again.computed == 0
     assert again.failures == table.failures
+
+
+def test_workers_that_do_not_fit_into_the_memory_are_refused(tmp_path, monkeypatch):
+    monkeypatch.setattr(memory, "free_memory", lambda: 0.6e9)
+    monkeypatch.setattr(study_memory, "free_memory", lambda: 0.6e9)
+    refused = (
+        r"^workers: given 4, of which 3 take about 0\.2\d GB each, together about 0\.\d+ GB of memory; "
+        r"allowed is what fits into the 0\.6 GB that are free, so ask for at most 2\.$"
+    )
+    plan = plan_of_levels(SHARP, {"web_width": (0.280, 0.300)}, held_out=1, accuracy=0.1)
+    with pytest.raises(NotEnoughMemoryError, match=refused):
+        run_plan(plan, tmp_path / "runs.sqlite", workers=4)
 
 
 def test_designs_lost_with_their_workers_are_tried_again_by_the_next_run(tmp_path, monkeypatch):

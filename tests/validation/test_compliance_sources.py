@@ -173,7 +173,7 @@ def test_a_model_says_nothing_outside_its_range(plain, make_model, tmp_path, thr
             ) as error:
                 cf.engine_vibration(named, **given)
             assert said in str(error.value)
-            assert "says nothing of this throw" in str(error.value)
+            assert "does not apply to this throw" in str(error.value)
 
 
 def test_as_no_source_it_is_left_out(plain, analysis, make_model):
@@ -182,7 +182,7 @@ def test_as_no_source_it_is_left_out(plain, analysis, make_model):
     assert [own.source for own in found.torsional.others if own.source == "regression"]
     assert not [own.source for own in found.axial.others if own.source == "regression"]
     assert found.axial.unusable[0] == (
-        "regression: says nothing of this throw: the model has torsional_compliance and no "
+        "regression: does not apply to this throw: the model has torsional_compliance and no "
         "axial_compliance"
     )
 

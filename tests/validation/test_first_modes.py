@@ -59,7 +59,7 @@ def test_summary_names_the_mode_of_the_crankshaft(run):
     assert found["details"][0].startswith(f"{low:.1f} to {high:.1f} Hz")
     shaft = run.comparison.torsional.modes[0].shaft_frequency
     assert any(f"whole crankshaft in its bearings: {shaft:.1f}" in one for one in found["details"])
-    assert any("lower ones of coupling, damper or line" in one for one in found["details"])
+    assert any("lower modes of coupling, damper or line" in one for one in found["details"])
 
 
 def test_rotation_is_told_beside_the_lowest_bending_mode(run, figure):

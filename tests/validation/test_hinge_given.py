@@ -84,7 +84,7 @@ def test_the_gas_force_is_given_once_and_whole(given, tmp_path):
     for point, said in (
         (
             'gas_force_table = "no.csv"',
-            "gas_force_table: given 'no.csv', which is neither beside mine.toml",
+            "gas_force_table: given 'no.csv', which is neither in the folder of mine.toml",
         ),
         (
             'gas_force_table = "force.csv"\nmean_pressure = "1 MPa"',

@@ -18,7 +18,7 @@ ROW_STEP = 30.0
 
 
 def rod_mass_records(layout: EngineLayout) -> list[Record]:
-    """Return the masses that stand in for each rod, by model.
+    """Return the equivalent masses of each rod, by model.
 
     Returns
     -------

@@ -17,7 +17,7 @@ from dynamics.response.damping import UNIT, DampedChain, damped
 from dynamics.response.linear_system import DEFAULT_MAGNIFIER, MAGNIFIER_SOURCE
 
 Array = NDArray[np.float64]
-ASSUMED = f"assumed ({MAGNIFIER_SOURCE})"
+ASSUMED = f"assumed, {MAGNIFIER_SOURCE}"
 
 
 def engine_axial_chain(
@@ -53,7 +53,7 @@ def engine_throw_inertias(engine_file: EngineFile, solid_inertias: ArrayLike) ->
     Parameters
     ----------
     engine_file : EngineFile
-        Its section [vibration] says which constant stands for the inertia of pistons.
+        Its section [vibration] selects the equivalent inertia of pistons.
     solid_inertias : float or (n,) array_like
         Of the throws' solids about the shaft, counterweights included [kg m^2].
     """

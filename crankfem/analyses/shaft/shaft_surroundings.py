@@ -26,7 +26,7 @@ def shaft_surroundings(
     analysis: Analyses,
     bearings: MainBearings | None = None,
 ) -> tuple[ShaftSurroundings, tuple[str, ...]]:
-    """Return what stands around the throws, as the engine file tells.
+    """Return the surroundings of the throws, as the engine file gives them.
 
     Parameters
     ----------
@@ -78,7 +78,7 @@ def _bearings(engine_file: EngineFile, throws: int) -> tuple[MainBearings, Remar
 
 
 def flywheel_overhang(engine_file: EngineFile) -> tuple[float, bool]:
-    """Return how far the flywheel stands beyond the last main journal's middle [m], and if that is given."""
+    """Return the flywheel's distance beyond the last main journal's middle [m], and whether it is given."""
     given, thickness = engine_file.flywheel.overhang, engine_file.shaft_ends.flange_thickness
     if given is not None:
         return given, True

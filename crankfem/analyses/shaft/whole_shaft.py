@@ -76,7 +76,7 @@ class WholeShaft:
 
     @property
     def modes(self) -> ShaftModes:
-        """Natural modes, told apart by their shares."""
+        """Natural modes, classified by their shares."""
         return self.crankshaft.modes
 
     @property

@@ -215,7 +215,7 @@ def engine_strength(
 
     Notes
     -----
-    Each throw stands by itself on the middles of its main journals. Radial forces bend its webs, both
+    Each throw is supported separately at the middles of its main journals. Radial forces bend its webs, both
     forces the pin at the oil hole, all over one cycle at rated speed. Torsion is the largest at running
     speeds, see `shaft_loads`.
     """

@@ -10,7 +10,7 @@ from crankfem.analyses.strength.cycle_fatigue import EngineFatigue, FatiguePlace
 
 
 def fatigue_record(found: EngineFatigue) -> Record:
-    """Return what is told of a crankshaft's fatigue over the cycle."""
+    """Return the record of a crankshaft's fatigue over the cycle."""
     return {
         **attributes(found, "sentence", "source", "factor", "remarks"),
         "places": [_place(one) for one in found.places],

@@ -16,7 +16,7 @@ from dynamics.strength.fatigue import REQUIRED
 
 
 def strength_record(found: EngineStrength) -> Record:
-    """Return what is told of a crankshaft's strength; null where an equivalent stress is unbounded."""
+    """Return the record of a crankshaft's strength; null where an equivalent stress is unbounded."""
     return {
         **attributes(
             found, "sentence", "passed", "source", "left_out", "unsafe", "warning", "by_elements"

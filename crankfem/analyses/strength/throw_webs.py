@@ -12,7 +12,7 @@ from geometry.throw_dimensions import web_dimension
 
 @dataclass(frozen=True)
 class ThrowWeb:
-    """A web of a throw, and where it stands.
+    """A web of a throw, and its position.
 
     Attributes
     ----------

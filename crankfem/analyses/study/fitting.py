@@ -38,7 +38,7 @@ def fit_study(table: StudyTable) -> dict[str, ResponseFits]:
     -------
     dict
         Response name, as in the model, to its fits. A response to which no form can be fitted is
-        left out; `ResponseFits.unfitted` of the others tells why.
+        left out; `ResponseFits.unfitted` gives the reason for the others.
 
     Raises
     ------

@@ -45,7 +45,7 @@ class EngineLoad:
     given : bool
         Whether the file says so; full load is taken where it says nothing.
     speeds : (S,) array
-        At which the load is told: lowest, rated and highest speed, and some between [rad/s].
+        Speeds of the load: lowest, rated and highest, and some between [rad/s].
     power : (S,) array
         Indicated power there [W].
     mean_pressure : (S,) array

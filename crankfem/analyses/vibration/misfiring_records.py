@@ -7,7 +7,7 @@ from crankfem.analyses.vibration.misfiring import Misfiring
 
 
 def misfiring_record(found: Misfiring) -> Record:
-    """Return what is told of misfiring; null where vibration is unbounded or nothing is limited."""
+    """Return the record of misfiring; null where vibration is unbounded or nothing is limited."""
     return {
         **attributes(found, "sentence", "passed", "cases", "missing_share", "compression"),
         "checks": [_check(one) for one in found.checks],

@@ -28,7 +28,7 @@ def check(
     *,
     out: Output,
 ) -> None:
-    """Check a file, show what it was understood as, what is assumed, and which commands it serves."""
+    """Check a file: show how it is read, what is assumed, and which commands can use it."""
     from crankbase.errors import InputError
     from crankfem.analyses.file_check import check_file, check_record
     from crankfem.cli.tables.check_tables import print_check

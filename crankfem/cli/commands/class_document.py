@@ -24,7 +24,7 @@ def class_(
     *,
     out: Output,
 ) -> None:
-    """Write the torsional vibration document for a classification society: HTML that prints to A4."""
+    """Write the torsional vibration document for a classification society, as HTML for A4."""
     from crankfem.analyses.vibration.records import run_record
     from crankfem.jobs.class_document import write_class_document
 

@@ -33,7 +33,7 @@ def compare(
     *,
     out: Output,
 ) -> None:
-    """Compare two models on the same throws, over the ranges that both know."""
+    """Compare two models on the same throws, in the ranges of both."""
     from crankfem.analyses.study.model_comparison import compare_models
 
     models = _model(first), _model(second)

@@ -254,8 +254,8 @@ def _export_designs(plan: "StudyPlan", store: Path, folder: Path, kind: str, out
         return
     present = len(found.files) - len(found.failures)
     console.print_line(
-        f"{found.table} written: {len(found.files)} designs, of which {present} have a file beside it "
-        f"({found.written} written now); lengths in m."
+        f"{found.table} written: {len(found.files)} designs, of which {present} have a file in the folder ("
+        f"{found.written} written now); lengths in m."
     )
     for file, reason in found.failures.items():
         console.print_line(f"Not written: {file}: {reason}")

@@ -22,7 +22,7 @@ def fields(
     *,
     out: Output,
 ) -> None:
-    """Say what every field of an engine or chain file means: unit, allowed range, default."""
+    """List the fields of an engine or chain file: meaning, unit, allowed range, default."""
     from dataclasses import asdict, astuple
 
     from crankbase.tables.table import Column, Table

@@ -49,7 +49,7 @@ def formulas(
         list[str] | None,
         typer.Option(
             metavar="NAME=VALUE",
-            help="An open constant of a formula: C, k_3, k_or, k_n or k_gorbunov; once for each.",
+            help="An open constant of a formula: C, k_3, k_or, k_n or k_gorbunov; may be repeated.",
         ),
     ] = None,
     fe: Annotated[bool, typer.Option(help="Also compute the finite element value.")] = True,
@@ -62,7 +62,7 @@ def formulas(
     *,
     out: Output,
 ) -> None:
-    """Show the published formulas for a throw, or all shipped engines, beside finite elements."""
+    """Compare the published formulas with finite elements, for a throw or all shipped engines."""
     from crankfem.cli.angle_and_speed import parse_gamma
 
     if (engine is not None) + all_engines + published != 1:

@@ -78,7 +78,7 @@ def harmonics(
     *,
     out: Output,
 ) -> None:
-    """Split torque into harmonics M_k sin(k w t + a_k): of a table, or of an engine with its stars."""
+    """Split torque into harmonics M_k sin(k w t + a_k), for a table or an engine with its stars."""
     from crankfem.cli.tables.harmonics_tables import write_table
 
     if orders is not None and not orders > 0.0:

@@ -49,7 +49,7 @@ def hinge(
     *,
     out: Output,
 ) -> None:
-    """Guides of an elastic hinge for constant crank speed, and how evenly the crank turns with it."""
+    """Calculate the guides of an elastic hinge for constant crank speed, and the speed left uneven."""
     from crankbase.checks.choices import check_choice
     from crankbase.units.quantity import parse_quantity
     from crankfem.analyses.hinge.hinge_pictures import FILES, GUIDES, SURFACE, plot_hinge
@@ -85,6 +85,6 @@ def hinge(
         return
     print_hinge(record, out.units)
     if csv is not None:
-        console.output.print(f"Over the turn: {csv}", soft_wrap=True)
+        console.output.print(f"Over a revolution: {csv}", soft_wrap=True)
     if made:
         console.output.print(f"Pictures: {pictures} ({len(made)} files)", soft_wrap=True)

@@ -55,7 +55,7 @@ def lookup(
     *,
     out: Output,
 ) -> None:
-    """Look compliances up in a model, or by the law (law in place of MODEL.json), with bands.
+    """Look up compliances in a model, or by the law (law in place of MODEL.json), with bands.
 
     Also reactions to a force on the pin. Example: crankfem lookup law --throw 6chn25-34 --pin-force "100 kN"
     """

@@ -28,7 +28,7 @@ def mechanism(
         list[str] | None,
         typer.Option(
             metavar="MODEL",
-            help=f"Of the rods' masses, one of: {', '.join(ROD_MODELS)}; give it twice to compare the "
+            help=f"Model of the rods' masses, one of: {', '.join(ROD_MODELS)}; give it twice to compare the "
             "crankpin loads.",
             show_default="rigid",
         ),
@@ -45,7 +45,7 @@ def mechanism(
     *,
     out: Output,
 ) -> None:
-    """Forces in the crank mechanism, load diagrams of the bearings, and the balance of the engine."""
+    """Calculate forces in the crank mechanism, bearing loads, and the balance of the engine."""
     from crankfem.analyses.mechanism.acceleration_records import acceleration_record
     from crankfem.analyses.mechanism.balance_records import hinged_rods_record
     from crankfem.analyses.mechanism.balanced_masses import mechanism_balance_record

@@ -51,7 +51,7 @@ def new(
     *,
     out: Output,
 ) -> None:
-    """Write an engine file that explains itself and runs as it is, or copy a shipped one."""
+    """Write an example engine file with explanations, ready to run, or copy a shipped one."""
     from crankfem.jobs.outputs import check_writable
 
     if listed:

@@ -44,14 +44,14 @@ def optimum(
         str | None,
         typer.Option(
             metavar='">= 40 Hz"',
-            help="Lower bound on the crankshaft's own frequency, with --engine.",
+            help="Lower bound on the crankshaft's first axial frequency, with --engine.",
         ),
     ] = None,
     first_torsional_frequency: Annotated[
         str | None,
         typer.Option(
             metavar='">= 40 Hz"',
-            help="Lower bound on the crankshaft's own frequency, with --engine.",
+            help="Lower bound on the crankshaft's first torsional frequency, with --engine.",
         ),
     ] = None,
     fixed: Annotated[
@@ -67,7 +67,7 @@ def optimum(
     *,
     out: Output,
 ) -> None:
-    """Find the thinnest web, the lightest throw, or the least of anything, under limits."""
+    """Find the smallest value of a dimension or response, such as web thickness, under limits."""
     from crankfem.cli.model_arguments import model_dimensions, parse_limit
     from regression.models.compliance_model import ComplianceModel
     from regression.models.optimum_limits import check_minimized

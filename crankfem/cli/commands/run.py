@@ -36,10 +36,10 @@ def run(
     *,
     out: Output,
 ) -> None:
-    """Do everything: throw, formulas, study, vibration, and a report, into one folder.
+    """Run everything: throw, formulas, study, vibration, and a report, into one folder.
 
-    The verdict is printed first and last, between them what it rests on and leads to; with --verbose all
-    tables stand there. With --quiet only the path of the report is printed.
+    The verdict is printed first and last, with its reasons between; --verbose adds all tables. With
+    --quiet only the path of the report is printed.
     """
     from crankfem.cli.tables.run_tables import print_verdict
     from crankfem.jobs.pipeline import run_engine

@@ -38,7 +38,7 @@ def serve(
 ) -> None:
     """Serve an API and a page where sliders change a throw's dimensions.
 
-    Only this machine is answered, unless --host and --key-file are given.
+    Only this machine is served, unless --host and --key-file are given.
     """
     from crankbase.checks.scalars import is_whole_within
     from crankfem.cli.interrupts import interrupts_raise

@@ -116,7 +116,7 @@ def draw(
     *,
     out: Output,
 ) -> None:
-    """Draw a throw to scale with its dimensions, and picture the solid of throw and crankshaft."""
+    """Draw a throw to scale with its dimensions; make pictures of throw and crankshaft."""
     from crankfem.analyses.throw.pictures.drawing import check_drawing_ending, write_drawing
     from crankfem.analyses.throw.pictures.solid_picture import (
         check_picture_ending,

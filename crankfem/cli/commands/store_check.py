@@ -40,7 +40,7 @@ def check_or_repair(
     if path.is_file() and path.suffix != ENGINE_FILE:
         if store != STORE:
             raise InputError(
-                f"--store: given {store} beside the store {path}; allowed is one of them."
+                f"--store: given {store} together with the store {path}; allowed is one of them."
             )
     else:
         path, plans = store, [load_study(given)]

@@ -138,7 +138,7 @@ def stress(
     *,
     out: Output,
 ) -> None:
-    """Find the stresses at a throw's fillets under unit loads, and their concentration factors.
+    """Calculate stresses at a throw's fillets under unit loads, and their concentration factors.
 
     A STEP file is a CAD part of steel, as for `crankfem throw`.
     """

@@ -28,7 +28,7 @@ def two_mass(
     *,
     out: Output,
 ) -> None:
-    """Check a crankshaft as two masses on one shaft: frequency, resonant orders, what excites them."""
+    """Check a crankshaft as two masses on one shaft: frequency, resonant orders, excitation."""
     from crankfem.analyses.mechanism.two_masses import read_two_masses, two_mass_run_record
     from crankfem.cli.tables.two_mass_tables import print_two_masses
     from crankfem.files.engine.file_kinds import any_sections

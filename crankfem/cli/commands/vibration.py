@@ -55,7 +55,7 @@ def vibration(
     *,
     out: Output,
 ) -> None:
-    """Natural frequencies, forced vibration over the speeds, and a verdict against limits."""
+    """Calculate natural frequencies, forced vibration over the speeds, and a verdict on limits."""
     from crankfem.files.engine.file_kinds import any_sections, file_kind
 
     content = any_sections(engine)

@@ -68,7 +68,7 @@ def _print_power(record: Record, units: OutputUnits) -> None:
 
 
 def print_rod_models(record: Record, units: OutputUnits = SI) -> None:
-    """Print the masses that stand in for the rods, and the load by two models, if there are two."""
+    """Print the equivalent masses of the rods, and the load by two models, if there are two."""
     print_table(rod_mass_table(record["rod_masses"]), units)
     difference = record["model_difference"]
     if difference is not None:

@@ -70,7 +70,7 @@ class EnginePower:
 
     @property
     def consistent(self) -> bool:
-        """Whether the mechanical efficiency is one that engines have; True where nothing tells."""
+        """Whether the mechanical efficiency is plausible; True if it is unknown."""
         if self.rated is None:
             return True
         efficiency = self.mechanical_efficiency

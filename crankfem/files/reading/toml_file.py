@@ -32,7 +32,7 @@ class InputRecord:
     meaning, symbol : str
         What it is.
     source : str
-        Where the value stands, or why it was assumed.
+        Source of the value, or why it was assumed.
     assumed : bool
         Whether it is a typical value that nobody gave.
     effect : str

@@ -14,7 +14,7 @@ def load_torque_table(path: str | Path, *, strokes: int | None = None) -> Torque
     path : path
         The CSV file, or the name of a shipped one, such as ``yamz5340_torque_one_throw.csv``.
     strokes : int, optional
-        Strokes per cycle, 2 or 4, where the table does not tell; 4 by default.
+        Strokes per cycle, 2 or 4, if the table does not define it; 4 by default.
 
     Raises
     ------

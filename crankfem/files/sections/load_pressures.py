@@ -39,7 +39,7 @@ class LoadCurve:
     intake_pressure, exhaust_pressure : ndarray of shape (S,)
         Absolute, of the receivers [Pa].
     peak_pressure : ndarray of shape (S,) or None
-        Absolute [Pa]; None where the combustion of full load tells it.
+        Absolute [Pa]; None if it follows from the combustion at full load.
     """
 
     speeds: FloatArray

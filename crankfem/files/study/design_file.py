@@ -22,7 +22,7 @@ def read_design(
     Parameters
     ----------
     folder : path
-        Where the file stands.
+        Folder of the file.
     given : str
         Its name.
     factors : tuple of Factor
