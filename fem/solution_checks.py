@@ -17,6 +17,8 @@ Array = NDArray[np.float64]
 
 # Every solution leaves at most 1e-9 of its right side; what is checked is made of a few solutions.
 LARGEST_ROUND_OFF = 1e-8
+# Energies against forces at the ends: throws of engines leave 1e-11, journals of 0.04 crank radii 1e-8.
+LARGEST_DIFFERENCE = 1e-6
 # The softest elastic motion of a throw has 1e-2 of the energy of the stiffest, of sections that bend 1e-4.
 SMALLEST_ENERGY = 1e-7
 RIGID_MOTIONS = 6
@@ -90,7 +92,11 @@ def check_reciprocity(
     works, reactions = (one * size[:, None] * _unit(length) for one in pin_loads)
     apart = np.max(np.abs(forces - energies)) / np.max(np.abs(energies))
     off = np.max(np.abs(reactions - works), initial=0.0)
-    _check("Reciprocity of the throw's end forces is off by", float(np.maximum(apart, off)))
+    _check(
+        "Reciprocity of the throw's end forces is off by",
+        float(np.maximum(apart, off)),
+        LARGEST_DIFFERENCE,
+    )
 
 
 def check_superelement(
@@ -164,8 +170,8 @@ def _unit(length: float) -> Array:
     return np.array([1.0, 1.0, 1.0, *[1.0 / length] * 3])
 
 
-def _check(what: str, figure: float) -> None:
-    if not figure <= LARGEST_ROUND_OFF:
+def _check(what: str, figure: float, allowed: float = LARGEST_ROUND_OFF) -> None:
+    if not figure <= allowed:
         raise SolveError(
-            f"{what} {figure:.1e} (allowed {LARGEST_ROUND_OFF:.0e}): the equations are not solved accurately."
+            f"{what} {figure:.1e} (allowed {allowed:.0e}): the equations are not solved accurately."
         )

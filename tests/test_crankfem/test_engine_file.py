@@ -262,7 +262,7 @@ REFUSED = {
     ),
     "torque table that is nowhere": (
         {"torque.table": '"nowhere.csv"'},
-        ["torque.table", "'nowhere.csv'", "neither beside", "nor a shipped table"],
+        ["torque.table", "'nowhere.csv'", "neither in the folder of", "nor a shipped table"],
     ),
     "unknown source of compliances": (
         {"vibration.axial_source": '"guess"'},

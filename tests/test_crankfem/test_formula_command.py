@@ -129,7 +129,7 @@ def test_published_table(call):
         "1.394", "0.2108*", "0.4390*", "1.445", "0.6538*", "1.656", "0.45358?", "0.4951*", "1.006",
     ]  # fmt: skip
     assert max(map(len, lines[:12])) <= 80
-    assert "ChN 26/26, Gorbunov: 21.0847, taken as 0.210847" in answer.out
+    assert "ChN 26/26, Gorbunov: 21.0847, read as 0.210847" in answer.out
     assert "3.3220e-9 m/N, is probably 3.3220e-10 m/N" in answer.out
     content = call("formulas", "--published", "--json").json()
     assert len(content["values"]) == 91

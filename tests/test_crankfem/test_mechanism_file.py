@@ -125,7 +125,7 @@ def test_a_pressure_table_beside_the_file(tmp_path):
         (
             "buick-3800",
             {'"0 deg", "30 deg", "240 deg"': '"0 deg", "10 deg", "240 deg"'},
-            r"engine\.crank_angles: given 10 deg for cylinder 2, whose pin on throw 1 stands at 30 deg",
+            r"engine\.crank_angles: given 10 deg for cylinder 2, whose pin on throw 1 is at 30 deg",
         ),
         (
             "buick-3800",

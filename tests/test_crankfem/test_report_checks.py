@@ -86,7 +86,7 @@ def test_all_checks_of_a_run(stored):
     assert found["Symmetry of the stiffness"]["figure"] == reciprocity["asymmetry"]
     assert found["Axial reaction by reciprocity"]["figure"] == reciprocity["axial_reaction"]
     # With the reasons beside the constants.
-    allowed = {name: own["allowed"] for name, own in found.items() if own["unit"] == "1"}
+    allowed = {name: own["allowed"] for name, own in found.items() if own["shown_unit"] == "1"}
     assert allowed.pop("Opposite neighbors compared with pinned ends") == SYMMETRIC
     assert allowed.pop("Energy of the crank mechanism") == 1e-10
     assert {allowed.pop(f"Power of the {kind} vibration") for kind in ("axial", "torsional")} == {
