@@ -1,10 +1,10 @@
-"""How many requests a second the service answers, beside an empty FastAPI route, and how fast its page is.
+"""Requests a second of the service, their ratio to an empty FastAPI route, and the times of its page.
 
     python benchmarks/load_service.py [--seconds 30] [--page]
 
 Fifty clients ask for laws and lookups of ever different throws; in turns with them, the same clients ask
 an application of the same server that has one empty route, so that what else the machine does falls on
-both. With --page a browser turns a slider and calculates a throw. Times are of this machine.
+both. With --page a browser moves a slider and calculates a throw. Times are of this machine.
 """
 
 import argparse
@@ -108,7 +108,7 @@ async def measure(port: int, seconds: float) -> None:
         told(name, *values)
     empty, ours = (found[name][0] for name in list(kinds)[:2])
     shares = [own / other for own, other in zip(ours, empty, strict=True)]
-    print(f"beside the empty route: {statistics.median(shares):.2f}, in pairs of {ROUND:g} s")
+    print(f"ratio to the empty route: {statistics.median(shares):.2f}, in pairs of {ROUND:g} s")
 
 
 def measure_rows(address: str) -> None:
@@ -146,9 +146,7 @@ def measure_page(address: str) -> None:
         page.wait_for_selector("body[data-ready]")
         page.wait_for_timeout(3000)
         turns = [page.evaluate(TURN, 0.05 + 0.0005 * place) for place in range(60)]
-        print(
-            f"a slider turned, until numbers and drawing are there: {statistics.median(turns):.0f} ms"
-        )
+        print(f"from a slider to new numbers and drawing: {statistics.median(turns):.0f} ms")
         taken = []
         for _ in range(3):
             page.reload()
@@ -159,7 +157,7 @@ def measure_page(address: str) -> None:
             page.wait_for_selector(".solid.plot-drawn", timeout=60_000)
             taken.append(time.perf_counter() - start)
             page.wait_for_selector(".step:not([disabled])", timeout=60_000)
-        print(f"finite elements with the throw that turns: {statistics.median(taken):.1f} s")
+        print(f"finite elements with the interactive view: {statistics.median(taken):.1f} s")
 
 
 TURN = """async (place) => {

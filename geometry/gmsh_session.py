@@ -1,5 +1,6 @@
 """A gmsh session that always gives the same mesh and leaves nothing behind."""
 
+import ctypes
 import re
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -26,6 +27,9 @@ DEBIAN_PACKAGES = {
     "libfreetype.so.6": "libfreetype6",
     "libgomp.so.1": "libgomp1",
 }
+
+# Of which gmsh's arrays are.
+NUMBERS = (ctypes.c_double, ctypes.c_int, ctypes.c_size_t)
 
 # Silent, reproducible (one thread), element sizes from our own size field alone, and the rest as gmsh
 # has it by default, whatever a user's own session says.
@@ -136,6 +140,18 @@ def gmsh_errors(what: str) -> Iterator[None]:
         raise
     except Exception as error:
         raise MeshError(f"gmsh could not {what}: {error}") from error
+
+
+def forget_array_types() -> None:
+    """Forget the types that ctypes has made for arrays of numbers, one for each length, and keeps for good.
+
+    gmsh hands its arrays over by such types; in a long study they take 70 kB a mesh.
+    """
+    kept: dict[Any, Any] = getattr(ctypes, "_pointer_type_cache", {})
+    for one in list(kept):
+        number: Any = getattr(one, "_type_", None)
+        if isinstance(one, type) and issubclass(one, ctypes.Array) and number in NUMBERS:
+            kept.pop(one, None)
 
 
 def middle_point(gmsh: Any, dimension: int, tag: int) -> NDArray[np.float64]:

@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 from crankbase.errors import InputError, MeshError
 from crankbase.summaries import summarized
 from geometry.built_solid import built_solid
-from geometry.gmsh_session import gmsh_errors
+from geometry.gmsh_session import forget_array_types, gmsh_errors
 from geometry.mesh_checks import (
     MOST_UNKNOWNS,
     SolidProperties,
@@ -316,6 +316,7 @@ def checked_mesh(
         gmsh.model.mesh.generate(3)
         gmsh.model.mesh.setOrder(2)
     points, elements, facets = read_mesh(gmsh, surfaces)
+    forget_array_types()
     points *= unit
     if 3 * len(points) > 1.5 * MOST_UNKNOWNS:
         raise MeshError(f"the mesh has {3 * len(points):,} unknowns, far more than predicted.")

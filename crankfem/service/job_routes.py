@@ -19,7 +19,7 @@ from crankbase.processes import scratch_folder
 from crankfem.service.answers import ENDED, CheckedText, Job, Jobs
 from crankfem.service.asking import AnalysisQuestion, FileQuestion, StressQuestion, read_question
 from crankfem.service.bounds import Bounds
-from crankfem.service.job_runner import JobRunner
+from crankfem.service.job_runner import LOADING, JobRunner
 from crankfem.service.job_store import JobStore
 from crankfem.service.problems import ProblemError
 from crankfem.service.responses import JSON, answer, described
@@ -91,6 +91,8 @@ def job_routes(store: JobStore, runner: JobRunner, bounds: Bounds) -> APIRouter:
         """Check a file in a process of its own, which may take so long and no longer."""
         with scratch_folder() as folder:
             try:
+                # A process that has just started takes its time on a busy machine.
+                checker.call("crankfem.service.tasks:load_checks", time_limit=LOADING)
                 found: dict[str, Any] = checker.call(
                     "crankfem.service.tasks:check_upload",
                     asked.model_dump(),

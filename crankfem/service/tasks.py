@@ -66,6 +66,11 @@ def load() -> None:
     analyze_throw(CrankThrow(**EXAMPLE), STEEL, 0.1, mesher=mesh_here)
 
 
+def load_checks() -> None:
+    """Load what `check_upload` needs."""
+    import_module("crankfem.analyses.file_check")
+
+
 def run_job(
     kind: str, question: Mapping[str, Any], folder: str, workers: int, on_remark: OnRemark
 ) -> None:

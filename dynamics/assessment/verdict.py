@@ -338,6 +338,12 @@ def judge(
             "findings: given none; allowed are one or more, because a verdict needs a limit and an "
             "amplitude to hold against it."
         )
+    for place, pair in enumerate(findings):
+        if tuple(map(type, pair)) != (VibrationLimit, AmplitudeCurve):
+            raise InputError(
+                f"findings[{place}]: given {', '.join(type(one).__name__ for one in pair) or 'none'}; "
+                "allowed is a VibrationLimit and an AmplitudeCurve, because one is held against the other."
+            )
     low, high = checked_running_range(running_range)
     checks = [_check(limit, curve, (low, high)) for limit, curve in findings]
     ranges = barred_ranges(findings, rule, (low, high))

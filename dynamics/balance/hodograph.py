@@ -126,9 +126,16 @@ class Hodograph:
     def amplitude_along(self, *, angle_deg: float) -> float:
         """Return the amplitude of the component in a direction [deg].
 
+        Raises
+        ------
+        InputError
+            If the direction is no finite number.
+
+        Notes
+        -----
         Re(F exp(-i angle)) has the coefficient P exp(-i angle) + conj(Q) exp(i angle).
         """
-        turn = cmath.exp(-1j * math.radians(angle_deg))
+        turn = cmath.exp(-1j * float(radians_of("angle_deg", angle_deg)))
         return abs(self.forward * turn + (self.backward * turn).conjugate())
 
     def at(self, *, shaft_angle_deg: ArrayLike) -> ComplexArray:

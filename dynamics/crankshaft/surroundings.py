@@ -87,6 +87,7 @@ class MainBearings:
         InputError
             If one is negative or no number, or there is not one for each section.
         """
+        sections = whole_number("sections", sections, 1, "a shaft has sections")
         return (
             _each("bearings.stiffness", self.stiffness, sections, held=True),
             _each("bearings.damping", self.damping, sections, held=False),

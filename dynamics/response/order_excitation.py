@@ -13,9 +13,10 @@ from crankbase.checks.arrays import (
     complex_array,
     positive_vector,
     read_only,
+    turning_speeds,
 )
 from crankbase.checks.scalars import whole_within
-from crankbase.errors import InputError
+from crankbase.errors import InputError, quoted
 from crankbase.library_types import Dataset
 from crankbase.summaries import summarized
 from crankbase.tables.frames import grid
@@ -122,8 +123,22 @@ class OrderExcitation:
         Raises
         ------
         InputError
-            If a speed is outside the range.
+            If a speed is outside the range, or an index that of no order.
         """
+        order_index, speeds = np.asarray(order_index), turning_speeds("speeds", speeds)
+        count = len(self.orders)
+        if order_index.dtype.kind not in "iu" or np.any((order_index < 0) | (order_index >= count)):
+            raise InputError(
+                f"order_index: given {quoted(order_index.tolist())}; allowed are the whole numbers 0 to "
+                f"{count - 1}, because they count the orders."
+            )
+        try:
+            np.broadcast_shapes(order_index.shape, speeds.shape)
+        except ValueError:
+            raise InputError(
+                f"order_index: given the shape {order_index.shape} for speeds of shape {speeds.shape}; "
+                "allowed is one for each, because they are pairs."
+            ) from None
         low, high = self.speeds[[0, -1]]
         outside = (speeds < low * (1.0 - ROOM)) | (speeds > high * (1.0 + ROOM))
         if np.any(outside):

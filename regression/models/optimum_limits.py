@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from crankbase.checks.arrays import LARGEST, SMALLEST
 from crankbase.checks.choices import did_you_mean
 from crankbase.checks.scalars import is_number
 from crankbase.errors import InputError
@@ -62,6 +63,11 @@ class Limit:
             raise InputError(
                 f"limit on {shown}: given at most {self.at_most}, at least {self.at_least}; allowed is "
                 "one finite bound, because each limit is checked by itself."
+            )
+        if given[0] != 0.0 and not SMALLEST <= abs(given[0]) <= LARGEST:
+            raise InputError(
+                f"limit on {shown}: given {given[0]:g}; allowed is zero, or {SMALLEST:g} to {LARGEST:g} of "
+                "either sign, because others leave what a computer can calculate."
             )
         if isinstance(self.quantities, str) or not self.quantities:
             raise InputError(

@@ -314,7 +314,10 @@ def evaluation_order(relations: Mapping[str, Expression]) -> tuple[str, ...]:
 
 def is_unit(name: str) -> bool:
     """Whether a name is that of a unit, such as h or mm."""
-    return "." not in name and name in unit_registry()
+    try:
+        return "." not in name and name in unit_registry()
+    except ValueError:  # "nan", which pint takes for a number
+        return False
 
 
 def used_names(expressions: Iterable[Expression]) -> set[str]:

@@ -60,7 +60,7 @@ def patience() -> Iterator[None]:
     )
     before = [signal.signal(number, end) for number, _, _ in clocks]
     for _, clock, seconds in clocks:
-        signal.setitimer(clock, seconds)
+        signal.setitimer(clock, seconds, 1.0)  # again, where a callback of Python has swallowed it
     try:
         yield
     finally:

@@ -1,5 +1,6 @@
 """All that reads what people write: for each parser its inputs, and what reads and calculates with them."""
 
+import contextlib
 import json
 import shutil
 import tempfile
@@ -13,6 +14,7 @@ import numpy as np
 from hypothesis import strategies as st
 
 import crankfem as cf
+from crankbase.errors import InputError
 from crankbase.units.quantity import parse_quantity
 from crankfem.files.engine.throw_file import load_study, load_throw_file
 from dynamics.gas.pressure_table import read_pressure_table
@@ -251,7 +253,11 @@ QUANTITIES = st.one_of(
 
 
 def _quantity(text: str) -> Any:
-    return [parse_quantity(text, unit, "field") for unit in ("m", "")]
+    found = []
+    for unit in ("m", "rad/s", ""):
+        with contextlib.suppress(InputError):
+            found.append(parse_quantity(text, unit, "field"))
+    return found or parse_quantity(text, "m", "field")
 
 
 def _relation(text: str) -> Any:

@@ -8,6 +8,7 @@ import crankfem as cf
 from crankbase.errors import InputError
 from crankbase.units.quantity import parse_quantity
 from crankfem.cli import app as cli
+from regression.plans.relations import read_expression
 from strategies import requests
 from strategies.calls import wrong_calls
 from strategies.outcomes import NOT_FINITE, TRACEBACK, outcome_of
@@ -126,6 +127,7 @@ FOUND = {
     "unit to the power of zero": lambda: parse_quantity("3 a^0", "m", "field"),
     "power with zeros in front": lambda: parse_quantity("3 a^001", "m", "field"),
     "unit that is no number": lambda: parse_quantity("3 nan", "m", "field"),
+    "relation with no number": lambda: read_expression("nan * mm", "field", {}),
     "percentile": lambda: samples().percentile(1e9),
     "millions of chains": lambda: cf.limits.chain_samples(chain_of_two(), [], float, samples=10**6),
     "no parts": lambda: cf.chains.ShaftCone(0.7, 0.2, 0.2).divided(0),
@@ -153,6 +155,15 @@ FOUND = {
     "speed without end": lambda: cf.excitation.axial_force_over_cycle(
         np.inf, np.ones((2, 1, 2)), [1e-9], np.full((1, 1, 2), 1e-10), shaft_angles_deg=[0.0, 30.0]
     ),
+    "fewer sections than none": lambda: cf.crankshaft.MainBearings(1e9, 1e4).at(-1),
+    "direction without end": lambda: cf.balances.Hodograph(1, 2.0 + 0.0j, 1.0 + 0.0j).amplitude_along(
+        angle_deg=np.inf
+    ),
+    "order by no number": lambda: cf.OrderExcitation(
+        [1.0, 2.0], [50.0, 60.0], np.ones((2, 2, 3))
+    ).interpolated(np.array([0.5]), np.array([55.0])),
+    "curves that are limits": lambda: cf.judge([()], (50.0, 60.0), cf.limits.BarredRangeRule(100.0)),
+    "limit next to nothing": lambda: cf.studies.Limit(("axial_compliance",), at_most=5e-324),
     "length of a web": lambda: cf.strength.CrankWeb(0.2, 0.2, 0.1, 0.1, 0.3, 0.01, 0.01).ratio("depth"),
     "law of no throws": lambda: cf.formulas.axial_laws(
         crank_radius=0.17, main_journal_diameter=0.22, pin_diameter=0.18, main_journal_length=0.12,

@@ -4,6 +4,7 @@ import re
 import shlex
 import shutil
 import sys
+import tempfile
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -144,8 +145,10 @@ for request in requests():
     found = {"key": request["key"], "responses": responses, "errors": errors, "seconds": 0.1}
     answer(found | {"unknowns": 9})
 """
-# Folders of runs by what they were made of: several pages run the same shipped engine.
+# Folders of runs by what they were made of: several pages run the same shipped engine. They are copies,
+# for a test's own folder is gone after it.
 finished_runs = {}
+kept_folders = tempfile.TemporaryDirectory()
 
 
 def run_once(engine, output=None, **options):
@@ -157,7 +160,9 @@ def run_once(engine, output=None, **options):
     key = (path.stem, tuple((one.name, one.read_bytes()) for one in beside))
     if key not in finished_runs:
         found = run_engine(engine, output, **options)
-        finished_runs[key] = RunResult(found.folder.resolve(), found.report, found.results)
+        kept = Path(kept_folders.name, str(len(finished_runs)))
+        shutil.copytree(found.folder, kept)
+        finished_runs[key] = RunResult(kept, found.report, found.results)
         return found
     first = finished_runs[key]
     folder = Path(output) if output is not None else Path(f"{path.stem}-results")

@@ -55,7 +55,7 @@ def test_the_mesh_is_bit_identical_to_that_of_this_process(dimensions, process):
 def test_errors_come_back_as_they_are(dimensions, process):
     with pytest.raises(InputError, match="allowed are auto"):
         mesh_isolated(CrankThrow(**dimensions), 1.0, "eighth", process=process)
-    with pytest.raises(InputError, match="unknowns; allowed are 1,500,000"):
+    with pytest.raises(InputError, match="unknowns"):
         mesh_isolated(CrankThrow(**dimensions), 0.02, process=process)
     with pytest.raises(RuntimeError, match="ZeroDivisionError"):
         process.call("operator:truediv", 1, 0, time_limit=10.0)

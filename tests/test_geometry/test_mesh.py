@@ -1,3 +1,4 @@
+import ctypes
 import multiprocessing
 from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor
 
@@ -264,6 +265,13 @@ def test_mended_elements_are_counted(dimensions):
     mesh = mesh_throw(throw, 3.0)
     assert mesh.mended_elements > 0
     assert smallest_jacobians(mesh.points, mesh.elements).min() >= 0.05
+
+
+def test_meshes_leave_no_types_of_arrays_behind(dimensions):
+    mesh_throw(CrankThrow(**dimensions), 3.0)
+    before = len(ctypes._pointer_type_cache)
+    mesh_throw(CrankThrow(**dimensions), 2.6)
+    assert len(ctypes._pointer_type_cache) <= before
 
 
 def test_a_mesh_of_another_volume_is_refused_with_both_volumes(dimensions):
