@@ -110,7 +110,8 @@ def _mesher(draw: Random, number: signal.Signals, limit: float) -> Finding:
     mesh_isolated(THROW, process=process)
     seconds = time.monotonic() - began
     (child,) = [one for one in owner if "crankbase.calls" in one.cmdline()]
-    threading.Timer(draw.uniform(0.0, seconds), lambda: child.send_signal(number)).start()
+    timer = threading.Timer(draw.uniform(0.0, seconds), lambda: child.send_signal(number))
+    timer.start()
     began = time.monotonic()
     try:
         mesh = mesh_isolated(THROW, process=process, time_limit=limit)
@@ -122,6 +123,7 @@ def _mesher(draw: Random, number: signal.Signals, limit: float) -> Finding:
         changed = mesh.points.tobytes() != whole.points.tobytes()
         finding.silent += changed and not mesh.attempts
     finding.hangs += time.monotonic() - began > 10.0 * (limit + seconds) + 60.0
+    timer.join()  # no part of the attack may hit the mesh that judges it
     again = mesh_isolated(THROW, process=process)
     finding.lost += again.points.tobytes() != whole.points.tobytes()
     process.close()
