@@ -51,9 +51,8 @@ def nothing_started() -> Iterator[None]:
     """Let no mesher, no worker and no server start: what is read and checked before is tried alone."""
 
     def call(_: Any, function: str, *arguments: Any, **__: Any) -> Any:
-        return (
-            tasks.check_upload(*arguments) if function.endswith(":check_upload") else _no_process()
-        )
+        module, name = function.split(":")
+        return getattr(tasks, name)(*arguments) if module == tasks.__name__ else _no_process()
 
     with contextlib.ExitStack() as put:
         put.enter_context(mock.patch.object(geometry.isolated.IsolatedProcess, "call", call))
