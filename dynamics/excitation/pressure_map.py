@@ -1,6 +1,6 @@
 """The pressure in a cylinder over speed and load, interpolated by harmonics."""
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import get_args
@@ -303,6 +303,11 @@ def pressure_map(
     InputError
         If there are no points, strokes differ, a point is given twice, or points do not fill a grid.
     """
+    points = list(points)
+    if any(not isinstance(point, Sequence) or len(point) != 3 for point in points):
+        raise InputError(
+            "points: given one that is not of three; allowed are (speed, load, diagram), because each diagram has both."
+        )
     given = [
         (
             positive_number("pressure map speed", speed, "rad/s", "the engine runs"),

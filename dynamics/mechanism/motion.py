@@ -57,8 +57,14 @@ class PointMotion:
         return np.asarray(_acceleration(self, speed, crank_acceleration))
 
     def turned(self, *, angle_deg: float) -> "PointMotion":
-        """Return the motion turned by an angle [deg] in the sense of rotation."""
-        turn = np.exp(1j * np.radians(angle_deg))
+        """Return the motion turned by an angle [deg] in the sense of rotation.
+
+        Raises
+        ------
+        InputError
+            If the angle is not a finite number.
+        """
+        turn = np.exp(1j * np.radians(finite_array("angle_deg", angle_deg)))
         return PointMotion(turn * self.place, turn * self.first, turn * self.second)
 
 

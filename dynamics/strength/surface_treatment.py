@@ -78,8 +78,15 @@ class SurfaceTreatment:
         return self.depth * (NITRIDED_TRANSITION if self.process == "nitriding" else 1.0)
 
     def transition_strength(self, untreated: float) -> float:
-        """Return the fatigue strength at the transition, from that of the untreated place [Pa]."""
-        return untreated * (BELOW_HARDENED if self.process == "induction" else 1.0)
+        """Return the fatigue strength at the transition, from that of the untreated surface [Pa].
+
+        Raises
+        ------
+        InputError
+            If the strength is not positive.
+        """
+        strength = positive_number("untreated", untreated, "Pa", "a strength is positive")
+        return strength * (BELOW_HARDENED if self.process == "induction" else 1.0)
 
     def hardness(self, depths: ArrayLike, core_hardness: float) -> FloatArray:
         """Return the Vickers hardness below a nitrided surface.

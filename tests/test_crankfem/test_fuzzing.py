@@ -165,6 +165,13 @@ FOUND = {
     "curves that are limits": lambda: cf.judge([()], (50.0, 60.0), cf.limits.BarredRangeRule(100.0)),
     "limit next to nothing": lambda: cf.studies.Limit(("axial_compliance",), at_most=5e-324),
     "length of a web": lambda: cf.strength.CrankWeb(0.2, 0.2, 0.1, 0.1, 0.3, 0.01, 0.01).ratio("depth"),
+    "motion turned without end": lambda: cf.mechanism.PointMotion(
+        np.ones(3), np.ones(3), np.ones(3)
+    ).turned(angle_deg=np.inf),
+    "strength without end": lambda: cf.strength.SurfaceTreatment(
+        "induction", 0.003, 500.0
+    ).transition_strength(np.inf),
+    "point of a pressure map": lambda: cf.excitation.pressure_map([(1.0, 2.0)]),
     "law of no throws": lambda: cf.formulas.axial_laws(
         crank_radius=0.17, main_journal_diameter=0.22, pin_diameter=0.18, main_journal_length=0.12,
         pin_length=0.139, web_width=0.3, web_thickness=[], fillet_radius=0.012,

@@ -307,7 +307,7 @@ load, gas_map, misfire, propeller_forces, limits, ranges, strength, torque_table
         study = self.study
         if study is None:
             return None
-        name = next(name for name, own in self.named_throws.items() if own == study.throw)
+        name = next((name for name, own in self.named_throws.items() if own == study.throw), None)
         if name not in throws:
             return None
         material = made.get("material", self.material)
