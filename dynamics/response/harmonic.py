@@ -21,8 +21,8 @@ UNBOUNDED_WITHIN = 1e-9
 NO_WORK = 1e-12
 # If a modal answer leaves a larger residual (of its largest term), all are solved for directly.
 RESIDUAL_LIMIT = 1e-11
-# No answer may leave more, however it was found, of its largest product of a coefficient and a motion: rounding is
-# to these, also where they cancel as in a stiff spring. Solving directly leaves 1e-17 to 1e-13.
+# No answer may leave more, however it was found, of its largest sum of products of coefficients and motions:
+# rounding is to these, also where they cancel as in a stiff spring. Solving directly leaves 1e-17 to 1e-13.
 LARGEST_RESIDUAL = 1e-9
 # Residuals are looked at for so many answers, evenly spread, and for those next to resonances.
 CHECKED = 500
@@ -139,7 +139,7 @@ def _residuals(
     motion: ComplexArray,
     products: bool,
 ) -> FloatArray:
-    """Return the residual of each answer over its largest term, or over the largest sum of products in a term."""
+    """Return the residual of each answer over its largest term, or over the products in it."""
     w = frequencies[:, np.newaxis]
     elastic = motion @ (system.stiffness + 1j * system.loss)
     inertial = w**2 * (motion @ system.mass)

@@ -308,7 +308,7 @@ load, gas_map, misfire, propeller_forces, limits, ranges, strength, torque_table
         if study is None:
             return None
         name = next((name for name, own in self.named_throws.items() if own == study.throw), None)
-        if name not in throws:
+        if name is None or name not in throws:
             return None
         material = made.get("material", self.material)
         if (throws[name], material) != (study.throw, study.material):
