@@ -306,7 +306,8 @@ def pressure_map(
     points = list(points)
     if any(not isinstance(point, Sequence) or len(point) != 3 for point in points):
         raise InputError(
-            "points: given one that is not of three; allowed are (speed, load, diagram), because each diagram has both."
+            "points: given one that is not of three; allowed are (speed, load, diagram), because each "
+            "diagram has both."
         )
     given = [
         (
