@@ -74,7 +74,7 @@ class ResultStore:
         check_place(self.path, readonly)
         try:
             self._connection = open_store(self.path, readonly)
-        except (sqlite3.Error, OSError) as error:
+        except (sqlite3.Error, OSError, UnicodeDecodeError) as error:
             if self.path.is_file() and error_cause(error) not in ("", DAMAGED):
                 raise self._stopped(error) from None
             if self.path.is_file() and is_ours(self.path):

@@ -116,6 +116,8 @@ def _file_damage(path: Path) -> str:
             lacking = (
                 missing_parts(connection) if schema_version(connection) <= SCHEMA_VERSION else []
             )
+    except UnicodeDecodeError:  # what SQLite says of it quotes damaged text
+        return "the names of its tables cannot be read"
     except sqlite3.DatabaseError as error:
         return "" if isinstance(error, sqlite3.OperationalError) else str(error)
     if found != ["ok"]:

@@ -24,6 +24,8 @@ from regression.runs.store_schema import CHECKSUMS_SINCE, SCHEMA_VERSION, schema
 SMALLEST_ROW = 32
 # What SQLite keeps beside the file: a log, which may hold the newest rows, and its index.
 LOG, INDEX = "-wal", "-shm"
+# What SQLite raises where a file is damaged; its messages may quote text that is none.
+UNREADABLE = (sqlite3.DatabaseError, UnicodeDecodeError)
 
 
 @dataclass(frozen=True)
@@ -127,7 +129,7 @@ def _copy_sound_rows(old: Path, new: Path) -> dict[str, int]:
     with closing(connect_readonly(old)) as source:
         # Also where the file is shorter than its header says.
         source.execute("PRAGMA writable_schema=ON")
-        with suppress(sqlite3.DatabaseError):
+        with suppress(*UNREADABLE):
             if schema_version(source) < CHECKSUMS_SINCE:
                 raise InputError(
                     f"store: given {str(old)!r}, which is damaged and of layout "
@@ -162,13 +164,13 @@ def _readable_rows(
     """Read a table row by row, past what cannot be read."""
     try:
         columns = [row[1] for row in connection.execute(f"PRAGMA table_info({table})")]
-    except sqlite3.DatabaseError:  # what tables there are cannot be read
+    except UNREADABLE:  # what tables there are cannot be read
         return
     log = Path(f"{file}{LOG}")
     size = file.stat().st_size + (log.stat().st_size if log.is_file() else 0)
     query = f"SELECT {', '.join(columns)} FROM {table} WHERE rowid = ?"
     for number in range(1, size // SMALLEST_ROW if columns else 0):
-        with suppress(sqlite3.DatabaseError):
+        with suppress(*UNREADABLE):
             row = connection.execute(query, (number,)).fetchone()
             if row is not None:
                 yield dict(zip(columns, row, strict=True))

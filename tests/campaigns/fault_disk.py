@@ -26,7 +26,7 @@ def _repaired(bench: Bench, store: Path, finding: Finding, whole: bool) -> Findi
         # Nothing but what holds no data may be damaged.
         try:
             sound = rows(store) == before
-        except sqlite3.DatabaseError:
+        except (sqlite3.DatabaseError, UnicodeDecodeError):
             sound = False
         finding.silent += not sound
     bench.end(command("doe", bench.file, "--repair", "--store", store, "-q"), finding)

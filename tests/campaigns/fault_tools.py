@@ -149,6 +149,7 @@ def rows(store: Path, finding: Finding | None = None) -> dict[str, dict[str, obj
         return {}
     with closing(sqlite3.connect(store, timeout=60.0)) as connection:
         connection.row_factory = sqlite3.Row
+        connection.text_factory = lambda raw: raw.decode("utf-8", "surrogateescape")
         try:
             found = [text for (text,) in connection.execute("PRAGMA integrity_check")]
             listed = connection.execute("SELECT * FROM designs").fetchall()

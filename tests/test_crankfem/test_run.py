@@ -328,6 +328,7 @@ def test_another_choice_of_sources_repeats_no_design(
         assert modes[:3] == close(expected["first_frequencies"], rel=1e-6)
 
 
+@pytest.mark.further
 def test_an_engine_with_torque_table_and_two_mass_check(
     coarsely, quick_four, call, tmp_path, strict
 ):
@@ -388,6 +389,7 @@ def one_cylinder(six_cylinders, edit, tmp_path):
     return write
 
 
+@pytest.mark.further
 def test_what_cannot_be_drawn_costs_no_other_result(
     coarsely, one_cylinder, call, tmp_path, monkeypatch
 ):

@@ -182,7 +182,7 @@ def test_picture_of_a_shaft(rendered_here, tmp_path):
     assert width > 1.5 * height
 
 
-@pytest.mark.slow
+@pytest.mark.further
 def test_pictures_from_the_command_line(opengl, call, tmp_path):
     """Rendered as always, in processes of their own."""
     answer = call("draw", "vw-tdi", "--picture", "throw.png", "--shaft", "shaft.png", "--json")

@@ -172,7 +172,7 @@ def test_accuracy_not_met_is_said(found, capsys):
     record = stress_record(replace(found["half"], accuracy=0.02))
     assert not record["accuracy_met"]
     text = printed(record, capsys)
-    assert f" to {100.0 * record['error_estimate']:.2g} %, not the requested 2 %." in text
+    assert f" to {100.0 * record['error_estimate']:.2g} %, not the 2 % requested." in text
 
 
 # ------------------------------------------------------------------------------------------- command

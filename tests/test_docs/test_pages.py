@@ -12,6 +12,7 @@ from pathlib import Path
 
 import pytest
 
+LONG = ("slow-speed-plant", "v-engine")  # over 5 s
 ROOT = Path(__file__).resolve().parents[2]
 PAGES = [ROOT / "README.md", ROOT / "CONTRIBUTING.md", *sorted((ROOT / "docs").rglob("*.md"))]
 
@@ -21,10 +22,10 @@ def name(page):
 
 
 def marked(page):
-    """Return the page, among the further tests if its commands take engines or studies through a run."""
+    """Return the page, among the further tests if it takes engines or studies through a run."""
     text = page.read_text(encoding="utf-8")
     whole = re.search(r"(?m)^ *crankfem (run|doe|stress|vibration)\b", text)
-    marks = [pytest.mark.further] if whole else [pytest.mark.slow]
+    marks = [pytest.mark.further] if whole or page.stem in LONG else [pytest.mark.slow]
     return pytest.param(page, marks=marks, id=name(page))
 
 

@@ -157,6 +157,19 @@ def test_a_page_of_noise_costs_its_rows_alone(store):
     assert rows(store).items() <= before.items()
 
 
+def test_a_store_whose_tables_have_no_readable_names_is_damaged(store):
+    """SQLite's own message then quotes what is no text."""
+    content = store.read_bytes().replace(b"tablestudy_designs", b"table\xf5tudy_designs")
+    store.write_bytes(content.replace(b"CREATE TABLE study_d", b"CREAXE TABLE study_d"))
+    assert "names of its tables" in check_store(store).file
+    for readonly in (True, False):
+        with pytest.raises(InputError, match=r"damaged .*crankfem doe --repair "):
+            ResultStore(store, readonly=readonly)
+    rebuild_store(store)
+    run_plan(PLAN, store)
+    assert check_store(store).sound
+
+
 def test_a_repaired_store_keeps_added_runs_but_damaged_ones(store):
     add_runs(PLAN, store, np.array([[0.281], [0.282]]))
     assert run_plan(PLAN, store).computed == 2

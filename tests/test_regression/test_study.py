@@ -461,7 +461,7 @@ print(run_plan(plan, sys.argv[2], 2).computed)
 """
 
 
-@pytest.mark.slow
+@pytest.mark.further
 @pytest.mark.skipif(not Path("/proc/self/environ").exists(), reason="needs /proc")
 def test_a_killed_study_repeats_no_finished_design_and_finishes_the_rest(tmp_path):
     two_levels = {"web_width": (0.300, 0.330), "pin_length": (0.130, 0.150)}

@@ -123,7 +123,7 @@ def test_the_client_raises_what_the_service_says(client, throw):
         Client("http://127.0.0.1:9").models()
 
 
-@pytest.mark.slow
+@pytest.mark.further
 def test_an_analysis_gives_what_the_library_gives(client, throw):
     asked = {"accuracy": 0.05, "gamma_deg": 120.0, "pin_force": (0.0, -2e5, 0.0)}
     asked["left_gamma_deg"] = 180.0
