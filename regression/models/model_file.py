@@ -112,8 +112,10 @@ def read_model(path: str | os.PathLike[str]) -> dict[str, Any]:
     if version == 1:
         try:
             return _upgraded_content(content)
-        except (AttributeError, KeyError, TypeError) as error:
-            raise InputError(f"{shown}: given a damaged compliance model; {error}") from None
+        except (AttributeError, KeyError, TypeError):
+            raise InputError(
+                f"{shown}: given a damaged compliance model; its content is not that of format 1."
+            ) from None
     return content
 
 

@@ -634,7 +634,7 @@ def test_a_damaged_file_of_the_previous_format(tmp_path, model):
     )
     path = tmp_path / "old.json"
     path.write_text(json.dumps(record))
-    with pytest.raises(InputError, match="given a damaged compliance model; 'factors'"):
+    with pytest.raises(InputError, match="its content is not that of format 1"):
         ComplianceModel.load(path)
 
 
