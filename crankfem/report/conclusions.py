@@ -29,11 +29,17 @@ def headline(results: Record) -> str:
     if assessment is None:
         return NOT_JUDGED
     said = "Undecided" if undecided(assessment) else str(assessment["sentence"]).partition(":")[0]
-    failing = vibration.get("misfiring")
-    if failing is None or failing["passed"] is not False:
+    if not misfiring_decides(vibration):
         return said
     normal = " with all cylinders firing" if assessment["status"] == "fine" else ""
     return f"{said}{normal}; limits are exceeded while a cylinder misfires"
+
+
+def misfiring_decides(vibration: Record) -> bool:
+    """Whether limits are exceeded while a cylinder misfires, and may be kept with all cylinders firing."""
+    assessment, failing = vibration["assessment"], vibration.get("misfiring")
+    fails = failing is not None and failing["passed"] is False
+    return fails and (assessment["status"] != "not acceptable" or undecided(assessment))
 
 
 def undecided(assessment: Record) -> bool:
@@ -54,7 +60,8 @@ def verdict_line(results: Record) -> str:
         return f"Verdict: {NOT_JUDGED}."
     worst = assessment["checks"][0]
     used = "unbounded" if worst["used"] is None else f"{format_usage(worst['used'])} of its limit"
-    return f"Verdict: {headline(results)}: {worst['limit']} {used}."
+    firing = ". With all cylinders firing" if misfiring_decides(results["vibration"]) else ""
+    return f"Verdict: {headline(results)}{firing}: {worst['limit']} {used}."
 
 
 def conclusions(results: Record) -> list[str]:
