@@ -151,16 +151,17 @@ def sampled_factors(
     Raises
     ------
     InputError
-        If there is no spread, or fewer than two samples.
+        If there is no spread, fewer than two samples, or the seed is negative.
     """
     if not spreads:
         raise InputError(
             "spreads: given none; allowed are one or more, because nothing varies without."
         )
     count = whole_number("samples", samples, 2, "a range has two ends")
+    start = whole_number("seed", seed, 0, "random numbers start from one")
     from scipy.stats import qmc  # here: loading it takes a quarter second
 
-    drawn = qmc.LatinHypercube(len(spreads), rng=np.random.default_rng(seed)).random(count)
+    drawn = qmc.LatinHypercube(len(spreads), rng=np.random.default_rng(start)).random(count)
     low, high = np.log([[spread.low, spread.high] for spread in spreads]).T
     return np.asarray(np.exp(low + drawn * (high - low)))
 

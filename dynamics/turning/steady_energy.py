@@ -62,7 +62,8 @@ def energy_for_mean_speed(gained: FloatArray, inertia: FloatArray, speed: float)
     def excess(above: float) -> float:
         return mean_speed(gained + (lacking + above), inertia) - speed
 
-    highest = 0.5 * speed**2 * float(inertia.max()) + swing
+    # A little more, for the swing may be lost beside it in round-off.
+    highest = (1.0 + 1e-9) * (0.5 * speed**2 * float(inertia.max()) + swing)
     lowest = max(LEAST_ENERGY * swing, TRIED_ENERGY * highest)
     if excess(lowest) > 0.0:
         return None

@@ -165,6 +165,9 @@ FOUND = {
     "curves that are limits": lambda: cf.judge([()], (50.0, 60.0), cf.limits.BarredRangeRule(100.0)),
     "limit next to nothing": lambda: cf.studies.Limit(("axial_compliance",), at_most=5e-324),
     "length of a web": lambda: cf.strength.CrankWeb(0.2, 0.2, 0.1, 0.1, 0.3, 0.01, 0.01).ratio("depth"),
+    "negative seed": lambda: cf.limits.frequency_samples(
+        cf.Chain([1.0, 2.0], [1e5]), (cf.limits.Spread("stiffness", "stiffness", 0.9, 1.1, (0,)),), seed=-1
+    ),
     "motion turned without end": lambda: cf.mechanism.PointMotion(
         np.ones(3), np.ones(3), np.ones(3)
     ).turned(angle_deg=np.inf),

@@ -528,3 +528,8 @@ def test_more_turns_than_can_be_followed_are_refused():
         )
     with pytest.raises(InputError, match="turns: given 1e"):
         steady_turning(constant(2.0), constant(0.0), 10.0, 1e300)
+
+
+def test_a_shaft_so_heavy_that_nothing_swings():
+    found = steady_turning(lambda angle: 1e300, lambda speed, angle: np.sin(angle), 8.195, 1.0)
+    assert found.turning.fluctuation == 0.0
