@@ -1,6 +1,6 @@
 """What vibration may reach at each speed: limits with their source, given by the user or picked."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -374,3 +374,23 @@ def checked_rated_speed(rated_speed: float) -> float:
     return positive_number(
         "rated_speed", rated_speed, "rad/s", "limits are stated for shares of it"
     )
+
+
+def check_findings(findings: Sequence[tuple[VibrationLimit, AmplitudeCurve]]) -> None:
+    """Refuse findings that are not pairs of a limit and amplitudes over the speed.
+
+    Raises
+    ------
+    InputError
+    """
+    if not findings:
+        raise InputError(
+            "findings: given none; allowed are one or more, because a verdict needs a limit and an "
+            "amplitude to hold against it."
+        )
+    for place, pair in enumerate(findings):
+        if tuple(map(type, pair)) != (VibrationLimit, AmplitudeCurve):
+            raise InputError(
+                f"findings[{place}]: given {', '.join(type(one).__name__ for one in pair) or 'none'}; "
+                "allowed is a VibrationLimit and an AmplitudeCurve, because one is held against the other."
+            )

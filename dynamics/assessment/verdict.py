@@ -25,6 +25,7 @@ from dynamics.assessment.limit_sentences import limit_at, shown_range, use_in_wo
 from dynamics.assessment.limits import (
     AmplitudeCurve,
     VibrationLimit,
+    check_findings,
     checked_running_range,
     usage,
     worst_use,
@@ -331,19 +332,10 @@ def judge(
     Raises
     ------
     InputError
-        If there are no findings, the running range is upside down or a curve does not cover it.
+        If there are no findings or one is no such pair, the running range is upside down or a curve does
+        not cover it.
     """
-    if not findings:
-        raise InputError(
-            "findings: given none; allowed are one or more, because a verdict needs a limit and an "
-            "amplitude to hold against it."
-        )
-    for place, pair in enumerate(findings):
-        if tuple(map(type, pair)) != (VibrationLimit, AmplitudeCurve):
-            raise InputError(
-                f"findings[{place}]: given {', '.join(type(one).__name__ for one in pair) or 'none'}; "
-                "allowed is a VibrationLimit and an AmplitudeCurve, because one is held against the other."
-            )
+    check_findings(findings)
     low, high = checked_running_range(running_range)
     checks = [_check(limit, curve, (low, high)) for limit, curve in findings]
     ranges = barred_ranges(findings, rule, (low, high))

@@ -8,12 +8,11 @@ import contextlib
 import errno
 import hashlib
 import os
+import sys
 from pathlib import Path
 
-try:
+if sys.platform != "win32":
     import fcntl
-except ImportError:  # Windows
-    fcntl = None  # type: ignore[assignment]
 
 # The byte that everyone who has the file open shares, and the number of the other bytes.
 IN_USE, BYTES = 0, 2**60
@@ -69,7 +68,7 @@ class Claims:
         return True
 
     def _opened(self) -> int | None:
-        while fcntl is not None:
+        while sys.platform != "win32":
             file = os.open(self._path, os.O_RDWR | os.O_CREAT | os.O_CLOEXEC, 0o666)
             with contextlib.suppress(OSError):
                 fcntl.lockf(file, fcntl.LOCK_SH, 1, IN_USE)

@@ -10,8 +10,7 @@ import numpy as np
 import pytest
 
 from crankbase.errors import InputError
-from geometry.throw import CrankThrow
-from plans import plan_of_levels
+from plans import SHARP, plan_of_levels
 from puppets import puppet
 from regression.plans.plan import plan_designs
 from regression.records import ExtraRow, StudyStoppedError
@@ -22,15 +21,6 @@ from regression.runs.store_check import check_store
 from regression.runs.store_repair import rebuild_store
 from regression.runs.study import run_plan
 
-SHARP = CrankThrow(
-    crank_radius=0.170,
-    main_journal_diameter=0.220,
-    pin_diameter=0.180,
-    main_journal_length=0.120,
-    pin_length=0.139,
-    web_width=0.285,
-    web_thickness=0.068,
-)
 PLAN = plan_of_levels(SHARP, {"web_width": (0.280, 0.290, 0.300)}, held_out=37, accuracy=0.1)
 KEYS = [design.key for design in plan_designs(PLAN).designs]
 ROW = ExtraRow("run", {"web_width": 0.3}, {}, (0.3,), {"mass": 170.0}, {}, "a.csv, line 2")

@@ -5,8 +5,7 @@ import sqlite3
 import pytest
 
 from crankbase.errors import InputError
-from geometry.throw import CrankThrow
-from plans import plan_of_levels
+from plans import SHARP, plan_of_levels
 from puppets import puppet
 from regression.plans.plan import plan_designs
 from regression.records import ExtraRow, Outcome
@@ -189,15 +188,6 @@ def test_a_store_that_lacks_a_part_is_refused_and_left_alone(path, statement, lo
 
 # ------------------------------------------------------------------------------------- whole studies
 
-SHARP = CrankThrow(
-    crank_radius=0.170,
-    main_journal_diameter=0.220,
-    pin_diameter=0.180,
-    main_journal_length=0.120,
-    pin_length=0.139,
-    web_width=0.285,
-    web_thickness=0.068,
-)
 PLAN = plan_of_levels(SHARP, {"web_width": (0.280, 0.300)}, held_out=2, accuracy=0.1)
 FIRST = plan_designs(PLAN).designs[0].key
 # A worker that does no finite elements.
