@@ -40,17 +40,24 @@ def end_at_once(*_: object) -> None:
 
 @contextmanager
 def interrupts_exit_immediately() -> Iterator[None]:
-    """Let an interrupt end the process, as long as nothing is open that would have to be closed."""
+    """Let an interrupt end the process, as long as nothing is open that would have to be closed.
+
+    A request to end (SIGTERM), as schedulers and containers send it, is answered as Ctrl-C is.
+    """
     usual = signal.getsignal(signal.SIGINT)
     if usual is not signal.default_int_handler:
         # Somebody wants interrupts to be ignored, or to answer them.
         yield
         return
     signal.signal(signal.SIGINT, end_at_once)
+    terminating = signal.getsignal(signal.SIGTERM)
+    if terminating is signal.SIG_DFL:
+        signal.signal(signal.SIGTERM, lambda *_: signal.raise_signal(signal.SIGINT))
     try:
         yield
     finally:
         signal.signal(signal.SIGINT, usual)
+        signal.signal(signal.SIGTERM, terminating)
 
 
 @contextmanager
