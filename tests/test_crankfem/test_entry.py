@@ -30,6 +30,23 @@ main()
 """
 
 
+# As in jobs that a shell runs in the background.
+IGNORED = """
+import signal
+signal.signal(signal.SIGINT, signal.SIG_IGN)
+from crankfem.cli.interrupts import interrupts_exit_immediately
+with interrupts_exit_immediately():
+    signal.raise_signal(signal.SIGINT)
+    print("goes on", flush=True)
+    signal.raise_signal(signal.SIGTERM)
+"""
+
+
+def test_where_interrupts_are_ignored_a_request_to_end_is_answered(spawn):
+    answer = spawn(command=[sys.executable, "-c", IGNORED])
+    assert (answer.code, answer.out.strip(), answer.err) == (130, "goes on", "Stopped.\n")
+
+
 def test_python_runs_the_package(spawn):
     answer = spawn("--version", command=[sys.executable, "-P", "-m", "crankfem"])
     assert answer.code == 0
