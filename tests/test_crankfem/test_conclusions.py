@@ -365,3 +365,24 @@ def test_what_the_bearings_change_is_told_once(results):
     said = " ".join(conclusions(results))
     assert "The whole crankshaft differs." in said
     assert [said.count(one) for one in told] == [1, 1]
+
+
+def test_axial_vibration_without_a_limit_is_told_with_its_size(results):
+    """At running speeds alone; nothing in the running range may be larger."""
+    engine, forced = results["engine"], results["vibration"]["forced"]["axial"]
+    curve = forced["free_end"]["synthesis"]
+    running = [
+        (value, rpm)
+        for value, rpm in zip(curve, forced["speeds_rpm"], strict=True)
+        if engine["lowest_speed_rpm"] <= rpm <= engine["highest_speed_rpm"]
+    ]
+    value, rpm = max(running)
+    told = (
+        f"Axial vibration ({value * 1e6:.0f} um at the free end at {rpm:.0f} 1/min) is not judged"
+    )
+    assert any(told in one for one in conclusions(results))
+    curve[forced["speeds_rpm"].index(rpm)] = None
+    told = f"Axial vibration (unbounded at the free end at {rpm:.0f} 1/min) is not judged"
+    assert any(told in one for one in conclusions(results))
+    results["vibration"]["assessment"]["limits"][0]["name"] = "axial amplitude"
+    assert not any("not judged" in one for one in conclusions(results))

@@ -116,7 +116,7 @@ class Assessment:
         What was not judged, or assumed.
     axial, torsional : Uncertainty
     beside : tuple of str
-        How far a calculation of the whole crankshaft differs from the chains that were judged, and where
+        What the engine drives where it is not modeled, how far a calculation of the whole crankshaft differs from the chains that were judged, and where
         the verdict changes within the range of the bearings' stiffness, a sentence each.
     """
 
@@ -212,6 +212,7 @@ def assess(
         torsional=_uncertainty(
             engine_file, torsional, spreads["torsional"], held, barred.get("torsional", ())
         ),
+        beside=unmodeled_plant(engine_file),
     )
 
 
