@@ -205,6 +205,8 @@ def _axial_amplitude(results: Record) -> str:
         for value, rpm in zip(found["free_end"]["synthesis"], found["speeds_rpm"], strict=True)
         if low * (1.0 - 1e-9) <= rpm <= high * (1.0 + 1e-9)
     ]
+    if not reached:
+        return ""
     value, rpm = max(reached)
     size, unit = MOTION["axial"].size, MOTION["axial"].printed
     amplitude = UNBOUNDED if math.isinf(value) else f"{significant(value / size, DIGITS)} {unit}"

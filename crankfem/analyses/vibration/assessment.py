@@ -16,6 +16,7 @@ from crankfem.analyses.vibration.bearing_sweep import HeldChains, answers_by_cha
 from crankfem.analyses.vibration.decision import engine_decision
 from crankfem.analyses.vibration.engine_limits import (
     engine_limits,
+    unmodeled_plant,
     engine_verdict,
     limit_findings,
     limited_series,
@@ -116,8 +117,9 @@ class Assessment:
         What was not judged, or assumed.
     axial, torsional : Uncertainty
     beside : tuple of str
-        What the engine drives where it is not modeled, how far a calculation of the whole crankshaft differs from the chains that were judged, and where
-        the verdict changes within the range of the bearings' stiffness, a sentence each.
+        What the engine drives where it is not modeled, how far a calculation of the whole crankshaft
+        differs from the chains that were judged, and where the verdict changes within the range of the
+        bearings' stiffness, a sentence each.
     """
 
     verdict: Verdict
