@@ -16,10 +16,10 @@ from crankfem.analyses.vibration.bearing_sweep import HeldChains, answers_by_cha
 from crankfem.analyses.vibration.decision import engine_decision
 from crankfem.analyses.vibration.engine_limits import (
     engine_limits,
-    unmodeled_plant,
     engine_verdict,
     limit_findings,
     limited_series,
+    unmodeled_plant,
 )
 from crankfem.analyses.vibration.forced import ForcedVibration, forced_vibrations
 from crankfem.analyses.vibration.modes import Vibration
