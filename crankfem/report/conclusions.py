@@ -1,10 +1,12 @@
 """What a run concludes, in a few sentences: what is reached, why, what may be barred, and what to do."""
 
+import math
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from crankbase.units.number_formats import format_usage, significant
+from crankbase.units.number_formats import UNBOUNDED, format_usage, significant
 from crankbase.units.quantity import quantities_apart
+from crankfem.analyses.shaft.motion import MOTION
 from crankfem.report.text_filters import (
     check_limit_text,
     check_value_text,
@@ -36,10 +38,13 @@ def headline(results: Record) -> str:
     if assessment is None:
         return NOT_JUDGED
     said = "Undecided" if undecided(assessment) else str(assessment["sentence"]).partition(":")[0]
-    if not misfiring_decides(vibration):
-        return said
-    normal = " with all cylinders firing" if assessment["status"] == "fine" else ""
-    return f"{said}{normal}; limits are exceeded while a cylinder misfires"
+    fine = said.startswith("Fine")
+    if misfiring_decides(vibration):
+        normal = " with all cylinders firing" if fine else ""
+        said = f"{said}{normal}; limits are exceeded while a cylinder misfires"
+    return (
+        said if _axial_judged(assessment) or not fine else f"{said}; axial vibration is not judged"
+    )
 
 
 def misfiring_decides(vibration: Record) -> bool:
@@ -155,8 +160,7 @@ def _share(found: Record, unit: str) -> str:
 
 def _ranges(assessment: Record) -> list[str]:
     return [
-        f"{range_sentence(one)}."
-        for one in (*assessment["barred"], *assessment["started_through"])
+        f"{range_sentence(one)}." for one in (*assessment["barred"], *assessment["started_through"])
     ]
 
 
@@ -172,9 +176,10 @@ def _assumed(results: Record) -> str:
         for one in limits
         if one["assumed"]
     ]
-    if not any(one["name"].startswith("axial") for one in limits):
+    if not _axial_judged(assessment):
         found.append(
-            "Axial vibration is not judged: give limits.axial_amplitude or limits.axial_force."
+            f"Axial vibration{_axial_amplitude(results)} is not judged: give limits.axial_amplitude or "
+            "limits.axial_force."
         )
     load = vibration.get("load")
     if load is not None and load["rated"] is not None and not load["rated"]["consistent"]:
@@ -183,6 +188,29 @@ def _assumed(results: Record) -> str:
     if count:
         found.append(f"{count} of {len(inputs)} inputs are assumed.")
     return " ".join(found)
+
+
+def _axial_judged(assessment: Record) -> bool:
+    return any(one["name"].startswith("axial") for one in assessment["limits"])
+
+
+def _axial_amplitude(results: Record) -> str:
+    """Tell the largest axial amplitude of the free end at running speeds, where it was calculated."""
+    found = (results["vibration"]["forced"] or {}).get("axial")
+    if found is None:
+        return ""
+    low, high = (results["engine"][f"{end}_speed_rpm"] for end in ("lowest", "highest"))
+    reached = [
+        (math.inf if value is None else value, rpm)
+        for value, rpm in zip(found["free_end"]["synthesis"], found["speeds_rpm"], strict=True)
+        if low * (1.0 - 1e-9) <= rpm <= high * (1.0 + 1e-9)
+    ]
+    if not reached:
+        return ""
+    value, rpm = max(reached)
+    size, unit = MOTION["axial"].size, MOTION["axial"].printed
+    amplitude = UNBOUNDED if math.isinf(value) else f"{significant(value / size, DIGITS)} {unit}"
+    return f" ({amplitude} at the free end at {significant(rpm, DIGITS)} 1/min)"
 
 
 def _misfiring(vibration: Record) -> str:

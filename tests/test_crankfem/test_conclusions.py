@@ -365,3 +365,19 @@ def test_what_the_bearings_change_is_told_once(results):
     said = " ".join(conclusions(results))
     assert "The whole crankshaft differs." in said
     assert [said.count(one) for one in told] == [1, 1]
+
+
+def test_axial_vibration_without_a_limit_is_told_with_its_size(results):
+    """At running speeds, 200 to 515 1/min, alone."""
+    forced = results["vibration"]["forced"]["axial"]
+    forced |= {"speeds_rpm": [100.0, 200.0, 400.0, 515.0, 600.0]}
+    for curve, told in (
+        ([9e-3, 1e-4, 7.385e-3, 2e-4, 8e-3], "7385 um at the free end at 400 1/min"),
+        ([9e-3, 1e-4, 2e-4, 3e-4, 8e-3], "300 um at the free end at 515 1/min"),
+        ([9e-3, 1e-4, 2e-4, None, 8e-3], "unbounded at the free end at 515 1/min"),
+    ):
+        forced["free_end"]["synthesis"] = curve
+        said = f"Axial vibration ({told}) is not judged"
+        assert any(said in one for one in conclusions(results))
+    results["vibration"]["assessment"]["limits"][0]["name"] = "axial amplitude"
+    assert not any("not judged" in one for one in conclusions(results))

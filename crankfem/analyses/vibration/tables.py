@@ -264,7 +264,7 @@ def misfiring_table(record: Record, units: OutputUnits = SI) -> Table:
         cylinders = ", ".join(str(number) for number in one["cylinders"])
         return [
             row(one, "all cylinders", one["normal"]),
-            row(one, f"not {cylinders}", one["misfiring"]),
+            row(one, f"all but {cylinders}", one["misfiring"]),
         ]
 
     return Table(
