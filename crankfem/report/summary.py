@@ -7,7 +7,7 @@ from crankbase.units.number_formats import compact, nano, significant
 from crankfem.analyses.record import Record
 from crankfem.analyses.throw.throw_tables import error_words
 from crankfem.analyses.vibration.tables import factor_range
-from crankfem.report.conclusions import conclusions, headline, undecided
+from crankfem.report.conclusions import conclusions, failed_checks, headline, undecided
 
 KINDS = ("axial", "torsional")
 
@@ -23,8 +23,8 @@ def summary(results: Mapping[str, Any]) -> Record:
     Returns
     -------
     dict
-        "status" ("fine", "barred", "bad" or "open"), "headline", "sentences" (the conclusions), "limits",
-        "figures", "uncertain" (a sentence by kind).
+        "status" ("fine", "barred", "bad" or "open"), "headline", "sentences" (the conclusions),
+        "failed_checks" (a sentence), "limits", "figures", "uncertain" (a sentence by kind).
     """
     vibration = results["vibration"]
     assessment = vibration["assessment"]
@@ -36,6 +36,7 @@ def summary(results: Mapping[str, Any]) -> Record:
         "status": status,
         "headline": headline(results),
         "sentences": conclusions(results),
+        "failed_checks": failed_checks(results["checks"]),
         "limits": [] if assessment is None else worst_of_each(assessment["checks"]),
         "figures": [
             _compliance(results),
