@@ -621,7 +621,7 @@ def test_a_pin_force_of_three_components(call):
     [
         (("--pin-force", "1, 2 kN"), "--pin-force: given '1, 2 kN'; allowed is one radial force"),
         (("--pin-force", "100"), "--pin-force: given '100', a bare number"),
-        (("--pin-force", "1e40 N"), "none beyond 1e30 N"),
+        (("--pin-force", "1e40 N"), "none beyond 1e+30 N"),
         (("--gamma", "inf"), "--gamma: given inf; allowed is a finite angle"),
     ],
 )

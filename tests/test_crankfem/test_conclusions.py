@@ -271,6 +271,31 @@ def test_each_of_two_peaks_of_one_mode_has_a_row(results):
     assert (rows[0]["lowest"], rows[1]["lowest"] != "-") == ("-", True)
 
 
+def test_no_critical_speed_is_both_inside_and_outside_the_running_range(results):
+    vibration = results["vibration"]
+    high = 520.0
+    vibration["assessment"]["running_rpm"] = [300.0, high]
+    peak = next(
+        one for one in vibration["forced"]["torsional"]["resonances"] if one["order"] == 12.0
+    )
+    peak |= {"speed_rpm": 1.01 * high, "in_running_range": False}
+    bounds = vibration["assessment"]["uncertainty"]["torsional"]["critical"]
+    own = next(one for one in bounds if one["order"] == 12.0)
+    own |= {"speed_rpm": 1.01 * high, "low_rpm": 0.99 * high, "margin": 0.0}
+    # An order that has no peak at speeds calculated, just above the running range too.
+    bounds.append({**own, "order": 30.0})
+    table = speed_table(vibration, most=99, major=(30.0,))
+    names = [column.name for column in table.columns]
+    rows = [dict(zip(names, texts, strict=True)) for texts in table.texts()]
+    one, other = (
+        next(row for row in rows if (row["vibration"], row["order"]) == ("torsional", order))
+        for order in ("12", "30")
+    )
+    assert (one["margin"], one["kind"]) == ("0.0", "major, outside")
+    assert (other["margin"], other["kind"]) == ("0.0", "major, outside")
+    assert not any(row["margin"] == "inside" and "outside" in row["kind"] for row in rows)
+
+
 def test_an_order_without_a_peak_is_not_called_unbounded(results):
     vibration = results["vibration"]
     one = vibration["forced"]["axial"]["resonances"][0]

@@ -716,8 +716,8 @@ def test_speeds_at_which_cylinders_act_together_are_marked(results, page):
     # Elsewhere the chosen form, the chosen source and finite elements are marked so.
     marked = [text for _, text in page(results).all("tr", **{"class": "chosen"})]
     assert [text for text in marked if text.startswith("axial 300")] == [
-        "axial 300 5 1 15.0 0.51",
-        "axial 300 6 1 15.0 1.00",
+        "axial 300 5 1 15.0 0.51 minor",
+        "axial 300 6 1 15.0 1.00 major",
     ]
 
 

@@ -280,7 +280,9 @@ def _ranges(speeds: FloatArray, flags: NDArray[np.bool_]) -> tuple[tuple[float, 
 
     Ranges with one speed between them are one: both reach to it.
     """
-    between = np.concatenate(([False], flags[:-2] & flags[2:], [False])) if flags.size > 2 else False
+    between = (
+        np.concatenate(([False], flags[:-2] & flags[2:], [False])) if flags.size > 2 else False
+    )
     edges = np.diff(np.concatenate(([0], (flags | between).astype(int), [0])))
     last = speeds.size - 1
     starts, stops = np.flatnonzero(edges == 1), np.flatnonzero(edges == -1)
