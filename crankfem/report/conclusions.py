@@ -38,6 +38,8 @@ def headline(results: Record) -> str:
     said = "Undecided" if undecided(assessment) else str(assessment["sentence"]).partition(":")[0]
     if not misfiring_decides(vibration):
         return said
+    if assessment["status"] == "not acceptable":
+        return f"{said}; with the values used, limits are exceeded, also while a cylinder misfires"
     normal = " with all cylinders firing" if assessment["status"] == "fine" else ""
     return f"{said}{normal}; limits are exceeded while a cylinder misfires"
 
@@ -166,6 +168,8 @@ def _assumed(results: Record) -> str:
     assessment = vibration["assessment"]
     limits = assessment["limits"]
     decision = (assessment.get("decision") or {}).get("sentence")
+    if decision and misfiring_decides(vibration):
+        decision = f"with all cylinders firing, {decision}"
     found = [sentence(decision)] if decision else []
     found += [
         f"The limit on {one['name']} is assumed ({one['source']}): give the maker's."
