@@ -107,9 +107,13 @@ def test_rule_is_held_above_the_running_range_as_far_as_it_goes():
 
 def test_a_limit_that_ends_within_the_running_range_is_told_once_with_its_end():
     speeds = np.linspace(10.0, 120.0, 221)
-    findings = [(CRANKSHAFT, AmplitudeCurve(name, speeds, 1e6 * speeds)) for name in ("one", "other")]
+    findings = [
+        (CRANKSHAFT, AmplitudeCurve(name, speeds, 1e6 * speeds)) for name in ("one", "other")
+    ]
     verdict = judge(findings, (RUNNING[0], 118.0), RULE)
-    assert verdict.remarks == (f"{CRANKSHAFT.name}: not judged above 1098 1/min, where the limit ends",)
+    assert verdict.remarks == (
+        f"{CRANKSHAFT.name}: not judged above 1098 1/min, where the limit ends",
+    )
     assert [check.judged[1] for check in verdict.checks] == pytest.approx([115.0, 115.0])
 
 
