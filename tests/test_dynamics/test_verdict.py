@@ -114,7 +114,7 @@ def test_a_limit_that_ends_within_the_running_range_is_told_once_with_its_end():
     assert verdict.remarks == (
         f"{CRANKSHAFT.name}: not judged above 1098 1/min, where the limit ends",
     )
-    assert [check.judged[1] for check in verdict.checks] == pytest.approx([115.0, 115.0])
+    assert [check.judged[1] for check in verdict.checks] == close([115.0, 115.0])
 
 
 @pytest.mark.parametrize(
