@@ -38,6 +38,10 @@ def headline(results: Record) -> str:
     if assessment is None:
         return NOT_JUDGED
     said = "Undecided" if undecided(assessment) else str(assessment["sentence"]).partition(":")[0]
+    if assessment["status"] == "not acceptable":
+        misfiring = misfiring_decides(vibration)
+        exceeded = "; with the values used, limits are exceeded, also while a cylinder misfires"
+        return f"{said}{exceeded}" if misfiring else said
     fine = said.startswith("Fine")
     if misfiring_decides(vibration):
         normal = " with all cylinders firing" if fine else ""
@@ -170,6 +174,8 @@ def _assumed(results: Record) -> str:
     assessment = vibration["assessment"]
     limits = assessment["limits"]
     decision = (assessment.get("decision") or {}).get("sentence")
+    if decision and misfiring_decides(vibration):
+        decision = f"with all cylinders firing, {decision}"
     found = [sentence(decision)] if decision else []
     found += [
         f"The limit on {one['name']} is assumed ({one['source']}): give the maker's."
