@@ -155,8 +155,7 @@ def _share(found: Record, unit: str) -> str:
 
 def _ranges(assessment: Record) -> list[str]:
     return [
-        f"{range_sentence(one)}."
-        for one in (*assessment["barred"], *assessment["started_through"])
+        f"{range_sentence(one)}." for one in (*assessment["barred"], *assessment["started_through"])
     ]
 
 
