@@ -21,9 +21,9 @@ def compliance_tables(results: Mapping[str, Any]) -> Record:
     Returns
     -------
     dict
-        "tables": for each kind its unit and rows (name, value, beside finite elements, mean over the throws in
-        the shaft with that source, first natural frequency that follows, both None where the source is not
-        used, whether it applies, numbers of its notes); "notes": the
+        "tables": for each kind its unit and rows: name, value, beside finite elements, mean over the throws
+        in the shaft with that source and first natural frequency that follows (both None where the source
+        is not used), whether it applies, numbers of its notes; "notes": the
         notes in the order of their numbers, each said once; "range": for each kind the lowest and the
         highest ratio of the formulas that apply, None where fewer than two do.
     """
