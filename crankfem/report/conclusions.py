@@ -226,12 +226,12 @@ def _misfiring(vibration: Record) -> str:
     return with_three_digits(sentence(said)) if said else ""
 
 
-def failed_checks(checks: Sequence[Record]) -> str:
+def failed_checks(checks: Sequence[dict[str, Any]]) -> str:
     """Name the self-checks that fail, and whether the calculation itself holds; nothing if all hold.
 
     Parameters
     ----------
-    checks : sequence of mapping
+    checks : sequence of dict
         Of results.json.
     """
     judged = [one for one in checks if one["met"] is not None]

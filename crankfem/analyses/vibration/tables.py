@@ -217,9 +217,7 @@ def limit_table(
     # What was judged above the running range stands beside it.
     beside = any(one.get("above") is not None for one in checks)
     table = Table(
-        "Limits, worst running speeds"
-        if limit is None
-        else f"{limit.capitalize()}, worst running speeds",
+        f"{'Limits' if limit is None else limit.capitalize()}, at the running speeds where most is used",
         [
             Column("limit", words=True),
             Column("where", words=True),
