@@ -1,11 +1,18 @@
 """What a run concludes, in a few sentences: what is reached, why, what may be barred, and what to do."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 from crankbase.units.number_formats import format_usage, significant
 from crankbase.units.quantity import quantities_apart
-from crankfem.report.text_filters import quantity, sentence, with_three_digits
+from crankfem.report.text_filters import (
+    check_limit_text,
+    check_value_text,
+    quantity,
+    range_sentence,
+    sentence,
+    with_three_digits,
+)
 from dynamics.assessment.limit_sentences import limit_at
 
 Record = Mapping[str, Any]
@@ -148,16 +155,8 @@ def _share(found: Record, unit: str) -> str:
 
 def _ranges(assessment: Record) -> list[str]:
     return [
-        with_three_digits(
-            f"{one['shown']} cannot be barred: {'; '.join(one['refusals'])}."
-            if not one["allowed"]
-            else f"{one['shown']} {fine}."
-        )
-        for name, fine in (
-            ("barred", "may be barred"),
-            ("started_through", "is passed on every start"),
-        )
-        for one in assessment[name]
+        f"{range_sentence(one)}."
+        for one in (*assessment["barred"], *assessment["started_through"])
     ]
 
 
@@ -193,6 +192,31 @@ def _misfiring(vibration: Record) -> str:
     return with_three_digits(sentence(said)) if said else ""
 
 
+def failed_checks(checks: Sequence[Record]) -> str:
+    """Name the self-checks that fail, and whether the calculation itself holds; nothing if all hold.
+
+    Parameters
+    ----------
+    checks : sequence of mapping
+        Of results.json.
+    """
+    judged = [one for one in checks if one["met"] is not None]
+    failed = [one for one in judged if not one["met"]]
+    if not failed:
+        return ""
+    named = [
+        f"{one['name'][0].lower()}{one['name'][1:]}, {check_value_text(one)}"
+        + ("" if one["allowed"] is None else f" (allowed: {check_limit_text(one)})")
+        for one in failed
+    ]
+    told = f"{len(failed)} of {len(judged)} checks {'fails' if len(failed) == 1 else 'fail'}: "
+    told += f"{'; '.join(named)}."
+    # What has no allowed figure compares two models.
+    if any(one["allowed"] is not None for one in failed):
+        return told
+    return f"{told} These compare two models by their first frequency; the calculation passes all others."
+
+
 def _other_models(vibration: Record) -> str:
     """Say how the whole crankshaft differs, and whether the verdict hangs on its bearings."""
     bearings = vibration.get("bearings") or {}
@@ -215,18 +239,21 @@ def _advice(assessment: Record) -> str:
     made = sum(one["contribution"] for one in resonant)
     left = {**worst, "value": worst["value"] - made}
     rest, permitted = reached_and_permitted(left)
-    fall = f"{worst['limit'].capitalize()} must fall by {format_usage(1.0 - 1.0 / worst['used'])}"
+    without = (
+        f"Without the orders at or near resonance, at least {rest} remains there (the sum of all other "
+        f"orders, small ones included), "
+    )
     if left["value"] > worst["permitted"]:
         return (
-            f"{fall}; more damping alone is not sufficient: the non-resonant orders together contribute "
-            f"{rest} there, and {permitted} is permitted. Reduce their excitation, or strengthen the shaft."
+            f"{without}more than the permitted {permitted}: more damping alone is not sufficient. Reduce "
+            "the excitation by these orders, or strengthen the shaft."
         )
     least = LEAST_SHARE * made
     modes = sorted({(one["kind"], one["mode"]) for one in resonant if one["contribution"] > least})
     named = " and ".join(f"{kind} mode {mode}" for kind, mode in modes)
     return (
-        f"{fall}; the non-resonant orders together contribute {rest} there, and {permitted} is permitted: "
-        f"more damping, or another frequency of {named}, may be sufficient at this speed."
+        f"{without}less than the permitted {permitted}: more damping, or another frequency of {named}, "
+        "may be sufficient at this speed."
     )
 
 

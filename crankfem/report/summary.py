@@ -6,7 +6,7 @@ from typing import Any
 from crankbase.units.number_formats import nano, significant
 from crankfem.analyses.record import Record
 from crankfem.analyses.throw.throw_tables import error_words
-from crankfem.report.conclusions import conclusions, headline, undecided
+from crankfem.report.conclusions import conclusions, failed_checks, headline, undecided
 
 KINDS = ("axial", "torsional")
 
@@ -22,8 +22,8 @@ def summary(results: Mapping[str, Any]) -> Record:
     Returns
     -------
     dict
-        "status" ("fine", "barred", "bad" or "open"), "headline", "sentences" (the conclusions), "limits",
-        "figures", "uncertain" (a sentence by kind).
+        "status" ("fine", "barred", "bad" or "open"), "headline", "sentences" (the conclusions),
+        "failed_checks" (a sentence), "limits", "figures", "uncertain" (a sentence by kind).
     """
     vibration = results["vibration"]
     assessment = vibration["assessment"]
@@ -35,6 +35,7 @@ def summary(results: Mapping[str, Any]) -> Record:
         "status": status,
         "headline": headline(results),
         "sentences": conclusions(results),
+        "failed_checks": failed_checks(results["checks"]),
         "limits": [] if assessment is None else worst_of_each(assessment["checks"]),
         "figures": [
             _compliance(results),

@@ -97,6 +97,31 @@ def test_nothing_is_barred_above_the_share_of_the_rated_speed_or_the_limit_for_p
     assert "0.00012 MPa at 477.5 1/min, where 0.0001 MPa may be passed" in strong.refusals[0]
 
 
+def test_what_exceeds_a_limit_above_the_running_range_is_not_called_barred():
+    rule_end = VibrationLimit(
+        quantity="torsional stress",
+        applies_to="crankshaft",
+        unit="Pa",
+        continuous=constant_curve(100.0, high=115.0),
+        source="rule",
+    )
+    speeds = np.linspace(20.0, 120.0, 2001)
+    used = 1.2 * 100.0 / np.max(resonance(speeds, 110.0))
+    curve = AmplitudeCurve("shaft", speeds, used * resonance(speeds, 110.0))
+    (above,) = barred_ranges([(rule_end, curve)], RULE, (20.0, 100.0))
+    assert above.position == "above"
+    assert not above.allowed
+    assert "barred" not in above.sentence
+    assert "120 % of its limit, which applies up to 1098 1/min" in above.sentence
+    # Where running speeds reach into it, it can be barred or not.
+    (across,) = barred_ranges([(rule_end, curve)], RULE, (20.0, 110.0))
+    assert across.position == "running"
+    assert "cannot be barred" in across.sentence
+    (below,) = barred_ranges([(rule_end, curve)], RULE, (114.0, 119.0))
+    assert below.position == "below"
+    assert "passed on every start" in below.sentence
+
+
 def test_a_range_that_leaves_no_speed_to_run_at_is_refused():
     speeds = np.linspace(20.0, 110.0, 1801)
     curve = AmplitudeCurve("shaft", speeds, resonance(speeds, 50.0))

@@ -4,7 +4,8 @@ from crankbase.units.units import RPM
 from crankfem.analyses.record import Record, attributes, plain
 from crankfem.analyses.vibration.assessment import Assessment, Uncertainty
 from crankfem.analyses.vibration.misfiring_records import worst_record
-from dynamics.assessment.barred_ranges import BarredRange, limit_end_speed
+from dynamics.assessment.barred_range import BarredRange
+from dynamics.assessment.barred_ranges import limit_end_speed
 from dynamics.assessment.limits import worst_use
 from dynamics.assessment.verdict import SAME, LimitCheck
 from dynamics.response.peak_cause import PeakCause
@@ -82,7 +83,8 @@ def _cause(found: PeakCause) -> Record:
 
 def _range(found: BarredRange) -> Record:
     return {
-        **attributes(found, "shown", "limits", "allowed", "refusals", "remarks", "ends"),
+        **attributes(found, "shown", "sentence", "position", "limits", "allowed", "refusals"),
+        **attributes(found, "remarks", "ends"),
         "low_rpm": found.low * RPM,
         "high_rpm": found.high * RPM,
     }

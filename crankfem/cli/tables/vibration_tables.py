@@ -148,13 +148,10 @@ def print_assessment(record: Record, units: OutputUnits = SI) -> None:
             )
         )
     print_notes(record["remarks"], units)
-    for name, fine in (
-        ("barred", "may be barred"),
-        ("started_through", "is passed on every start"),
-    ):
-        for one in record[name]:
-            said = "; ".join(one["refusals"]) or fine
-            print_line(units.text(f"Range {one['shown']}: {said}. Its ends: {one['ends']}."))
+    for one in (*record["barred"], *record["started_through"]):
+        # The verdict has the reasons of those that cannot be accepted.
+        said = one["sentence"] if one["allowed"] else one["shown"]
+        print_line(units.text(f"Range {said}. Its ends: {one['ends']}."))
     decision = record.get("decision", {"status": "", "sentence": ""})
     if decision["status"] == "undecided":
         print_line(units.text(f"Verdict: undecided, {decision['sentence']}."))
