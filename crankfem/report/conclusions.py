@@ -81,7 +81,7 @@ def verdict_line(results: Record) -> str:
 
 
 def conclusions(results: Record) -> list[str]:
-    """Return what follows from the results of a run, in at most seven statements.
+    """Return what follows from the results of a run, in at most eight statements.
 
     Parameters
     ----------
@@ -92,15 +92,16 @@ def conclusions(results: Record) -> list[str]:
     Returns
     -------
     list of str
-        What is reached of the limit used most and where, which orders make it and what can help, which
-        speeds may be barred, what misfiring does, what decides by assumption and should be given, how
+        What looks wrong in the input, what is reached of the limit used most and where, which orders
+        make it and what can help, which speeds may be barred, what misfiring does, what decides by assumption and should be given, how
         the whole crankshaft differs, and whether the crankshaft is strong enough.
     """
     assessment = results["vibration"]["assessment"]
     if assessment is None:
-        return _without_forces(results)
+        return [*_warned(results), *_without_forces(results)]
     cause = assessment["checks"][0].get("cause")
     found = [
+        *_warned(results),
         _reached(assessment),
         " ".join(filter(None, ("" if cause is None else _cause(assessment), _advice(assessment)))),
         " ".join(_ranges(assessment)),
@@ -289,6 +290,16 @@ def _advice(assessment: Record) -> str:
         f"{without}less than the permitted {permitted}: more damping, or another frequency of {named}, "
         "may be sufficient at this speed."
     )
+
+
+def _warned(results: Record) -> list[str]:
+    """Name the input that looks wrong; results of earlier versions say nothing of it."""
+    warnings = results.get("input_warnings", ())
+    fields = dict.fromkeys(warning.partition(":")[0] for warning in warnings)
+    if not fields:
+        return []
+    noun = "1 warning" if len(warnings) == 1 else f"{len(warnings)} warnings"
+    return [f"Check the input: {noun} about {', '.join(fields)}; see the report's inputs."]
 
 
 def _without_forces(results: Record) -> list[str]:
