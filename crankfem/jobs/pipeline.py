@@ -113,6 +113,8 @@ def run_engine(
     told.step("Reading the engine file")
     check_workers(workers)
     inputs = engine if isinstance(engine, RunInputs) else read_inputs(engine)
+    for warning in inputs.mechanism.warnings:
+        told.warn(f"{warning}.")
     path = inputs.engine_file.path
     folder = Path(f"{path.stem}-results" if output is None else output)
     read, study = inputs.paths, inputs.study is not None
