@@ -110,8 +110,10 @@ class FiringCheck:
         """Write the share of what is permitted at that speed, where something is and it is bounded."""
         if np.isinf(found.permitted) or np.isinf(found.value):
             return ""
-        permitted = format_quantity(found.permitted, self.unit, DIGITS)
-        return f", {format_usage(found.used)} of the permitted {permitted}"
+        share = f", {format_usage(found.used)}"
+        if found.permitted == self.misfiring.permitted:
+            return share
+        return f"{share} of the permitted {format_quantity(found.permitted, self.unit, DIGITS)}"
 
     def _amount(self, found: Reached) -> str:
         """Write what is reached, and at which speed."""

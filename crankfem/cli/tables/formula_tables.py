@@ -206,7 +206,7 @@ def _wide_table(columns: Sequence[str]) -> RichTable:
 
 def _four_digits(value: float, unit: OutputUnit) -> str:
     """Write a value with four digits, zeros at the end among them."""
-    return unit.number(value) if unit.wished else f"{value / unit.size:#.4g}"
+    return unit.number(value) if unit.wished else significant(value / unit.size)
 
 
 def _compliance(value: float, unit: OutputUnit) -> str:
