@@ -38,6 +38,10 @@ def headline(results: Record) -> str:
     if assessment is None:
         return NOT_JUDGED
     said = "Undecided" if undecided(assessment) else str(assessment["sentence"]).partition(":")[0]
+    if assessment["status"] == "not acceptable":
+        misfiring = misfiring_decides(vibration)
+        exceeded = "; with the values used, limits are exceeded, also while a cylinder misfires"
+        return f"{said}{exceeded}" if misfiring else said
     fine = said.startswith("Fine")
     if misfiring_decides(vibration):
         normal = " with all cylinders firing" if fine else ""
@@ -77,7 +81,7 @@ def verdict_line(results: Record) -> str:
 
 
 def conclusions(results: Record) -> list[str]:
-    """Return what follows from the results of a run, in at most seven statements.
+    """Return what follows from the results of a run, in at most eight statements.
 
     Parameters
     ----------
@@ -88,15 +92,17 @@ def conclusions(results: Record) -> list[str]:
     Returns
     -------
     list of str
-        What is reached of the limit used most and where, which orders make it and what can help, which
-        speeds may be barred, what misfiring does, what decides by assumption and should be given, how
-        the whole crankshaft differs, and whether the crankshaft is strong enough.
+        What looks wrong in the input, what is reached of the limit used most and where, which orders
+        make it and what can help, which speeds may be barred, what misfiring does, what decides by
+        assumption and should be given, how the whole crankshaft differs, and whether the crankshaft
+        is strong enough.
     """
     assessment = results["vibration"]["assessment"]
     if assessment is None:
-        return _without_forces(results)
+        return [*_warned(results), *_without_forces(results)]
     cause = assessment["checks"][0].get("cause")
     found = [
+        *_warned(results),
         _reached(assessment),
         " ".join(filter(None, ("" if cause is None else _cause(assessment), _advice(assessment)))),
         " ".join(_ranges(assessment)),
@@ -170,6 +176,8 @@ def _assumed(results: Record) -> str:
     assessment = vibration["assessment"]
     limits = assessment["limits"]
     decision = (assessment.get("decision") or {}).get("sentence")
+    if decision and misfiring_decides(vibration):
+        decision = f"with all cylinders firing, {decision}"
     found = [sentence(decision)] if decision else []
     found += [
         f"The limit on {one['name']} is assumed ({one['source']}): give the maker's."
@@ -220,12 +228,12 @@ def _misfiring(vibration: Record) -> str:
     return with_three_digits(sentence(said)) if said else ""
 
 
-def failed_checks(checks: Sequence[Record]) -> str:
+def failed_checks(checks: Sequence[dict[str, Any]]) -> str:
     """Name the self-checks that fail, and whether the calculation itself holds; nothing if all hold.
 
     Parameters
     ----------
-    checks : sequence of mapping
+    checks : sequence of dict
         Of results.json.
     """
     judged = [one for one in checks if one["met"] is not None]
@@ -283,6 +291,16 @@ def _advice(assessment: Record) -> str:
         f"{without}less than the permitted {permitted}: more damping, or another frequency of {named}, "
         "may be sufficient at this speed."
     )
+
+
+def _warned(results: Record) -> list[str]:
+    """Name the input that looks wrong; results of earlier versions say nothing of it."""
+    warnings = results.get("input_warnings", ())
+    fields = dict.fromkeys(warning.partition(":")[0] for warning in warnings)
+    if not fields:
+        return []
+    noun = "1 warning" if len(warnings) == 1 else f"{len(warnings)} warnings"
+    return [f"Check the input: {noun} about {', '.join(fields)}; see the report's inputs."]
 
 
 def _without_forces(results: Record) -> list[str]:

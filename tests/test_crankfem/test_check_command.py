@@ -175,3 +175,13 @@ def test_firing_intervals_are_shown(call, engine, intervals, said):
     answer = call("mechanism", engine, "--json").json()
     assert answer["firing_intervals_deg"] == close(intervals)
     assert said in " ".join(call("mechanism", engine).out.split())
+
+
+def test_limits_outside_the_verdict_are_named_and_a_rule_by_assumption_counts_as_assumed():
+    limits, remarks = engine_limits(cf.load_engine("6chn18-22-set"))
+    (said,) = (one for one in remarks if "class document" in one)
+    left_out = ("coupling_heat", "damper_torque", "damper_heat", "generator_angle")
+    assert all(f"limits.{name}" in said for name in left_out)
+    assert "coupling_torque" not in said
+    assert "coupling_torque" in limits
+    assert limits["crankshaft_stress"].assumed

@@ -45,6 +45,8 @@ COMPARED = {
     "coupling_torque": ("torque of coupling", "N m"),
     "damper_torque": ("torque of torsional damper", "N m"),
 }
+# Limits that the class document alone holds results against.
+IN_CLASS_DOCUMENT = ("coupling_heat", "damper_torque", "damper_heat", "generator_angle")
 NOT_SAMPLED = "samples of the axial amplitude keep the excitation by torsion of the nominal chain"
 
 
@@ -121,6 +123,12 @@ def engine_limits(
         remarks.append(
             "axial vibration is not judged, because no limit is given and no general one is published; the "
             "engine maker can give limits.axial_amplitude or limits.axial_force"
+        )
+    unused = [f"limits.{name}" for name in IN_CLASS_DOCUMENT if getattr(given, name) is not None]
+    if unused:
+        remarks.append(
+            f"{', '.join(unused)}: not part of this verdict, but judged in the class document "
+            "(`crankfem class`)"
         )
     if engine_file.ranges is not None:
         remarks.append(NOT_SAMPLED)
