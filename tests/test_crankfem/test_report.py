@@ -736,7 +736,7 @@ def test_fillets_of_a_throw_that_is_its_mirror_image_stand_once(results, page):
     assert "right journal" in page(results).section("fillets")
 
 
-def test_balanced_forces_are_told_in_a_sentence_beside_a_table_of_moments(results):
+def test_balanced_forces_are_told_in_a_sentence_beside_a_table_of_moments(results, page):
     orders = results["mechanism"]["balance"]["orders"]
     for one in orders:
         one |= {"force_balanced": True, "moment_balanced": False}
@@ -748,7 +748,7 @@ def test_balanced_forces_are_told_in_a_sentence_beside_a_table_of_moments(result
     assert "Inertia forces on the engine" in page(results).section("balance")
 
 
-def test_crankpins_that_are_loaded_alike_are_not_named(results):
+def test_crankpins_that_are_loaded_alike_are_not_named(results, page):
     pins = results["mechanism"]["crankpins"]
     one = pins[0]
     pins[:] = [{**one, "name": f"crankpin, cylinder {number}"} for number in (1, 2, 3)]
