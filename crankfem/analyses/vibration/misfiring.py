@@ -20,6 +20,7 @@ from crankfem.analyses.vibration.engine_excitation import (
 from crankfem.analyses.vibration.engine_limits import (
     compared_quantities,
     compared_series,
+    of_stress,
 )
 from crankfem.analyses.vibration.firing_check import (
     Cylinders,
@@ -39,7 +40,6 @@ from dynamics.excitation.cylinders import CylinderForces, forces_at_speeds
 from dynamics.response.series import OrderSeries
 from dynamics.running_limits import within
 
-STRESS = "crankshaft_stress"
 # What adds up of the forces of cylinders.
 SUMMED = ("tangential", "radial", "mean_tangential", "mean_radial")
 # By the key of `compared_quantities`.
@@ -80,7 +80,7 @@ class Misfiring:
 
     @property
     def of_stress(self) -> FiringCheck | None:
-        """That of the crankshaft's stress."""
+        """That of the stress, of crankshaft or shaft line, of whose limit most is used."""
         return next((one for one in self.checks if one.over_speed is not None), None)
 
     @property
@@ -240,6 +240,7 @@ def _misfiring(added: Superposition, speeds: FloatArray) -> Misfiring:
                 exceeded = speeds_above(series, weights(limit, speeds), exceeded)
     _refine(added, speeds, each)
     worst = {key: max(cases, key=lambda case: own[case].severity) for key, own in each.items()}
+    drawn = max(filter(of_stress, each), key=lambda key: each[key][worst[key]].used, default=None)
     checks = [
         FiringCheck(
             quantity=quantities[key].name,
@@ -250,7 +251,7 @@ def _misfiring(added: Superposition, speeds: FloatArray) -> Misfiring:
             misfiring=own[worst[key]],
             each=own,
             over_speed=_over_speed(added, speeds, key, worst[key], own[worst[key]].place)
-            if key == STRESS
+            if key == drawn
             else None,
         )
         for key, own in each.items()
