@@ -115,7 +115,11 @@ def test_three_to_six_statements(results):
     assert len(found) == 6
     assert all(
         any(said in line for line in found)
-        for said in ("Cylinder 2 misfiring makes 30 MPa.", "It hangs.", "No power.")
+        for said in (
+            "Cylinder 2 misfiring makes 30 MPa.",
+            "With all cylinders firing, it hangs.",
+            "No power.",
+        )
     )
     results["vibration"] |= {"forced": None, "assessment": None}
     assert 3 <= len(conclusions(results)) <= 6
@@ -188,6 +192,21 @@ def test_misfiring_that_fails_is_in_the_headline(results):
     results["vibration"]["assessment"] |= {"status": "fine", "sentence": "Fine: all"}
     assert headline(results).startswith("Fine with all cylinders firing; limits are exceeded")
     assert ". With all cylinders firing: torsional stress of crankshaft" in verdict_line(results)
+
+
+def test_a_steel_that_keeps_the_limits_of_normal_firing_is_not_said_to_keep_those_of_misfiring(
+    results,
+):
+    results["vibration"]["misfiring"] = {"passed": False, "sentence": "too much"}
+    results["vibration"]["assessment"]["decision"] = {
+        "status": "undecided",
+        "sentence": "acceptable with a tensile strength of 672 MPa",
+    }
+    said = "With all cylinders firing, acceptable with a tensile strength of 672 MPa."
+    assert any(said in line for line in conclusions(results))
+    assert headline(results) == (
+        "Undecided; with the values used, limits are exceeded, also while a cylinder misfires"
+    )
 
 
 @pytest.mark.parametrize("width", [80, 200])
@@ -409,3 +428,19 @@ def test_what_the_bearings_change_is_told_once(results):
     said = " ".join(conclusions(results))
     assert "The whole crankshaft differs." in said
     assert [said.count(one) for one in told] == [1, 1]
+
+
+def test_axial_vibration_without_a_limit_is_told_with_its_size(results):
+    """At running speeds, 200 to 515 1/min, alone."""
+    forced = results["vibration"]["forced"]["axial"]
+    forced |= {"speeds_rpm": [100.0, 200.0, 400.0, 515.0, 600.0]}
+    for curve, told in (
+        ([9e-3, 1e-4, 7.385e-3, 2e-4, 8e-3], "7385 um at the free end at 400 1/min"),
+        ([9e-3, 1e-4, 2e-4, 3e-4, 8e-3], "300 um at the free end at 515 1/min"),
+        ([9e-3, 1e-4, 2e-4, None, 8e-3], "unbounded at the free end at 515 1/min"),
+    ):
+        forced["free_end"]["synthesis"] = curve
+        said = f"Axial vibration ({told}) is not judged"
+        assert any(said in one for one in conclusions(results))
+    results["vibration"]["assessment"]["limits"][0]["name"] = "axial amplitude"
+    assert not any("not judged" in one for one in conclusions(results))

@@ -217,9 +217,7 @@ def limit_table(
     # What was judged above the running range stands beside it.
     beside = any(one.get("above") is not None for one in checks)
     table = Table(
-        "Limits, worst running speeds"
-        if limit is None
-        else f"{limit.capitalize()}, worst running speeds",
+        f"{'Limits' if limit is None else limit.capitalize()}, at the running speeds where most is used",
         [
             Column("limit", words=True),
             Column("where", words=True),
@@ -278,7 +276,7 @@ def misfiring_table(record: Record, units: OutputUnits = SI) -> Table:
         cylinders = ", ".join(str(number) for number in one["cylinders"])
         return [
             row(one, "all cylinders", one["normal"]),
-            row(one, f"not {cylinders}", one["misfiring"]),
+            row(one, f"all but {cylinders}", one["misfiring"]),
         ]
 
     return Table(
