@@ -367,10 +367,10 @@ def test_uncertain_values_widen_the_critical_speeds(coarse, tmp_path):
     assert all(own.low <= own.nominal <= own.high for own in torsional.critical)
 
 
-def test_ranges_exceeded_while_misfiring_that_reach_to_one_speed_are_one():
-    speeds = np.arange(1.0, 9.0)
-    flags = np.array([0, 1, 0, 1, 0, 0, 1, 1], dtype=bool)
-    assert _ranges(speeds, flags) == ((1.0, 5.0), (6.0, 8.0))
+def test_ranges_exceeded_while_misfiring_with_next_to_nothing_between_them_are_one():
+    speeds = np.array([1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 8.01, 9.0])
+    flags = np.array([0, 1, 0, 1, 0, 0, 1, 0, 0, 1], dtype=bool)
+    assert _ranges(speeds, flags) == ((1.0, 5.0), (6.0, 9.0))
     assert _ranges(speeds[:1], flags[1:2]) == ((1.0, 1.0),)
     assert _ranges(speeds[:2], flags[:2]) == ((1.0, 2.0),)
 
