@@ -6,7 +6,7 @@ from typing import Any
 from crankbase.units.number_formats import nano, significant
 from crankfem.analyses.record import Record
 from crankfem.analyses.throw.throw_tables import error_words
-from crankfem.report.conclusions import conclusions, failed_checks, headline, undecided
+from crankfem.report.conclusions import conclusions, failed_checks, headline, too_weak, undecided
 
 KINDS = ("axial", "torsional")
 
@@ -31,6 +31,8 @@ def summary(results: Mapping[str, Any]) -> Record:
     status = "open" if assessment is None else known.get(assessment["status"], "barred")
     if assessment is not None and undecided(assessment):
         status = "barred"
+    if too_weak(results):
+        status = "bad"
     return {
         "status": status,
         "headline": headline(results),
