@@ -233,8 +233,8 @@ class Verdict:
         if self.status == "fine":
             return f"Fine from {shown_range(*self.running_range)}: {worst.sentence}"
         if self.status == "not acceptable":
-            ranges = (*self.barred, *self.started_through)
-            why = " ".join(f"{one.sentence}." for one in ranges if not one.allowed)
+            exceeded = (*self.barred, *self.started_through)
+            why = " ".join(f"{one.sentence}." for one in exceeded if not one.allowed)
             return f"Not acceptable: {worst.sentence} {why}"
         ranges = ", ".join(one.shown for one in self.barred)
         return f"Barred range needed, {ranges}: {worst.sentence}"
