@@ -231,9 +231,7 @@ def test_what_the_rule_has_no_factors_for_is_named_once(judged):
     found = judged(throw={"main_journal_fillet_radius": 0.0})
     assert (found.passed, found.places) == (None, ())
     (left, right) = found.left_out
-    assert left.startswith(
-        "throws 1 to 6, left web: journal_fillet_radius over pin_diameter (r): "
-    )
+    assert left.startswith("throws 1 to 6, left web: journal_fillet_radius over pin_diameter (r): ")
     assert "section [strength.shrink_fit]" in right
     assert "is not judged: throws 1" in found.sentence
 
