@@ -86,8 +86,9 @@ def vibration(
     read = load_engine(content if model is None else with_model(content, model))
     if strict:
         check_has_limits(read)
+    mechanism = mechanism_of(read)
     if csv is not None or pictures is not None:
-        protect(read.path, *engine_tables(read, mechanism_of(read)))
+        protect(read.path, *engine_tables(read, mechanism))
     tables = make_output_folder(
         "--csv", csv, [f"{one}.csv" for one in (*MOTION, "axial_force")], "table"
     )
@@ -95,6 +96,7 @@ def vibration(
     there = [*(["forced"] if known else []), *(["whole"] if coupled else [])]
     names = [*VIBRATION.files(there), *([] if run_up is None else ["run_up.svg"])]
     drawn = make_output_folder("--pictures", pictures, names)
+    console.print_warnings(mechanism.warnings, out.units)
     with console.RunProgress(out.quiet) as progress:
         run = engine_vibration(read, coupled=coupled, step=progress.step)
         found = None

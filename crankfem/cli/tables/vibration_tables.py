@@ -8,6 +8,7 @@ from crankfem.analyses.vibration.tables import (
     barred_within_error,
     critical_table,
     element_table,
+    factor_range,
     limit_table,
     load_table,
     margin_table,
@@ -170,10 +171,7 @@ def print_judgment(record: Record, units: OutputUnits = SI) -> None:
 
 def _print_uncertainty(kind: str, record: Record, units: OutputUnits) -> None:
     for spread in record["spreads"]:
-        print_line(
-            f"{kind.capitalize()}: {spread['name']} {spread['low']:.3g} to {spread['high']:.3g} times the "
-            "value used"
-        )
+        print_line(f"{kind.capitalize()}: {spread['name']} {factor_range(spread)} the value used")
     if record.get("barred"):
         print_line(units.text(f"{kind.capitalize()}: {barred_within_error(record['barred'])}."))
     print_table(margin_table(record, kind), units)
