@@ -179,7 +179,7 @@ def _print_uncertainty(kind: str, record: Record, units: OutputUnits) -> None:
     if found is not None:
         print_line(
             f"{kind.capitalize()} amplitude of the free end at running speeds: nominal "
-            f"{motion.number(found['nominal'])}, 5 to 95 % of {found['samples']} samples "
-            f"{motion.number(found['percentile_5'])} to {motion.number(found['percentile_95'])} "
-            f"{motion.name}"
+            f"{motion.number(found['nominal'])} {motion.name}; of {found['samples']} random choices of the "
+            f"uncertain values, 90 % give {motion.number(found['percentile_5'])} to "
+            f"{motion.number(found['percentile_95'])} {motion.name}"
         )
