@@ -118,7 +118,7 @@ def _bounds(ends: Mapping[str, float]) -> str:
     return f"{_hertz(ends['low'])} to {_hertz(ends['high'])} Hz"
 
 
-def _swept(vibration: Record, kind: str) -> str:
+def _swept(vibration: Mapping[str, Any], kind: str) -> str:
     """First frequency of the whole crankshaft over the stiffness of its bearings; empty if not calculated."""
     found = (vibration.get("bearings") or {}).get("shaft", {}).get(kind) or ()
     known = [one for one in found if one is not None]

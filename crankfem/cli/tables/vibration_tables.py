@@ -26,7 +26,7 @@ NOT_FORCED = (
 
 
 def print_run(record: Record, units: OutputUnits = SI) -> None:
-    """Print an engine's vibration, the verdict's reasons last; critical speeds only where nothing is forced."""
+    """Print an engine's vibration, the verdict last; critical speeds only where nothing is forced."""
     forced = record["forced"]
     if record.get("load") is not None:
         print_load(record["load"], units)
