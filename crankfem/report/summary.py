@@ -25,8 +25,9 @@ def summary(results: Mapping[str, Any]) -> Record:
     Returns
     -------
     dict
-        "facts" (of the engine), "status" ("fine", "barred", "bad" or "open"), "headline", "sentences" (the conclusions),
-        "failed_checks" (a sentence), "limits", "figures", "uncertain" (a sentence by kind).
+        "facts" (of the engine), "status" ("fine", "barred", "bad" or "open"), "headline", "sentences"
+        (the conclusions), "failed_checks" (a sentence), "limits", "figures", "uncertain" (a sentence by
+        kind).
     """
     vibration = results["vibration"]
     assessment = vibration["assessment"]

@@ -23,7 +23,7 @@ from dynamics.plots.mode_shapes import chain_places, crosses_on_axis
 
 STORED = Path(__file__).with_name("report_results.json")
 NUMBER = re.compile(r"(?<![\w.-])\d+(?:\.\d+)?(?:e-?\d+)?")
-MOST_LINES = 30
+MOST_LINES = 32
 # Scales in which sentences write SI values: themselves, MPa, mrad, um, per cent.
 SCALES = (1.0, 1e-6, 1e3, 1e6, 100.0)
 
