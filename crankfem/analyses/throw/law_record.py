@@ -120,8 +120,8 @@ def law_sentence(record: Record, units: OutputUnits = SI) -> str:
 # What bands of the law cover; tests/validation/test_law.py counts the throws.
 LAW_BANDS = (
     "Bands cover the error of the law and of its finite elements: 95 of 100 random throws within the law's "
-    "range are in theirs, the others near it. They are for rigid end sections: real ones bend a little, which "
-    "makes a throw softer."
+    "range are in theirs, the others near it. They are for rigid end sections: real ones bend a little, "
+    "which makes a throw softer."
 )
 
 

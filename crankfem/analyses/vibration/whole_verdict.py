@@ -121,7 +121,7 @@ def whole_verdict(
 
 
 def whole_sentence(whole: Verdict, chains: Verdict) -> str:
-    """Say what the whole crankshaft reaches of the limit that it uses most, and whether the verdicts agree."""
+    """Say what the whole crankshaft reaches of the limit used most, and whether the verdicts agree."""
     worst = whole.checks[0]
     found = use_in_words(worst.limit, worst.worst_speed, worst.worst_value, worst.permitted, DIGITS)
     agrees = "the same verdict" if whole.status == chains.status else "another verdict"
