@@ -291,10 +291,7 @@ def _advice(assessment: Record) -> str:
     made = sum(one["contribution"] for one in resonant)
     left = {**worst, "value": worst["value"] - made}
     rest, permitted = reached_and_permitted(left)
-    without = (
-        f"Without the orders at or near resonance, at least {rest} remains there (the sum of all other "
-        f"orders, small ones included), "
-    )
+    without = f"All orders away from resonance leave at least {rest}, "
     if left["value"] > worst["permitted"]:
         return (
             f"{without}more than the permitted {permitted}: more damping alone is not sufficient. Reduce "

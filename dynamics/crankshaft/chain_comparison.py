@@ -238,7 +238,7 @@ def chain_verdict(
         if match.share < SHARE_LIMIT:
             reasons.append(
                 f"The whole shaft's mode at {match.shaft_frequency:.1f} Hz is only "
-                f"{100.0 * match.share:.0f} % {kind}, less than {100.0 * SHARE_LIMIT:.0f} %."
+                f"{100.0 * match.share:.3g} % {kind}, less than {100.0 * SHARE_LIMIT:.0f} %."
             )
     if response is not None and abs(response.difference) > RESPONSE_LIMIT:
         reasons.append(

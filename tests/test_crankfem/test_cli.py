@@ -136,6 +136,7 @@ def test_strict_ends_by_the_verdict(call, monkeypatch, status, option):
     decision = {"status": status, "sentence": "give this"}
     judged = {"sentence": "The verdict.", "decision": decision}
     monkeypatch.setattr("crankfem.analyses.vibration.run.engine_vibration", lambda *_, **__: None)
+    monkeypatch.setattr("crankfem.cli.tables.run_tables.print_verdict", lambda *_: None)
     for name in ("analyses.vibration.records.run_record", "cli.tables.vibration_tables.print_run"):
         made = {"assessment": judged}
         monkeypatch.setattr(f"crankfem.{name}", lambda *_, made=made, **__: made)

@@ -103,6 +103,6 @@ def _difference(verdict: ChainVerdict) -> str:
             )
     mixed = min(verdict.modes, key=lambda match: match.share)
     return (
-        f"its {verdict.kind} mode at {mixed.shaft_frequency:.1f} Hz is only {100.0 * mixed.share:.0f} % "
+        f"its {verdict.kind} mode at {mixed.shaft_frequency:.1f} Hz is only {100.0 * mixed.share:.3g} % "
         f"{verdict.kind}"
     )

@@ -59,7 +59,7 @@ def lookup(
 
     Also reactions to a force on the pin. Example: crankfem lookup law --throw 6chn25-34 --pin-force "100 kN"
     """
-    from crankfem.analyses.throw.law_record import LAW, law_lookups
+    from crankfem.analyses.throw.law_record import LAW, LAW_BANDS, law_lookups
     from crankfem.cli.model_arguments import model_dimensions
     from crankfem.cli.quantity_list import parse_pin_force
     from crankfem.cli.tables.reaction_tables import print_reactions, reaction_record
@@ -96,7 +96,7 @@ def lookup(
         return
     banded = _print_lookups(answers, angle is not None, out.units)
     if str(model) == LAW:
-        print_line("A band contains the true value for 95 % of throws with rigid end sections.")
+        print_line(LAW_BANDS)
     elif banded:
         _print_bands(loaded, banded)
     if reactions is not None:
