@@ -11,7 +11,7 @@ from pydantic.fields import FieldInfo
 from crankbase.checks.choices import allowed_names
 from crankbase.checks.scalars import is_number
 from crankbase.errors import InputError, InputErrors, quoted
-from crankbase.units.quantity import format_quantity, parse_quantity
+from crankbase.units.quantity import format_quantity, other_unit, parse_quantity
 from crankbase.units.units import DISPLAY_UNITS
 
 if TYPE_CHECKING:
@@ -274,7 +274,14 @@ def _value_from_text(kind: type[InputModel], key: str, text: object, name: str) 
             parse_quantity(item, unit, f"{name}[{number}]", _range(info), limits)
             for number, item in enumerate(text)
         )
-    return parse_quantity(text, unit, name, _range(info), limits)
+    value = parse_quantity(text, unit, name, _range(info), limits)
+    meant = other_unit(text, unit, value, limits)
+    if meant:
+        raise InputError(
+            f"{name}: given {quoted(text)}; did you mean {meant}? allowed is {_range(info)} for "
+            f"{_describe(info)}."
+        )
+    return value
 
 
 def _holds_several(info: FieldInfo) -> bool:

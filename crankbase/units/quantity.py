@@ -171,6 +171,34 @@ def _is_within(value: float, limits: Limits) -> bool:
     return (low is None or value >= low) and (high is None or value <= high)
 
 
+def other_unit(text: object, unit: str, value: float, limits: Limits) -> str:
+    """Return the same number in another usual unit, where it is allowed in that one alone; else nothing.
+
+    Parameters
+    ----------
+    text : object
+        What is given, such as "68 m".
+    unit : str
+        SI unit of the field.
+    value : float
+        What is given [SI].
+    limits : tuple of float or None
+        The field's range [SI].
+
+    Examples
+    --------
+    >>> other_unit("68 m", "m", 68.0, (0.0002, 1.5))
+    '68 mm'
+    """
+    found = NUMBER_AND_UNIT.fullmatch(text) if isinstance(text, str) else None
+    if found is None or _is_within(value, limits):
+        return ""
+    for one in WRITTEN.get(unit, ()):
+        if _is_within(float(found[1]) * float(unit_quantity(one).to(unit).magnitude), limits):
+            return f"{found[1]} {one}"
+    return ""
+
+
 def _example(unit: str, limits: Limits, number: str = "") -> str:
     """Write a quantity that is allowed: the number that was given in a usual unit, else one in the range."""
     units = WRITTEN.get(unit, (unit,))
@@ -251,6 +279,12 @@ def _names_an_angle(quantity: Any) -> bool:
 
 
 def _pure_number(text: object, given: str, limits: str) -> float:
+    if (
+        isinstance(text, str)
+        and NUMBER_AND_UNIT.fullmatch(text)
+        and not text.strip()[-1:].isalpha()
+    ):
+        raise InputError(f"{given}, a number in quotes; write it without quotes{limits}.")
     if not isinstance(text, float) and not is_whole(text):
         raise InputError(f"{given}; write a plain number without a unit{limits}.")
     if not is_number(text):  # also a whole number of hundreds of digits

@@ -84,8 +84,9 @@ def conclusions(results: Record) -> list[str]:
     -------
     list of str
         What looks wrong in the input, what is reached of the limit used most and where, which orders
-        make it and what can help, which speeds may be barred, what misfiring does, what decides by assumption and should be given, how
-        the whole crankshaft differs, and whether the crankshaft is strong enough.
+        make it and what can help, which speeds may be barred, what misfiring does, what decides by
+        assumption and should be given, how the whole crankshaft differs, and whether the crankshaft is
+        strong enough.
     """
     assessment = results["vibration"]["assessment"]
     if assessment is None:

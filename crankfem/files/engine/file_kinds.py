@@ -7,6 +7,7 @@ from typing import Literal
 from crankbase.errors import InputError
 from crankfem.files.reading.data_files import InputKind, find_table, input_path, shipped_names
 from crankfem.files.reading.toml_file import TomlFile, read_toml
+from crankfem.files.reading.wrong_files import has_sections
 from crankfem.files.sections.engine_sections import TorqueTable
 
 FileKind = Literal["engine", "mechanism", "throw", "hinge", "chain"]
@@ -55,9 +56,7 @@ def engine_sections(source: str | Path | TomlFile) -> TomlFile:
 
 
 def any_sections(given: str) -> TomlFile | None:
-    """Return the sections of any file of input, or of a shipped one; None if it is not TOML.
-
-    Only chains are written in anything but TOML.
+    """Return the sections of any file of input, or of a shipped one; None if it is the text of a chain.
 
     Raises
     ------
@@ -68,7 +67,7 @@ def any_sections(given: str) -> TomlFile | None:
     others: tuple[InputKind, ...] = ("hinge", "chain")
     kinds = [kind for kind in others if name in shipped_names(kind)]
     path = input_path(given, *kinds[:1])
-    return read_toml(path) if path.suffix.lower() == ".toml" else None
+    return read_toml(path) if path.suffix.lower() == ".toml" or has_sections(path) else None
 
 
 def torque_table_path(content: TomlFile) -> Path | None:

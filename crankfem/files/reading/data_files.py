@@ -3,6 +3,7 @@
 from pathlib import Path
 from typing import Literal
 
+from crankbase.checks.choices import did_you_mean
 from crankbase.errors import InputError
 
 InputKind = Literal["engine", "hinge", "chain"]
@@ -52,8 +53,9 @@ def input_path(given: str | Path, kind: InputKind = "engine") -> Path:
         fault = f"{given}: cannot be searched for; the system reports: {error.strerror}"
     if not str(given).strip():
         fault = '"": names no file'
+    meant = did_you_mean(path.name.removesuffix(".toml"), shipped_names(kind), cutoff=0.7)
     raise InputError(
-        f"{fault}; give the path of {WORDS[kind]}, or the name of a shipped one "
+        f"{fault}; {meant}give the path of {WORDS[kind]}, or the name of a shipped one "
         f"({', '.join(shipped_names(kind))})."
     )
 

@@ -15,6 +15,22 @@ BARE = re.compile(
 )
 NAME = re.compile(r"\s*([\w.-]+|\"[^\"]*\"|'[^']*')\s*=")
 HEADER = re.compile(r"\s*\[(?!\[)([^\]]+)\]")
+# What is written wrongly, where nothing else is, outside of quotes.
+FAULTS = (
+    (
+        re.compile("[\u201c\u201d\u201e\u2018\u2019\u00ab\u00bb]"),
+        "given typographic quotes; write straight ones, \" or '",
+    ),
+    (
+        re.compile(r"[=\[]\s*[+-]?\d+,\d+\s*(?:[,}\]]|$)"),
+        "given a decimal comma; write a decimal point",
+    ),
+    (
+        re.compile(r"^[^\"]*\"[^\"]*$|^[^']*'[^']*$"),
+        "given an opening quote without a closing one; write both",
+    ),
+    (re.compile(r"^\s*\[\[?[^\]=]*$"), "given a section without its closing bracket; write it"),
+)
 QUOTED = re.compile(r"\"(?:[^\"\\]|\\.)*\"|'[^']*'")
 
 
@@ -56,6 +72,9 @@ def not_toml(text: str, error: Exception) -> str:
             f"{shown} given {bare[1].strip()} without quotes; write a quantity in quotes, "
             f'"{bare[1].strip()}", because it is text with its unit.'
         )
+    for pattern, fault in FAULTS:
+        if pattern.search(QUOTED.sub('""', line).partition("#")[0]):
+            return f"{shown} {fault}."
     return f"{shown} is not TOML ({AT_LINE.sub('', str(error)).strip()}); allowed is a TOML file."
 
 

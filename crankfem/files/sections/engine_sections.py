@@ -13,6 +13,7 @@ from crankbase.units.quantity import format_quantity
 from crankbase.units.units import PER_MINUTE
 from dynamics.assessment.limit_rules import RULE_OF_DRIVEN
 from dynamics.engine.firing import (
+    even_firing_order,
     firing_angles_of_order,
     firing_intervals,
     firing_order_from_text,
@@ -157,10 +158,12 @@ class Engine(InputModel):
             # Where both fit, the engine turns so that it fires evenly.
             return min(unevenness, key=lambda sense: unevenness[sense])
         tops = [round(math.degrees(top) % 360.0, 3) for top in self._tops(1)]
+        even = even_firing_order(self._tops(1), self.strokes)
+        such = "" if even is None else f", such as {'-'.join(map(str, even))}"
         raise InputError(
             f"engine.firing_order: given {list(self.firing_order)}, which does not fit the crank angles; "
             "allowed is an order in which each crank is at the top when its cylinder fires, all within one "
-            f"cycle (cylinder by cylinder the tops are at {tops} deg, or the other way round)."
+            f"cycle{such} (cylinder by cylinder the tops are at {tops} deg, or the other way round)."
         )
 
     @property
