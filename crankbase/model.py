@@ -275,11 +275,9 @@ def _value_from_text(kind: type[InputModel], key: str, text: object, name: str) 
             for number, item in enumerate(text)
         )
     value = parse_quantity(text, unit, name, _range(info), limits)
-    meant = other_unit(text, unit, value, limits)
-    if meant:
+    if meant := other_unit(text, unit, value, limits):
         raise InputError(
-            f"{name}: given {quoted(text)}; did you mean {meant}? allowed is {_range(info)} for "
-            f"{_describe(info)}."
+            f"{name}: given {text!r}; did you mean {meant}? allowed is {_range(info)}."
         )
     return value
 

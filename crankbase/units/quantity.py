@@ -2,7 +2,10 @@
 
 import math
 import re
+from collections.abc import Sequence
+from contextlib import suppress
 from functools import cache
+from itertools import pairwise
 from typing import Any
 
 from crankbase.checks.scalars import is_number, is_whole
@@ -199,6 +202,24 @@ def other_unit(text: object, unit: str, value: float, limits: Limits) -> str:
     return ""
 
 
+def split_quantity(words: Sequence[str]) -> tuple[str, str] | None:
+    """Return a word that ends in a bare number and the unit that is the next word; None if there is none.
+
+    Examples
+    --------
+    >>> split_quantity(["web_width=300mm", "web_thickness=58", "mm"])
+    ('web_thickness=58', 'mm')
+    """
+    for word, following in pairwise(words):
+        number = NUMBER_AND_UNIT.fullmatch(word.rpartition("=")[2])
+        if number is None or number[2] or not following[:1].isalnum() or "=" in following:
+            continue
+        with suppress(NoUnitError):
+            if not unit_quantity(following).unitless:
+                return word, following
+    return None
+
+
 def _example(unit: str, limits: Limits, number: str = "") -> str:
     """Write a quantity that is allowed: the number that was given in a usual unit, else one in the range."""
     units = WRITTEN.get(unit, (unit,))
@@ -232,9 +253,11 @@ def _shortened_text(text: object) -> str:
 
 def _evaluate(text: str, unit: str, given: str, limits: Limits, told: str) -> float:
     if "," in text:
+        pointed = text.strip().replace(",", ".", 1)
+        example = pointed if NUMBER_AND_UNIT.fullmatch(pointed) else _example(unit, limits)
         raise InputError(
             f"{given}, in which the comma could mean two things; write a decimal point and no "
-            f'separators, like "{_example(unit, limits)}"{told}.'
+            f'separators, like "{example}"{told}.'
         )
     # A text that long is no quantity, and would take long to look at.
     found = NUMBER_AND_UNIT.fullmatch(text) if len(text) <= LONGEST_QUANTITY else None

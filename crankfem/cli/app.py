@@ -1,11 +1,13 @@
 """The command line: every command with examples, in groups by what it is for."""
 
+import sys
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Annotated, Any
 
 import typer
 
+from crankbase.units.quantity import split_quantity
 from crankfem.cli import console
 from crankfem.cli.commands.check import check
 from crankfem.cli.commands.class_document import class_
@@ -196,5 +198,12 @@ def main() -> None:
 def _usage_error(error: Any) -> tuple[str, str]:
     """Return the sentence about a wrong option or argument, and where to read how it is right."""
     context = getattr(error, "ctx", None)
+    apart = split_quantity(sys.argv[1:])
     path = "crankfem" if context is None else context.command_path
+    if apart is not None:
+        words = " ".join(apart)
+        return (
+            f'{words}: given as two words; write number and unit in quotes, "{words}"',
+            f"{path} --help",
+        )
     return str(error.format_message()), f"{path} --help"

@@ -5,6 +5,7 @@ from typing import Any
 
 from crankbase.checks.choices import did_you_mean
 from crankbase.errors import InputError
+from crankbase.units.quantity import format_quantity
 from crankfem.cli import console
 from crankfem.cli.model_arguments import parse_value
 from crankfem.cli.throw_choice import select_throw
@@ -28,6 +29,16 @@ def law_throw(
         return CrankThrow(**given), STEEL
     throw, material = select_throw(engine, quiet=quiet)
     return throw.changed(**given), material
+
+
+def throw_text(throw: CrankThrow) -> list[str]:
+    """Write the dimensions of a throw as NAME = VALUE, those that are there."""
+    values = ((name, getattr(throw, name)) for name in type(throw).model_fields)
+    return [
+        f"{name} = {format_quantity(value, field_unit(name) or '')}"
+        for name, value in values
+        if isinstance(value, float) and value != 0.0
+    ]
 
 
 def _convert(name: str, text: str) -> Any:

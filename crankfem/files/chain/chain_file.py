@@ -67,7 +67,9 @@ def load_chain(path: str | Path | TomlFile) -> ChainFile:
     """
     found = path.path if isinstance(path, TomlFile) else input_path(path, "chain")
     if not isinstance(path, TomlFile) and found.suffix.lower() != ".toml":
-        text = read_text(found, "the text of a chain", "a text file")
+        text = read_text(
+            found, "the text of a chain", "an input file (TOML) or the text of a chain"
+        )
         read = read_chain_text(text, found.name)
         _check_sizes(found.name, read.chain)
         return ChainFile(found, read.name or found.stem, read.kind, read.chain, (), {})

@@ -95,6 +95,11 @@ class TomlFile:
         missing = [f"[{name}]" for name in required if name not in self.sections]
         if unknown:
             raise InputError("\n".join(unknown))
+        if missing and not self.sections:
+            raise InputError(
+                f"{self.path.name}: has no sections; required are {', '.join(required)}, as in an example that "
+                "crankfem new writes."
+            )
         if missing:
             gone = "sections {} are" if len(missing) > 1 else "section {} is"
             raise InputError(

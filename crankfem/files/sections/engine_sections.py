@@ -158,7 +158,7 @@ class Engine(InputModel):
             # Where both fit, the engine turns so that it fires evenly.
             return min(unevenness, key=lambda sense: unevenness[sense])
         tops = [round(math.degrees(top) % 360.0, 3) for top in self._tops(1)]
-        even = even_firing_order(self._tops(1), self.strokes)
+        even = even_firing_order([math.radians(top) for top in tops], self.strokes)
         such = "" if even is None else f", such as {'-'.join(map(str, even))}"
         raise InputError(
             f"engine.firing_order: given {list(self.firing_order)}, which does not fit the crank angles; "
