@@ -134,6 +134,13 @@ COMMANDS = (
     ),
 )
 
+# What typer says of a wrong option, in words for people.
+TYPERS_WORDS = {
+    "Input should be a valid integer, unable to parse string as an integer": "allowed is a whole number",
+    "Input should be a valid number, unable to parse string as a number": "allowed is a number",
+    "extra argument(s)": "extra argument",
+}
+
 EXIT_CODES = "; ".join(f"{code} {words}" for code, words in MEANINGS.items())
 
 app = typer.Typer(
@@ -199,6 +206,9 @@ def _usage_error(error: Any) -> tuple[str, str]:
     """Return the sentence about a wrong option or argument, and where to read how it is right."""
     context = getattr(error, "ctx", None)
     apart = split_quantity(sys.argv[1:])
+    told = str(error.format_message())
+    for typers, ours in TYPERS_WORDS.items():
+        told = told.replace(typers, ours)
     path = "crankfem" if context is None else context.command_path
     if apart is not None:
         words = " ".join(apart)
@@ -206,4 +216,4 @@ def _usage_error(error: Any) -> tuple[str, str]:
             f'{words}: given as two words; write number and unit in quotes, "{words}"',
             f"{path} --help",
         )
-    return str(error.format_message()), f"{path} --help"
+    return told, f"{path} --help"

@@ -205,3 +205,79 @@ def test_engines_built_uneven_get_a_note(cylinders, angles, banks):
     found = firing_evenness(engine)
     assert not found.warnings
     assert "no firing order is even with these crank" in found.notes[0]
+
+
+@pytest.mark.parametrize(
+    ("field", "value", "said"),
+    [
+        (
+            "throw.web_thickness",
+            '"68 m"',
+            "given '68 m'; did you mean 68 mm? allowed is 0.2 mm to 1500 mm",
+        ),
+        ("material.youngs_modulus", '"210 MPa"', "did you mean 210 GPa?"),
+        ("throw.web_thickness", '"68,5 mm"', 'no separators, like "68.5 mm"'),
+        ("engine.stroke", '"430 mm"', "crank radii; correct it, or engine.stroke, given 430 mm"),
+        ("engine.strokes", '"4"', "given '4', a number in quotes; write it without quotes"),
+        ("engine.firing_order", "[1, 2, 3, 4, 5, 6]", "within one cycle, such as 1-"),
+    ],
+)
+def test_a_sentence_names_cause_and_line(call, tmp_path, six_cylinders, edit, field, value, said):
+    text = edit(six_cylinders, {field: value})
+    (tmp_path / "mine.toml").write_text(text, encoding="utf-8")
+    answer = call("check", "mine.toml")
+    assert answer.code == 2
+    assert said in answer.err
+    field = "throw.crank_radius" if field == "engine.stroke" else field
+    assert answer.err.startswith(f"Error: {field}: given")
+    line = int(answer.err.rpartition("(mine.toml, line ")[2].removesuffix(").\n"))
+    assert text.splitlines()[line - 1].startswith(field.partition(".")[2])
+
+
+def test_a_file_without_the_usual_ending_is_read(call, tmp_path, six_cylinders):
+    (tmp_path / "двигатель").write_text(six_cylinders.replace("\n", "\r\n"), encoding="utf-8-sig")
+    assert call("check", "двигатель").code == 0
+
+
+@pytest.mark.parametrize(
+    ("arguments", "said"),
+    [
+        (
+            ("lookup", "law", "web_width=300mm", "web_thickness=58", "mm"),
+            'in quotes, "web_thickness=58 mm"',
+        ),
+        (("mechanism", "vw-tdi", "--speed", "1500", "1/min"), 'in quotes, "1500 1/min"; see'),
+        (("run", "vw-tdi", "--workers", "two"), "'--workers': allowed is a whole number; see"),
+        (("lookup", "laww"), "laww: does not exist; allowed are law and the path of a model file."),
+        (("check", "6chn25-43"), "6chn25-43: does not exist; did you mean 6chn25-34? give"),
+        (("hinge", "vw-tdi"), "does not exist; give the path of a hinge file"),
+    ],
+)
+def test_slips_on_the_command_line(call, arguments, said):
+    answer = call(*arguments)
+    assert answer.code == 2
+    assert said in answer.err
+
+
+def test_an_engine_is_no_hinge_and_no_model(call, tmp_path, six_cylinders):
+    (tmp_path / "mine.toml").write_text(six_cylinders, encoding="utf-8")
+    answer = call("hinge", "mine.toml")
+    assert answer.err.startswith(
+        "Error: mine.toml: describes an engine or a throw, not an elastic hinge"
+    )
+    answer = call("lookup", "mine.toml")
+    assert answer.err.startswith(
+        "Error: mine.toml: is a TOML file; allowed is a compliance model file"
+    )
+    (tmp_path / "results.json").write_text('{"about": {}}', encoding="utf-8")
+    answer = call("harmonics", "results.json")
+    assert "is a JSON file, such as the results of a run or a saved model; allowed is" in answer.err
+
+
+def test_lookup_lists_the_dimensions_of_the_file(call):
+    answer = call("lookup", "law", "--throw", "6chn25-34", "web_thickness=58mm")
+    assert answer.out.startswith(
+        "Throw of 6chn25-34 with web_thickness as given: crank_radius = 170 mm,"
+    )
+    assert "web_thickness = 58 mm" in " ".join(answer.out.split())
+    assert "pinned ones tilt freely, guided ones do not" in answer.out

@@ -84,6 +84,10 @@ def lookup(
     else:
         from regression.models.compliance_model import ComplianceModel
 
+        if not model.exists():
+            raise InputError(
+                f"{model}: does not exist; allowed are law and the path of a model file."
+            )
         loaded = ComplianceModel.load(model)
         asked: dict[str, Any] = {}
         if throw is not None:
@@ -103,14 +107,14 @@ def lookup(
     if throw is not None:
         print_line(out.units.text(f"Throw of {throw}{_overridden(dimensions)}: {', '.join(used)}."))
     banded = _print_lookups(answers, angle is not None, out.units)
+    if any(answer.support in ("pinned", "guided") for answer in answers.values()):
+        print_line(SUPPORTS)
     if str(model) == LAW:
         print_line("A band contains the true value for 95 % of throws with rigid end sections.")
     elif banded:
         _print_bands(loaded, banded)
     if reactions is not None:
         print_reactions(reactions, out.units)
-    if any(answer.support in ("pinned", "guided") for answer in answers.values()):
-        print_line(SUPPORTS)
     for name, reason in refused.items():
         print_line(out.units.text(f"{_title(name)}: left out; {reason}"))
 

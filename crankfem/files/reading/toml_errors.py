@@ -54,7 +54,8 @@ def not_toml(text: str, error: Exception) -> str:
     found = AT_LINE.search(str(error))
     # What is wrong shows at the beginning of a line; patterns would take long over all of a very long one.
     lines = [line[:LONGEST_LINE] for line in text.splitlines()]
-    place = int(found[1]) if found else 0
+    # What is never closed is found at the end of the file, of which no line is told.
+    place = int(found[1]) if found else _first_fault(lines)
     if not 1 <= place <= len(lines):
         return f"is not TOML ({error}); allowed is a TOML file."
     line = lines[place - 1]
@@ -72,10 +73,21 @@ def not_toml(text: str, error: Exception) -> str:
             f"{shown} given {bare[1].strip()} without quotes; write a quantity in quotes, "
             f'"{bare[1].strip()}", because it is text with its unit.'
         )
-    for pattern, fault in FAULTS:
-        if pattern.search(QUOTED.sub('""', line).partition("#")[0]):
-            return f"{shown} {fault}."
+    fault = _fault(line)
+    if fault is not None:
+        return f"{shown} {fault}."
     return f"{shown} is not TOML ({AT_LINE.sub('', str(error)).strip()}); allowed is a TOML file."
+
+
+def _fault(line: str) -> str | None:
+    """Say what is written wrongly in a line, None if nothing is known of it."""
+    plain = QUOTED.sub('""', line).partition("#")[0]
+    return next((fault for pattern, fault in FAULTS if pattern.search(plain)), None)
+
+
+def _first_fault(lines: list[str]) -> int:
+    """Return the number of the first line in which something is written wrongly, 0 if there is none."""
+    return next((number for number, line in enumerate(lines, start=1) if _fault(line)), 0)
 
 
 def _before(lines: list[str], place: int) -> int | None:

@@ -13,10 +13,10 @@ from crankbase.errors import InputError, InputErrors
 from crankbase.model import InputModel, field_extra, part_kind
 from crankbase.text_limits import LARGEST_TEXT_FILE, check_file_size
 from crankbase.units.quantity import format_quantity
+from crankbase.wrong_files import LOOKED_AT, wrong_kind
 from crankfem.files.reading.toml_errors import not_toml
 from crankfem.files.reading.toml_limits import check_content, check_keys, too_deep
 from crankfem.files.reading.toml_places import line_of
-from crankfem.files.reading.wrong_files import LOOKED_AT, wrong_kind
 
 Model = TypeVar("Model", bound=InputModel)
 
@@ -97,8 +97,8 @@ class TomlFile:
             raise InputError("\n".join(unknown))
         if missing and not self.sections:
             raise InputError(
-                f"{self.path.name}: has no sections; required are {', '.join(required)}, as in an example that "
-                "crankfem new writes."
+                f"{self.path.name}: has no sections; required are {', '.join(required)}, as in an example "
+                "that crankfem new writes."
             )
         if missing:
             gone = "sections {} are" if len(missing) > 1 else "section {} is"

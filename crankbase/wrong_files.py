@@ -1,8 +1,9 @@
-"""Files given in place of an input file by mistake: what each is, and what it is for."""
+"""Files given in place of others by mistake: what each is, and what it is for."""
 
 import re
-from pathlib import Path
 
+JSON = b"{"
+CSV = "is a table (CSV)"
 # Beginnings of files to what they are.
 BEGINNINGS = (
     (
@@ -13,15 +14,13 @@ BEGINNINGS = (
     (b"%PDF", "is a PDF file"),
     (b"ISO-10303-21", "is a STEP file; use it with throw"),
     (b"<", "is a web page or a picture (HTML, XML, SVG), such as a report"),
-    (b"{", "is a JSON file, such as the results of a run or a saved model"),
+    (JSON, "is a JSON file, such as the results of a run or a saved model"),
 )
 UTF_16 = (b"\xff\xfe", b"\xfe\xff")
 # Two lines of numbers or names between commas, of which the second begins with a number.
 TABLE = re.compile(
     rb"(?:\s*#[^\n]*\n)*[^\n=\[\]]+,[^\n=\[\]]*\n\s*[+-]?[\d.]+\s*,[^\n=\[\]]*(?:\n|\Z)"
 )
-# A section that files of input have, at the beginning of a line.
-SECTION = re.compile(r"^\s*\[(?:engine|throw|throws\.\w+|chain|sliding|hinge)\]", re.MULTILINE)
 LOOKED_AT = 4000
 
 
@@ -44,13 +43,4 @@ def wrong_kind(begin: bytes) -> str | None:
     for beginning, said in BEGINNINGS:
         if plain.startswith(beginning):
             return said
-    return "is a table (CSV)" if TABLE.match(plain) else None
-
-
-def has_sections(path: Path) -> bool:
-    """Whether a file has sections of input, whatever its ending; False where it cannot be read."""
-    try:
-        with path.open(encoding="utf-8-sig") as file:
-            return SECTION.search(file.read(LOOKED_AT)) is not None
-    except (OSError, UnicodeDecodeError):
-        return False
+    return CSV if TABLE.match(plain) else None
