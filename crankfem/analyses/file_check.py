@@ -242,7 +242,7 @@ def _engine(read: EngineFile, content: TomlFile) -> CheckedFile:
     if read.limits is None and read.gas is not None:
         remarks.append(
             "without the section [limits], a classification society's rule for crankshafts is used: "
-            + rule_reason(read.engine)
+            + rule_reason(read)
         )
     fitted_by_run = bool(chosen_regressions(read.vibration)) and read.model_path is None
     if fitted_by_run:

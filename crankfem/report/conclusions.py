@@ -1,10 +1,12 @@
 """What a run concludes, in a few sentences: what is reached, why, what may be barred, and what to do."""
 
+import math
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from crankbase.units.number_formats import format_usage, significant
+from crankbase.units.number_formats import UNBOUNDED, format_usage, significant
 from crankbase.units.quantity import quantities_apart
+from crankfem.analyses.shaft.motion import MOTION
 from crankfem.report.text_filters import (
     check_limit_text,
     check_value_text,
@@ -36,10 +38,17 @@ def headline(results: Record) -> str:
     if assessment is None:
         return NOT_JUDGED
     said = "Undecided" if undecided(assessment) else str(assessment["sentence"]).partition(":")[0]
-    if not misfiring_decides(vibration):
-        return said
-    normal = " with all cylinders firing" if assessment["status"] == "fine" else ""
-    return f"{said}{normal}; limits are exceeded while a cylinder misfires"
+    if assessment["status"] == "not acceptable":
+        misfiring = misfiring_decides(vibration)
+        exceeded = "; with the values used, limits are exceeded, also while a cylinder misfires"
+        return f"{said}{exceeded}" if misfiring else said
+    fine = said.startswith("Fine")
+    if misfiring_decides(vibration):
+        normal = " with all cylinders firing" if fine else ""
+        said = f"{said}{normal}; limits are exceeded while a cylinder misfires"
+    return (
+        said if _axial_judged(assessment) or not fine else f"{said}; axial vibration is not judged"
+    )
 
 
 def misfiring_decides(vibration: Record) -> bool:
@@ -85,8 +94,8 @@ def conclusions(results: Record) -> list[str]:
     list of str
         What looks wrong in the input, what is reached of the limit used most and where, which orders
         make it and what can help, which speeds may be barred, what misfiring does, what decides by
-        assumption and should be given, how the whole crankshaft differs, and whether the crankshaft is
-        strong enough.
+        assumption and should be given, how the whole crankshaft differs, and whether the crankshaft
+        is strong enough.
     """
     assessment = results["vibration"]["assessment"]
     if assessment is None:
@@ -167,15 +176,18 @@ def _assumed(results: Record) -> str:
     assessment = vibration["assessment"]
     limits = assessment["limits"]
     decision = (assessment.get("decision") or {}).get("sentence")
+    if decision and misfiring_decides(vibration):
+        decision = f"with all cylinders firing, {decision}"
     found = [sentence(decision)] if decision else []
     found += [
         f"The limit on {one['name']} is assumed ({one['source']}): give the maker's."
         for one in limits
         if one["assumed"]
     ]
-    if not any(one["name"].startswith("axial") for one in limits):
+    if not _axial_judged(assessment):
         found.append(
-            "Axial vibration is not judged: give limits.axial_amplitude or limits.axial_force."
+            f"Axial vibration{_axial_amplitude(results)} is not judged: give limits.axial_amplitude or "
+            "limits.axial_force."
         )
     load = vibration.get("load")
     if load is not None and load["rated"] is not None and not load["rated"]["consistent"]:
@@ -186,6 +198,29 @@ def _assumed(results: Record) -> str:
     return " ".join(found)
 
 
+def _axial_judged(assessment: Record) -> bool:
+    return any(one["name"].startswith("axial") for one in assessment["limits"])
+
+
+def _axial_amplitude(results: Record) -> str:
+    """Tell the largest axial amplitude of the free end at running speeds, where it was calculated."""
+    found = (results["vibration"]["forced"] or {}).get("axial")
+    if found is None:
+        return ""
+    low, high = (results["engine"][f"{end}_speed_rpm"] for end in ("lowest", "highest"))
+    reached = [
+        (math.inf if value is None else value, rpm)
+        for value, rpm in zip(found["free_end"]["synthesis"], found["speeds_rpm"], strict=True)
+        if low * (1.0 - 1e-9) <= rpm <= high * (1.0 + 1e-9)
+    ]
+    if not reached:
+        return ""
+    value, rpm = max(reached)
+    size, unit = MOTION["axial"].size, MOTION["axial"].printed
+    amplitude = UNBOUNDED if math.isinf(value) else f"{significant(value / size, DIGITS)} {unit}"
+    return f" ({amplitude} at the free end at {significant(rpm, DIGITS)} 1/min)"
+
+
 def _misfiring(vibration: Record) -> str:
     """Say what misfiring does; nothing of older runs, which have not calculated it."""
     found = vibration.get("misfiring")
@@ -193,12 +228,12 @@ def _misfiring(vibration: Record) -> str:
     return with_three_digits(sentence(said)) if said else ""
 
 
-def failed_checks(checks: Sequence[Record]) -> str:
+def failed_checks(checks: Sequence[dict[str, Any]]) -> str:
     """Name the self-checks that fail, and whether the calculation itself holds; nothing if all hold.
 
     Parameters
     ----------
-    checks : sequence of mapping
+    checks : sequence of dict
         Of results.json.
     """
     judged = [one for one in checks if one["met"] is not None]

@@ -100,7 +100,7 @@ class ExceededRange:
         Where the limit is met, by interpolation between the speeds calculated [rad/s].
     peaks : tuple of float
         Speeds at which the use of the limit has a maximum [rad/s]; also that of a flank which the
-        range ends on, though it lies beyond.
+        range ends on, though it lies beyond. Where the limit begins on a falling flank is none.
     cut_off : bool
         Whether the range reaches the first or last speed calculated, so that it may go on beyond.
     used : float
@@ -142,11 +142,14 @@ def exceeded_ranges(
     for first, last in _runs(used > 1.0):
         if not at_most(speeds[first], highest):
             break
+        # The limit jumps on a falling flank: the peak is below the range, where another limit applies.
+        falls = first > 0 and curve.values[first - 1] > curve.values[first]
+        peaks = _peaks_to(speeds[first : last + 1], used[first : last + 1], highest)
         found.append(
             ExceededRange(
                 low=_crossing(limit, curve, used, first, -1),
                 high=min(_crossing(limit, curve, used, last, 1), highest),
-                peaks=_peaks_to(speeds[first : last + 1], used[first : last + 1], highest),
+                peaks=peaks[1:] if falls and peaks and peaks[0] == speeds[first] else peaks,
                 cut_off=first == 0 or last == curve.speeds.size - 1,
                 used=float(np.max(used[first : last + 1])),
             )
@@ -229,6 +232,7 @@ def _barred(
         else "above"
     )
     refusals, remarks = [], []
+    too_much: list[tuple[float, str]] = []
     if at_most(low, running_range[0]) and at_most(running_range[1], high):
         refusals.append("it leaves no speed to run at")
     end = min(rule.highest_by(item.limit) for item in group)
@@ -259,11 +263,17 @@ def _barred(
         np.divide(values, passing, out=share, where=np.isfinite(passing))
         worst = int(np.argmax(share))
         if share[worst] > 1.0:
-            refusals.append(
+            said = (
                 f"{curve.name} reaches {_amount(values[worst], limit.unit)} at "
-                f"{format_quantity(float(curve.speeds[inside][worst]), 'rad/s', 4)}, where "
+                f"{_speed(float(curve.speeds[inside][worst]))}, where "
                 f"{_amount(passing[worst], limit.unit)} may be passed"
             )
+            too_much.append((float(share[worst]), said))
+    if too_much:
+        others = len(too_much) - 1
+        more = "location exceeds" if others == 1 else "locations exceed"
+        more = f"; {others} more {more} what may be passed" if others else ""
+        refusals.append(f"{max(too_much)[1]}{more}")
     if any(item.exceeded.cut_off for item in group):
         remarks.append("the range reaches the end of the speeds calculated")
     return BarredRange(

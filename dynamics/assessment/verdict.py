@@ -233,8 +233,8 @@ class Verdict:
         if self.status == "fine":
             return f"Fine from {shown_range(*self.running_range)}: {worst.sentence}"
         if self.status == "not acceptable":
-            ranges = (*self.barred, *self.started_through)
-            why = " ".join(f"{one.sentence}." for one in ranges if not one.allowed)
+            exceeded = (*self.barred, *self.started_through)
+            why = " ".join(f"{one.sentence}." for one in exceeded if not one.allowed)
             return f"Not acceptable: {worst.sentence} {why}"
         ranges = ", ".join(one.shown for one in self.barred)
         return f"Barred range needed, {ranges}: {worst.sentence}"
@@ -340,7 +340,12 @@ def judge(
     status: Status = "not acceptable" if refused else "barred range needed" if barred else "fine"
     noted = [f"{check.curve.name}: {text}" for check in checks for text in check.remarks]
     noted += [f"{one.shown}: {text}" for one in ranges for text in one.remarks]
-    noted += [f"{limit.name}: {limit.remark}" for limit, _ in findings if limit.remark]
+    for limit, _ in findings:
+        if not at_most(high, limit.continuous.high):
+            stated = format_quantity(limit.continuous.high, "rad/s", 4)
+            noted.append(f"{limit.name}: not judged above {stated}, where the limit ends")
+        if limit.remark:
+            noted.append(f"{limit.name}: {limit.remark}")
     return Verdict(
         status=status,
         checks=tuple(sorted(checks, key=lambda check: -check.used)),
@@ -372,10 +377,6 @@ def _check(
         )
     worst = int(np.argmax(np.where(judged, used, -np.inf)))
     remarks = []
-    if not at_most(high, limit.continuous.high):
-        remarks.append(
-            f"not judged above {format_quantity(limit.continuous.high, 'rad/s', 4)}, where the limit ends"
-        )
     if not at_most(end, curve.speeds[-1]):
         remarks.append(
             f"the limit goes on to {format_quantity(end, 'rad/s', 4)}, the calculation to "
@@ -388,6 +389,6 @@ def _check(
         worst_value=float(curve.values[worst]),
         permitted=float(permitted[worst]),
         remarks=tuple(remarks),
-        judged=(low, min(end, float(curve.speeds[-1]))),
+        judged=(low, min(end, float(curve.speeds[-1]), limit.continuous.high)),
         highest_running=high,
     )

@@ -192,7 +192,10 @@ REFUSED = {
         ["throw.web_thickness", "-68 mm", "0.2 mm to 1500 mm", "web thickness"],
     ),
     "zero size": ({"throw.web_thickness": '"0 mm"'}, ["throw.web_thickness", "0 mm", "2 mm"]),
-    "huge size": ({"throw.web_width": '"285 m"'}, ["throw.web_width", "285 m", "did you mean 285 mm?", "4000 mm"]),
+    "huge size": (
+        {"throw.web_width": '"285 m"'},
+        ["throw.web_width", "285 m", "did you mean 285 mm?", "4000 mm"],
+    ),
     "web as thin as a sheet": (
         {"throw.web_thickness": '"3 mm"'},
         ["throw.web_thickness", "3 mm", "8.8 mm"],
@@ -545,3 +548,9 @@ def test_a_yield_strength_above_the_tensile_one_is_refused(tmp_path, six_cylinde
     path.write_text(six_cylinders + limits, encoding="utf-8")
     with pytest.raises(InputError, match=r"limits\.yield_strength: given 700 MPa above .* 600 MPa"):
         load_engine(path)
+
+
+def test_a_choice_that_is_not_made_is_shown_as_not_given():
+    shown = {one.field: one.given for one in load_engine("8chn13-14").records}
+    assert shown["engine.drives"] == "not given"
+    assert all(shown.values())

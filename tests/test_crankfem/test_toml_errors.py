@@ -59,7 +59,7 @@ def test_misspelled_section_is_told(tmp_path):
         ('[a]\nx = "' + "a" * 500_000 + '"', r"a\.x: given .* of 500000 characters"),
         ("[a]\n" + "k" * 20_000 + " = 1", "of 20000 characters"),
         ('[a]\nx = "' + "a" * 10**7 + '"', "given a file of 10 MB"),
-        ("[" + " " * 200_000, "is not TOML"),
+        ("[" + " " * 200_000, "without its closing bracket"),
     ],
 )
 def test_what_is_too_long_is_refused_in_a_short_sentence(tmp_path, text, message):

@@ -105,6 +105,18 @@ def test_rule_is_held_above_the_running_range_as_far_as_it_goes():
     assert "the limit goes on to 1098 1/min, the calculation to" in remark
 
 
+def test_a_limit_that_ends_within_the_running_range_is_told_once_with_its_end():
+    speeds = np.linspace(10.0, 120.0, 221)
+    findings = [
+        (CRANKSHAFT, AmplitudeCurve(name, speeds, 1e6 * speeds)) for name in ("one", "other")
+    ]
+    verdict = judge(findings, (RUNNING[0], 118.0), RULE)
+    assert verdict.remarks == (
+        f"{CRANKSHAFT.name}: not judged above 1098 1/min, where the limit ends",
+    )
+    assert [check.judged[1] for check in verdict.checks] == close([115.0, 115.0])
+
+
 @pytest.mark.parametrize(
     ("findings", "running", "message"),
     [

@@ -221,6 +221,12 @@ def test_uploaded_files_name_nothing_beside_them(service, wrong):
         assert "\ud800" in wrong.get("text", "") or "name of the file itself" in told["detail"]
 
 
+def test_a_refused_method_names_all_that_the_path_takes(service):
+    """Two functions answer at this path."""
+    status, headers, _ = service.ask("/api/jobs/0", method="PUT")
+    assert (status, headers["Allow"]) == (405, "DELETE, GET")
+
+
 def test_scripts_in_a_file_stay_text(service):
     text = '[engine]\nname = "<script>alert(1)</script>"\n'
     status, headers, body = service.ask("/api/files/check", {"text": text})

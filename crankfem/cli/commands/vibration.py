@@ -74,6 +74,7 @@ def vibration(
     from crankfem.analyses.vibration.run_up import parse_duration
     from crankfem.analyses.vibration.run_up import run_up as turned_up
     from crankfem.cli.column_file import write_columns
+    from crankfem.cli.tables.run_tables import print_verdict
     from crankfem.cli.tables.vibration_tables import print_run, print_run_up
     from crankfem.files.engine.engine_file import load_engine
     from crankfem.files.engine.input_files import engine_tables
@@ -128,6 +129,7 @@ def vibration(
             print_run_up(record["run_up"], out.units)
         for path in written:
             console.print_line(f"Written: {path}")
+        print_verdict({"vibration": record}, out.units)
     if strict:
         exit_unless_acceptable(record)
 
