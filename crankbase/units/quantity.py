@@ -24,6 +24,8 @@ PLAIN_SIZES = {
 SMALLEST_UNIT = 1e-300
 # Units that large numbers are shown a thousandfold in.
 THOUSANDFOLD, KILO_FROM = ("N", "N m", "W"), 1e4
+# Nobody means so many of a usual unit.
+LARGEST_MEANT = 1e4
 # Numbers from here on get an exponent; smaller ones a person reads without one.
 WRITTEN_OUT = 1e7
 
@@ -197,7 +199,7 @@ def other_unit(text: object, unit: str, value: float, limits: Limits) -> str:
     found = NUMBER_AND_UNIT.fullmatch(text) if isinstance(text, str) else None
     if found is None or _is_within(value, limits):
         return ""
-    for one in WRITTEN.get(unit, ()):
+    for one in WRITTEN.get(unit, ()) if abs(float(found[1])) < LARGEST_MEANT else ():
         if _is_within(float(found[1]) * float(unit_quantity(one).to(unit).magnitude), limits):
             return f"{found[1]} {one}"
     return ""

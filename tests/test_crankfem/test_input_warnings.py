@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from comparing import close
+from crankbase.errors import InputError
 from crankfem.files.engine import usual_sizes
 from crankfem.files.engine.engine_file import EngineFile
 from crankfem.files.engine.firing_evenness import FiringEvenness, firing_evenness
@@ -14,6 +15,10 @@ from crankfem.files.engine.throw_file import ThrowFile
 from crankfem.files.engine.usual_sizes import UsualRange, throw_warnings
 from crankfem.files.reading.data_files import input_path, shipped_names
 from crankfem.files.sections.engine_sections import Engine
+from crankfem.files.sections.mechanism_sections import Piston
+from fem.material import STEEL
+from geometry.throw import CrankThrow
+from geometry.throw_dimensions import Counterweight
 
 
 @pytest.fixture(scope="module")
@@ -281,3 +286,34 @@ def test_lookup_lists_the_dimensions_of_the_file(call):
     )
     assert "web_thickness = 58 mm" in " ".join(answer.out.split())
     assert "pinned ones tilt freely, guided ones do not" in answer.out
+
+
+@pytest.mark.parametrize(
+    ("make", "said"),
+    [
+        (
+            lambda: CrankThrow(0.17, 0.22),
+            "CrankThrow: given values without names; allowed are fields by",
+        ),
+        (lambda: Piston(mass=np.array([1.0, 2.0])), "allowed is a number, "),
+        (lambda: Piston(mass=None), "piston.mass: given None; allowed is a number, "),
+        (
+            lambda: Counterweight(outer_radius=285, angle=1.0),
+            "285000 mm; did you mean 285 mm? allowed",
+        ),
+        (
+            lambda: Counterweight(outer_radius=0.3, angle=90),
+            "did you mean 90 deg? allowed is 10 deg to",
+        ),
+        (
+            lambda: setattr(STEEL, "density", 7800.0),
+            "allowed is another record, by changed(density=...)",
+        ),
+        (lambda: load_any(None), "file: given None; allowed is the path of an engine file"),
+        (lambda: load_any(["vw-tdi"]), "file: given ['vw-tdi']; allowed is the path"),
+    ],
+)
+def test_slips_in_python(make, said):
+    with pytest.raises(InputError) as raised:
+        make()
+    assert said in str(raised.value)

@@ -1,10 +1,11 @@
 """Where the shipped engines and tables lie, in the wheel and in a checkout."""
 
+import os
 from pathlib import Path
 from typing import Literal
 
 from crankbase.checks.choices import did_you_mean
-from crankbase.errors import InputError
+from crankbase.errors import InputError, quoted
 
 InputKind = Literal["engine", "hinge", "chain"]
 # Of each kind of input the folder of those that are shipped, and how a message calls a file.
@@ -41,6 +42,11 @@ def input_path(given: str | Path, kind: InputKind = "engine") -> Path:
     InputError
         If there is neither.
     """
+    if not isinstance(given, (str, os.PathLike)):
+        raise InputError(
+            f"file: given {quoted(given)}; allowed is the path of {WORDS[kind]}, or the name of a shipped "
+            "one."
+        )
     path = Path(given)
     try:
         if path.is_file():
