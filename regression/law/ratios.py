@@ -103,7 +103,7 @@ def throw_dimensions(throw: CrankThrow) -> dict[str, Any]:
     for name in ("further_pins", "oil_holes"):
         if given := getattr(throw, name):
             raise InputError(
-                f"throw.{name}: given {len(given)}; allowed for the law are none, because its training "
+                f"throw.{name}: given {len(given)}; allowed for the law is none, because its training "
                 "throws have none."
             )
     found = {name: getattr(throw, name) for name in (*PLAIN_FIELDS, *MORE_FIELDS)}

@@ -57,6 +57,9 @@ def input_path(given: str | Path, kind: InputKind = "engine") -> Path:
         fault = f"{given}: {'is a folder, not a file' if path.is_dir() else 'does not exist'}"
     except OSError as error:
         fault = f"{given}: cannot be searched for; the system reports: {error.strerror}"
+    others = [one for one in FOLDERS if one != kind and path.name in shipped_names(one)]
+    if others:
+        fault = f"{given}: is {WORDS[others[0]].replace(' file', '')}, not {WORDS[kind]}"
     if not str(given).strip():
         fault = '"": names no file'
     meant = did_you_mean(path.name.removesuffix(".toml"), shipped_names(kind), cutoff=0.7)
