@@ -8,7 +8,7 @@ from pydantic.fields import FieldInfo
 from crankbase.checks.choices import allowed_names
 from crankbase.checks.scalars import is_number
 from crankbase.errors import quoted
-from crankbase.units.quantity import Limits, format_quantity
+from crankbase.units.quantity import Limits, format_quantity, other_unit
 from crankbase.units.units import DISPLAY_UNITS
 
 if TYPE_CHECKING:
@@ -65,18 +65,10 @@ def sentence(model: type[BaseModel], first: "ErrorDetails") -> str:
         allowed = f"{_KINDS[first['type']]}, {allowed}".removesuffix(", ")
     meant = ""
     if unit is not None and bound is not None:
-        meant = _meant(float(first["input"]), unit, limits_of(known))
+        value = float(first["input"])
+        other = other_unit(f"{value:.12g} {unit}", unit, value, limits_of(known))
+        meant = f"did you mean {other}? " if other else ""
     return f"{field}: given {shown}; {meant}allowed is {allowed} for {_describe(known)}."
-
-
-def _meant(value: float, unit: str, limits: Limits) -> str:
-    """Return "did you mean 285 mm? " for 285 where m are read, if that alone is allowed; else nothing."""
-    _, size = DISPLAY_UNITS.get(unit, ("", 1.0))
-    low, high = limits
-    allowed = (low is None or value * size >= low) and (high is None or value * size <= high)
-    return (
-        f"did you mean {format_quantity(value * size, unit)}? " if size != 1.0 and allowed else ""
-    )
 
 
 # What pydantic's findings about fields without a unit mean to people.

@@ -34,7 +34,7 @@ def wrong_kind(begin: bytes) -> str | None:
 
     Examples
     --------
-    >>> wrong_kind(b"time,speed\\n0,1\\n")
+    >>> wrong_kind(b"time,speed\n0,1\n")
     'is a table (CSV)'
     """
     if begin.startswith(UTF_16):

@@ -26,7 +26,7 @@ def line_of(text: str, field: str) -> int | None:
 
     Examples
     --------
-    >>> line_of('[throw]\\nweb_width = "285 mm"', "throw.web_width")
+    >>> line_of('[throw]\nweb_width = "285 mm"', "throw.web_width")
     2
     """
     if not FIELD.fullmatch(field):
