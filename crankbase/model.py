@@ -9,7 +9,7 @@ from pydantic import BaseModel, ConfigDict, Field, ValidationError
 from pydantic.fields import FieldInfo
 
 from crankbase.checks.choices import allowed_names
-from crankbase.errors import InputError, InputErrors, quoted
+from crankbase.errors import InputError, InputErrors, named, quoted
 from crankbase.model_sentences import field_extra as field_extra
 from crankbase.model_sentences import limits_of, range_text, sentence, sentences
 from crankbase.units.quantity import other_unit, parse_quantity
@@ -240,7 +240,7 @@ class InputModel(BaseModel, metaclass=_ShowsFields):
         errors = InputErrors()
         for key, text in values.items():
             with errors.noted():
-                converted[key] = _value_from_text(cls, key, text, f"{prefix}{key}")
+                converted[key] = _value_from_text(cls, key, text, f"{prefix}{named(key)}")
         if errors.found:
             unread = set(values) - set(converted)
             raise InputError.of_all([*errors.found, *_field_errors(cls, converted, unread, prefix)])

@@ -7,7 +7,7 @@ from pydantic.fields import FieldInfo
 
 from crankbase.checks.choices import allowed_names
 from crankbase.checks.scalars import is_number
-from crankbase.errors import quoted
+from crankbase.errors import named, quoted
 from crankbase.units.quantity import Limits, format_quantity, other_unit
 from crankbase.units.units import DISPLAY_UNITS
 
@@ -41,7 +41,7 @@ def sentence(model: type[BaseModel], first: "ErrorDetails") -> str:
             return text if text.startswith(prefix) else prefix + text
         return prefix + ".".join(location) + ": " + text
     name = location[0] if location else ""
-    field = prefix + ".".join(location)
+    field = prefix + ".".join(map(named, location))
     if first["type"] == "missing":
         info = model.model_fields[name]
         return f"{field}: missing; {_describe(info)} must be given{_allowed_range(info)}."
