@@ -7,6 +7,7 @@ import pytest
 
 from comparing import close
 from crankbase.errors import InputError
+from crankfem.analyses.mechanism.mechanism_run import run_mechanism
 from crankfem.files.engine import usual_sizes
 from crankfem.files.engine.engine_file import EngineFile
 from crankfem.files.engine.firing_evenness import FiringEvenness, firing_evenness
@@ -16,9 +17,12 @@ from crankfem.files.engine.usual_sizes import UsualRange, throw_warnings
 from crankfem.files.reading.data_files import input_path, shipped_names
 from crankfem.files.sections.engine_sections import Engine
 from crankfem.files.sections.mechanism_sections import Piston
-from fem.material import STEEL
+from fem.material import STEEL, Material
+from geometry.mesher import mesh_isolated
 from geometry.throw import CrankThrow
 from geometry.throw_dimensions import Counterweight
+from regression.formulas.axial_formulas import axial_formulas
+from regression.law.throw_law import torsional_law
 
 
 @pytest.fixture(scope="module")
@@ -255,7 +259,7 @@ def test_a_file_without_the_usual_ending_is_read(call, tmp_path, six_cylinders):
         (("run", "vw-tdi", "--workers", "two"), "'--workers': allowed is a whole number; see"),
         (("lookup", "laww"), "laww: does not exist; allowed are law and the path of a model file."),
         (("check", "6chn25-43"), "6chn25-43: does not exist; did you mean 6chn25-34? give"),
-        (("hinge", "vw-tdi"), "does not exist; give the path of a hinge file"),
+        (("hinge", "vw-tdi"), "vw-tdi: is an engine, not a hinge file; give the path of a hinge file"),
     ],
 )
 def test_slips_on_the_command_line(call, arguments, said):
@@ -309,6 +313,15 @@ def test_lookup_lists_the_dimensions_of_the_file(call):
             lambda: setattr(STEEL, "density", 7800.0),
             "allowed is another record, by changed(density=...)",
         ),
+        (
+            lambda: three_cylinders(crank_angles=(0.0, 120.0, 240.0)),
+            "engine.crank_angles: given 240 rad, more than two turns; allowed is -4 pi to 4 pi",
+        ),
+        (lambda: Material(youngs_modulus=210, density=7850), "did you mean 210 GPa? allowed"),
+        (lambda: torsional_law("vw-tdi"), "throw: given 'vw-tdi'; allowed is a CrankThrow."),
+        (lambda: axial_formulas(None), "throw: given None; allowed is a CrankThrow."),
+        (lambda: mesh_isolated("vw-tdi"), "allowed is a CrankThrow, or what import_throw returns."),
+        (lambda: run_mechanism("vw-tdi"), "allowed is what load_engine or load_mechanism returns."),
         (lambda: load_any(None), "file: given None; allowed is the path of an engine file"),
         (lambda: load_any(["vw-tdi"]), "file: given ['vw-tdi']; allowed is the path"),
     ],

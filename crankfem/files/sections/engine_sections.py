@@ -6,6 +6,7 @@ from typing import ClassVar, Literal, Self
 
 from pydantic import Field, field_validator, model_validator
 
+from crankbase.checks.angles import refuse_many_turns
 from crankbase.checks.choices import check_choice
 from crankbase.errors import InputError, quoted
 from crankbase.model import InputModel, quantity_field
@@ -122,6 +123,8 @@ class Engine(InputModel):
                     f"engine.{name}: given {len(given)} {kind}; allowed is one for each of the "
                     f"{self.cylinders} cylinders."
                 )
+            if kind == "angles":
+                refuse_many_turns(f"engine.{name}", given or ())
         if sorted(self.firing_order) != list(range(1, self.cylinders + 1)):
             raise InputError(
                 f"engine.firing_order: given {list(self.firing_order)}; allowed is each cylinder number "
