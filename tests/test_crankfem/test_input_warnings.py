@@ -259,7 +259,10 @@ def test_a_file_without_the_usual_ending_is_read(call, tmp_path, six_cylinders):
         (("run", "vw-tdi", "--workers", "two"), "'--workers': allowed is a whole number; see"),
         (("lookup", "laww"), "laww: does not exist; allowed are law and the path of a model file."),
         (("check", "6chn25-43"), "6chn25-43: does not exist; did you mean 6chn25-34? give"),
-        (("hinge", "vw-tdi"), "vw-tdi: is an engine, not a hinge file; give the path of a hinge file"),
+        (
+            ("hinge", "vw-tdi"),
+            "vw-tdi: is an engine, not a hinge file; give the path of a hinge file",
+        ),
     ],
 )
 def test_slips_on_the_command_line(call, arguments, said):
