@@ -333,3 +333,19 @@ def test_slips_in_python(make, said):
     with pytest.raises(InputError) as raised:
         make()
     assert said in str(raised.value)
+
+
+def test_a_rated_power_that_does_not_fit_is_a_warning(call, tmp_path, six_cylinders, edit):
+    text = edit(six_cylinders, {"engine.rated_power": '"6 MW"'})
+    (tmp_path / "mine.toml").write_text(text, encoding="utf-8")
+    record = call("check", "mine.toml", "--json").json()
+    (warning,) = record["warnings"]
+    assert warning.startswith("engine.rated_power: the file is inconsistent: rated power 6000 kW")
+    assert not any("inconsistent" in remark for remark in record["remarks"])
+
+
+def test_a_peak_beyond_any_engine_is_refused(call, tmp_path, six_cylinders, edit):
+    text = edit(six_cylinders, {"gas.peak_pressure": '"85 MPa"'})
+    (tmp_path / "mine.toml").write_text(text, encoding="utf-8")
+    answer = call("check", "mine.toml")
+    assert "given 85 MPa above ambient; allowed is 50 MPa absolute at most" in answer.err

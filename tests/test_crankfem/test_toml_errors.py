@@ -25,6 +25,8 @@ from crankfem.files.reading.toml_places import line_of
         ("[a]\nx = '1 mm\n", "line 2, x = .*: given an opening quote without a closing one"),
         ("[a]\nx = \u201c1 mm\u201d\n", "line 2, x = .*: given typographic quotes"),
         ('[a]\nx = { value = 0,5, source = "b" }\n', "line 2, .*: given a decimal comma"),
+        ("[имя]\nx = 1\n", r"line 1, \[имя\]: given a name with other letters than A to Z"),
+        ("[a]\nимя = 1\n", "line 2, имя = 1: given a name with other letters than A to Z"),
         ("[a\nx = 1\n", r"line 1, \[a: given a section without its closing bracket"),
         ("[a]\nx y z\n", r"line 2, x y z: is not TOML \(.*\); allowed is a TOML file"),
     ],

@@ -29,6 +29,10 @@ FAULTS = (
         re.compile(r"^[^\"]*\"[^\"]*$|^[^']*'[^']*$"),
         "given an opening quote without a closing one; write both",
     ),
+    (
+        re.compile(r"^\s*\[[^\]]*[^\x00-\x7f][^\]]*\]|^[^=\"']*[^\x00-\x7f][^=\"']*="),
+        "given a name with other letters than A to Z; write names with A to Z, digits, _ and -",
+    ),
     (re.compile(r"^\s*\[\[?[^\]=]*$"), "given a section without its closing bracket; write it"),
 )
 QUOTED = re.compile(r"\"(?:[^\"\\]|\\.)*\"|'[^']*'")

@@ -311,8 +311,9 @@ def _split(
         return value, None
     extra = set(value) - {"value", "source", "assumed"}
     if extra or {"source", "assumed"} <= set(value):
+        meant = "".join(did_you_mean(name, ("source", "assumed")) for name in sorted(extra))
         raise InputError(
-            f"{field_name}: given {value!r}; allowed with value is either source or assumed."
+            f"{field_name}: given {value!r}; {meant}allowed with value is either source or assumed."
         )
     if "assumed" in value:
         return value["value"], (_cite(str(value["assumed"]), sources), True)
