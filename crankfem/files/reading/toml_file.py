@@ -270,7 +270,7 @@ def read_text(path: Path, what: str, allowed: str) -> str:
     if wrong is not None:
         raise InputError(f"{path}: {wrong}; allowed is {allowed}.")
     try:
-        return content.decode("utf-8-sig").replace("\r\n", "\n")
+        return content.decode("utf-8-sig").replace("\r\n", "\n").replace("\r", "\n")
     except UnicodeDecodeError as error:
         line = content.count(b"\n", 0, error.start) + 1
         raise InputError(
