@@ -313,7 +313,7 @@ def _warned(results: Record) -> list[str]:
     if not fields:
         return []
     noun = "1 warning" if len(warnings) == 1 else f"{len(warnings)} warnings"
-    return [f"Check the input: {noun} about {', '.join(fields)}; see the report's inputs."]
+    return [f"Check the input: {noun} about {', '.join(fields)} (report: Inputs and assumptions)."]
 
 
 def _without_forces(results: Record) -> list[str]:
