@@ -43,7 +43,7 @@ def check_memory(needed: float, given: str, advice: str) -> None:
     needed : float
         Predicted [byte].
     given : str
-        What was asked for, such as "accuracy: given 0.001, whose mesh takes".
+        What was requested, such as "accuracy: given 0.001, whose mesh takes".
     advice : str
         What to change, after "so".
 

@@ -278,7 +278,7 @@ def _value_from_text(kind: type[InputModel], key: str, text: object, name: str) 
 
 
 def _holds_several(info: FieldInfo) -> bool:
-    """Tell whether a field holds a tuple, perhaps an optional one."""
+    """Return whether a field holds a tuple, perhaps an optional one."""
     return tuple in (get_origin(kind) for kind in (info.annotation, *get_args(info.annotation)))
 
 

@@ -154,7 +154,7 @@ def check_output(
 def _replacement_refusal(
     path: Path, kind: Kind, recognized: Recognized | None, run: bool
 ) -> str | None:
-    """Say why a file may not be replaced by one of a kind; None if it may."""
+    """State why a file may not be replaced by one of a kind; None if it may."""
     if path.is_symlink():
         return "it is a link that crankfem has not made"
     if path.stat().st_size == 0:

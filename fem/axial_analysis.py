@@ -28,7 +28,7 @@ class SolvedThrow:
         Estimated relative error of the axial compliance (pinned) that is left after correction
         (`fem.correction`).
     accuracy : float
-        The accuracy that was asked for.
+        The accuracy that was requested.
     seconds : mapping
         Time of each step, by name.
     """
@@ -42,7 +42,7 @@ class SolvedThrow:
 
     @property
     def accuracy_met(self) -> bool:
-        """Whether the error estimate is within the accuracy asked for."""
+        """Whether the error estimate is within the accuracy requested."""
         return self.error_estimate <= self.accuracy
 
 

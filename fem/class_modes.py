@@ -126,7 +126,7 @@ class ClassProblem:
 
     @property
     def most_modes(self) -> int:
-        """How many modes may be asked for: the mesh shows no more than a share of its unknowns."""
+        """How many modes may be requested: the mesh shows no more than a share of its unknowns."""
         return min(MOST_MODES + 6, len(self.free) // 4)
 
     def lowest(self, count: int) -> ClassModes:

@@ -3,7 +3,7 @@
 End sections are either rigid discs, or "averaged": only their mean translations and rotations are
 given, and they warp as they like under tractions of uniform and linear distribution. A real section is
 stiffer than the second and softer than the first, so the two bound the truth. Beside the motions of rigid
-discs those of bending sections can be asked for (`fem.section_motions`), one factorization serving all.
+discs those of bending sections can be requested (`fem.section_motions`), one factorization serving all.
 """
 
 import math

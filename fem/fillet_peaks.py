@@ -137,7 +137,7 @@ class OilHolePeak(_Peak):
 
     @property
     def name(self) -> str:
-        """Such as "pin, oil hole 1 at 45 deg"."""
+        """For example "pin, oil hole 1 at 45 deg"."""
         return self.outlet.name
 
     @property
@@ -165,9 +165,9 @@ class FilletStresses:
     fineness : float
         Elements across the quarter circle of a fillet where it was refined last.
     accuracy : float
-        The accuracy that was asked for.
+        The accuracy that was requested.
     mesh : {"adaptive", "m53"}
-        The kind of mesh that was asked for.
+        The kind of mesh that was requested.
     hole_peaks : tuple of OilHolePeak
         For each load, the exits of the oil holes in their order.
     """
@@ -201,7 +201,7 @@ class FilletStresses:
 
     @property
     def accuracy_met(self) -> bool:
-        """Whether all error estimates are within the accuracy asked for."""
+        """Whether all error estimates are within the accuracy requested."""
         return self.error_estimate <= self.accuracy
 
     def under(self, load: UnitLoad) -> tuple[FilletPeak, ...]:

@@ -39,7 +39,7 @@ def check_solving_memory(
     throw, unknowns, stresses
         As for `solving_memory`.
     accuracy : float
-        That was asked for.
+        That was requested.
 
     Raises
     ------

@@ -25,7 +25,7 @@ def end_motions_of(mesh: ThrowMesh, symmetry: SymmetryClass, shape: Array) -> Ar
 
 
 def name_of_motion(motions: Array, length: float) -> str:
-    """Say what a mode does, from the motions of the end sections.
+    """State what a mode does, from the motions of the end sections.
 
     Rotations count as displacements at a distance of half the throw's length, shares are of the sum of
     squares. Two kinds of motion are named unless one has 90 %; a plane, and a symmetry about the

@@ -215,7 +215,7 @@ def _lowest_modes(
 ) -> list[ClassModes]:
     """Modes of all classes, so many of each that the `count` lowest elastic ones are among them.
 
-    Each class is first asked for its even share and two more, and again for twice as many where the
+    Each class is first requested its even share and two more, and again for twice as many where the
     last of them still lies below the highest wanted one.
     """
     wanted = dict.fromkeys(symmetries, min(count, -(-count // len(symmetries)) + 2))

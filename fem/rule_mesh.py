@@ -61,7 +61,7 @@ class FilletMeshing:
     layers : (3,) tuple of float
         Mean height of the elements in each layer below by a quarter of the radius; 1, 2 and 3 are allowed.
     across_web : float
-        Elements across the web's thickness; six are asked for.
+        Elements across the web's thickness; six are requested.
     """
 
     fillet: str
@@ -86,10 +86,10 @@ class ReadingQuality:
     ----------
     normal_share : float
         Magnitude of the smallest principal stress by that of the largest, of the elements' mean stress;
-        below 0.03 is asked for.
+        below 0.03 is requested.
     spread : float
         Largest difference of a single element's stress at the node from the mean one, by that; the
-        equivalent stress that the rule reads. At most 0.05 is asked for.
+        equivalent stress that the rule reads. At most 0.05 is requested.
     """
 
     normal_share: float

@@ -68,7 +68,7 @@ class Superelement:
         Raises
         ------
         InputError
-            If more are asked for than the throw was solved with.
+            If more are requested than the throw was solved with.
         """
         whole = self.joined
         kept = whole.sections.up_to(sections)

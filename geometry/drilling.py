@@ -137,7 +137,7 @@ class DrillingExit:
 
     @property
     def name(self) -> str:
-        """Such as "pin, oil hole 1 at 45 deg"."""
+        """For example "pin, oil hole 1 at 45 deg"."""
         return (
             f"{self.drilling.journal}, oil hole {self.drilling.number} at {self.angle_deg:.4g} deg"
         )

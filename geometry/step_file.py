@@ -165,7 +165,7 @@ def _decoded(content: bytes) -> str:
 
 
 class _Entities:
-    """The entities of a file by number, understood when asked for."""
+    """The entities of a file by number, understood when requested."""
 
     def __init__(self, text: str) -> None:
         self._records: dict[int, str] = {}

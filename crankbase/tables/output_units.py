@@ -44,7 +44,7 @@ class OutputUnit:
     size : float
         Of the unit, in SI.
     wished : bool
-        Whether the user asked for it.
+        Whether the user requested it.
     replaced : float
         Size of the unit that it stands in place of; its own where there is none.
     """

@@ -47,7 +47,7 @@ def summary(results: Mapping[str, Any]) -> Record:
 
 
 def uncertain_sentence(vibration: Record, kind: str) -> str:
-    """Say what is uncertain of one kind of vibration, and what that does to the crankshaft's first mode."""
+    """State what is uncertain of one kind of vibration, and what that does to the crankshaft's first mode."""
     uncertain = vibration["assessment"]["uncertainty"][kind]
     found = [
         f"{one['name']} {significant(one['low'], 3)} to {significant(one['high'], 3)} times the value used"

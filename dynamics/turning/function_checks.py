@@ -1,4 +1,4 @@
-"""Checks of what functions given from outside return: one clear sentence each."""
+"""Checks of the values of user functions: one clear sentence each."""
 
 import math
 
@@ -6,10 +6,10 @@ from crankbase.errors import InputError, quoted
 
 
 def checked_moment(field: str, given: float, speed: float, angle: float) -> float:
-    """Return a moment [N m] that a given function has returned.
+    """Return a moment [N m] from a user function, checked.
 
-    Cheap enough for every step of an integration, which a value that is not finite keeps from ever
-    ending.
+    Cheap enough for every step of an integration, which would never end with a value that is not
+    finite.
 
     Parameters
     ----------
@@ -18,7 +18,7 @@ def checked_moment(field: str, given: float, speed: float, angle: float) -> floa
     given : float
         [N m]
     speed, angle : float
-        Where the function was asked [rad/s, rad].
+        Arguments of the function [rad/s, rad].
 
     Raises
     ------
@@ -54,7 +54,7 @@ def checked_inertia(given: float, angle: float, least: float = 0.0) -> float:
 
 
 def _number(given: float) -> float:
-    """Return what a function of the user gave as a float, not a number if it is none."""
+    """Return the value of a user function as a float, NaN if it is none."""
     try:
         return float(given)
     except (TypeError, ValueError, OverflowError):

@@ -64,7 +64,7 @@ def elasticities(model: Model, factors: Sequence[Factor], nominal: Sequence[floa
     model : callable
     factors : sequence of Factor
     nominal : sequence of float
-        Where they are asked for, one value of each factor; those of categories stay.
+        Where they are requested, one value of each factor; those of categories stay.
 
     Returns
     -------

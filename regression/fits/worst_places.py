@@ -29,7 +29,7 @@ MOST_TERMS = 1200
 
 @dataclass(frozen=True, eq=False)
 class JudgedEquation:
-    """An equation, with its columns at runs and at places where its error is asked for.
+    """An equation, with its columns at runs and at places where its error is requested.
 
     Attributes
     ----------

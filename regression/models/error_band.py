@@ -98,7 +98,7 @@ def error_band(response: ResponseModel) -> ErrorBand:
 
 
 def _told(response: ResponseModel) -> str:
-    """Say of which designs the equation's error is."""
+    """State of which designs the equation's error is."""
     error, held_out = equation_error(response), response.largest_heldout_error
     if response.band_error is not None:
         held = f"{response.heldout_runs} held-out designs" if response.heldout_runs else ""

@@ -14,7 +14,7 @@ FARTHEST = 100.0
 
 
 class OutsideRangeWarning(UserWarning):
-    """A compliance was asked for outside the range of dimensions of its fit."""
+    """A compliance was requested outside the range of dimensions of its fit."""
 
 
 @dataclass(frozen=True)

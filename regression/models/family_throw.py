@@ -24,7 +24,7 @@ _ROUNDING = 1e-13
 
 
 def angle_law_remarks(family: Family, study_throw: Mapping[str, Any] | None) -> tuple[str, ...]:
-    """Say of throws that are not alike from both ends that the angle law is not exact for them.
+    """State of throws that are not alike from both ends that the angle law is not exact for them.
 
     Parameters
     ----------

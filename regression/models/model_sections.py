@@ -141,7 +141,7 @@ def middle(family: Family) -> dict[str, float | str]:
 
 
 def _others(family: Family, asked: Mapping[str, Any], gamma_deg: float | None) -> str:
-    """Say where the other factors stand."""
+    """State where the other factors stand."""
     shown = [
         f"{name.replace('_', ' ')} {v if isinstance(v, str) else family.format_value(name, float(v))}"
         for name, v in asked.items()

@@ -259,7 +259,7 @@ def _make_optimum(problem: _Problem, found: _SearchResult, evaluations: int) -> 
 
 
 def _infeasible(problem: _Problem, found: _SearchResult) -> str:
-    """Say that no throw keeps the limits, and how near the nearest comes."""
+    """State that no throw keeps the limits, and how near the nearest comes."""
     factors = problem.factors(found.place)
     show = problem.model.family.format_value
     at = ", ".join(

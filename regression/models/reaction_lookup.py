@@ -217,7 +217,7 @@ def checked_support(support: object) -> tuple[str, float | None]:
 
 
 def support_words(kind: str, gamma: float | None) -> str:
-    """Say how a throw is supported."""
+    """State how a throw is supported."""
     return kind if gamma is None else f"between neighbors at {gamma:g} deg"
 
 

@@ -271,7 +271,7 @@ def _copied(content: Any) -> Any:
 
 
 def unknown_field(path: str, fields: Mapping[str, ThrowField], throw: CrankThrow) -> str:
-    """Say why a name is no field that this throw can vary, and what may have been meant."""
+    """State why a name is no field that this throw can vary, and what may have been meant."""
     steps = path.split(".")
     for count in range(1, len(steps)):
         part = ".".join(steps[:count])

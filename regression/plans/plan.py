@@ -145,7 +145,7 @@ class StudyPlan:
 
     @cached_property
     def planned(self) -> "PlannedStudy":
-        """Its designs, listed when they are first asked for; errors as of `plan_designs`."""
+        """Its designs, listed when they are first requested; errors as of `plan_designs`."""
         return plan_designs(self)
 
     @property

@@ -276,7 +276,7 @@ def same_kind(first: Any, second: Any) -> bool:
 
 
 def kind_of(quantity: Any) -> str:
-    """Say what a quantity is, such as "a length"."""
+    """State what a quantity is, such as "a length"."""
     if quantity.dimensionless:
         return "an angle" if _angle(quantity) else "a pure number"
     kinds = {"[length]": "a length", "[length] ** 2": "an area", "[length] ** 3": "a volume"}

@@ -143,7 +143,7 @@ class Variants:
         )
 
     def keep_constraints(self, values: NDArray[np.float64]) -> NDArray[np.bool_]:
-        """Tell which factor values (n, k) keep the constraints, whether throws can be built or not."""
+        """Return which factor values (n, k) keep the constraints, whether throws can be built or not."""
         known = self._quantities(values)
         kept = np.ones(len(values), dtype=bool)
         for path, expression in self.relations.items():

@@ -88,7 +88,7 @@ def check_export(path: Path) -> None:
     ------
     InputError
     MissingLibraryError
-        If Parquet is asked for without the package for it.
+        If Parquet is requested without the package for it.
     """
     if path.suffix not in FORMATS:
         raise InputError(f"export: given {str(path)!r}; allowed are {' and '.join(FORMATS)} files.")

@@ -109,7 +109,7 @@ def check_store(path: str | Path) -> StoreCheck:
 
 
 def _file_damage(path: Path) -> str:
-    """Say why SQLite cannot trust a file; empty if it can, or cannot be opened for another reason."""
+    """State why SQLite cannot trust a file; empty if it can, or cannot be opened for another reason."""
     try:
         with closing(connect_readonly(path)) as connection:
             found = [text for (text,) in connection.execute("PRAGMA integrity_check")]

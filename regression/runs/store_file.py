@@ -71,7 +71,7 @@ def transaction(connection: sqlite3.Connection) -> Iterator[None]:
 
 
 def error_cause(error: Exception) -> str:
-    """Say what keeps a good store from being written; empty if the error is of another kind."""
+    """State what keeps a good store from being written; empty if the error is of another kind."""
     code = getattr(error, "sqlite_errorcode", None)
     return "" if code is None else CAUSES.get(code & 0xFF, "")
 

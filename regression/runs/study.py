@@ -107,7 +107,7 @@ def run_plan(
         If the plan, the store, a limit, the cluster or the number of workers is unusable, or the workers
         would need more memory than is free.
     MissingLibraryError
-        If a cluster is asked for without the package for it.
+        If a cluster is requested without the package for it.
     StudyStoppedError
         If the store cannot be written any more, or the cluster is gone; finished designs are kept.
     """
@@ -253,7 +253,7 @@ def read_study(store: str | Path, study: str | None = None) -> StudyTable:
 def _study_choice_text(
     results: ResultStore, study: str | None, plans: Mapping[str, Mapping[str, Any]]
 ) -> InputError:
-    """Say which studies a store holds, so that one of them can be named."""
+    """State which studies a store holds, so that one of them can be named."""
     given = "none named" if study is None else f"given {study!r}"
     usable = {k: p for k, p in plans.items() if p.get("model_version") == MODEL_VERSION}
     if not usable:

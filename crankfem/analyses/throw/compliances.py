@@ -11,7 +11,7 @@ UNITS = {"axial": "m/N", "torsional": "rad/(N m)"}
 
 
 def compliance_tables(results: Mapping[str, Any]) -> Record:
-    """Return what the tables of compliances show.
+    """Return the content of the tables of compliances.
 
     Parameters
     ----------
@@ -21,10 +21,10 @@ def compliance_tables(results: Mapping[str, Any]) -> Record:
     Returns
     -------
     dict
-        "tables": for each kind its unit and rows (name, value, beside finite elements, first natural
+        "tables": for each kind its unit and rows (name, value, ratio to finite elements, first natural
         frequency with that source or None, whether it applies, numbers of its notes); "notes": the
-        notes in the order of their numbers, each said once; "range": for each kind the lowest and the
-        highest ratio of the formulas that apply, None where fewer than two do.
+        notes in the order of their numbers, each once; "range": for each kind the lowest and the
+        highest ratio of the formulas that apply, None if fewer than two do.
     """
     numbers: dict[str, int] = {}
 
@@ -90,7 +90,7 @@ def compliance_tables(results: Mapping[str, Any]) -> Record:
 
 
 def further_compliances(results: Mapping[str, Any]) -> dict[str, Record]:
-    """Return the tables of an engine's further throws by name; of them no frequency is told."""
+    """Return the tables of an engine's further throws by name, without frequencies."""
     return {
         name: compliance_tables(
             {
@@ -106,7 +106,7 @@ def further_compliances(results: Mapping[str, Any]) -> dict[str, Record]:
 
 
 def _cranks_of_first(results: Mapping[str, Any]) -> list[int]:
-    """The cranks that are the throw whose compliances are shown, from 1; none where all are."""
+    """The cranks with the throw whose compliances are shown, from 1; empty if all have it."""
     named = results.get("throws")
     found: list[int] = next(iter(named.values()))["cranks"] if named else []
     return found
@@ -115,16 +115,16 @@ def _cranks_of_first(results: Mapping[str, Any]) -> list[int]:
 def regression_record(
     values: Mapping[str, tuple[float, ResponseModel]], source: str = "the study", *remarks: str
 ) -> Record:
-    """Return what fitted equations say of the throw itself.
+    """Return the results of fitted equations for the throw itself.
 
     Parameters
     ----------
     values : mapping
         Kind, "axial" or "torsional", to the compliance of the throw [SI] and its equation.
     source : str, optional
-        Where the equations come from.
+        Source of the equations.
     *remarks : str
-        What else is to be said of them.
+        Further remarks on them.
 
     Returns
     -------

@@ -1,4 +1,4 @@
-"""The one table of critical speeds of an engine: where they lie, how sure that is, and what they do."""
+"""The table of an engine's critical speeds: their position, uncertainty and effect."""
 
 from dataclasses import replace
 
@@ -17,7 +17,7 @@ BESIDE = ("lowest", "highest", "undamped", "ring locked")
 
 
 def speed_table(vibration: Record, units: OutputUnits = SI, most: int = ROWS_SHOWN) -> Table:
-    """Return the critical speeds of both kinds of vibration, with all that is known of each.
+    """Return the critical speeds of both kinds of vibration, with all results for each.
 
     Parameters
     ----------
@@ -27,13 +27,13 @@ def speed_table(vibration: Record, units: OutputUnits = SI, most: int = ROWS_SHO
     units : OutputUnits, optional
         In which amplitudes are written.
     most : int
-        How many are shown of each kind: the most severe, or without forces those at which the cylinders
-        act together most.
+        Number shown of each kind: the most severe, or without forces those with the largest phase
+        vector sums.
 
     Returns
     -------
     Table
-        Marked are speeds at which the cylinders act together.
+        Speeds at which the cylinders act in phase are marked.
     """
     rows = [_row(one, units) for kind in KINDS for one in _shown(_speeds(vibration, kind), most)]
     columns = [
@@ -67,9 +67,9 @@ def _absent(column: Column) -> Column:
 
 
 def _speeds(vibration: Record, kind: str) -> list[Record]:
-    """Return what is known of each critical speed of one kind, put together by its mode and order.
+    """Return the results for each critical speed of one kind, combined by its mode and order.
 
-    One order may have several peaks by one mode, each a critical speed of its own.
+    One order may have several peaks with one mode, each a critical speed of its own.
     """
     forced, assessment = vibration["forced"], vibration["assessment"]
     peaks = [] if forced is None else forced[kind]["resonances"]
@@ -100,7 +100,7 @@ def _distance(record: Record, margin: Record) -> float:
 
 
 def _strength(record: Record) -> float:
-    """How much a critical speed matters beside others of its kind."""
+    """Importance of a critical speed among others of its kind."""
     if "resonance" in record:
         return float(record["resonance"]["severity"])
     return float(record.get("critical", {}).get("phase_sum", 0.0)) * 1e-9
@@ -112,7 +112,7 @@ def _shown(records: list[Record], most: int) -> list[Record]:
 
 
 def _known(record: Record) -> Record:
-    """What tells most of a critical speed: its peak, or where it lies without damping, or its margin."""
+    """The main quantity of a critical speed: its peak, or its undamped speed, or its margin."""
     return next(record[part] for part in ("resonance", "critical", "margin") if part in record)
 
 

@@ -1,4 +1,4 @@
-"""What the command line prints of an engine's vibration, from the plain records of a run."""
+"""Tables of an engine's vibration on the command line, from the plain records of a run."""
 
 from crankbase.tables.output_units import SI, OutputUnits
 from crankfem.analyses.record import Record
@@ -74,7 +74,7 @@ def print_run_up(record: Record, units: OutputUnits = SI) -> None:
 
 
 def print_load(record: Record, units: OutputUnits = SI) -> None:
-    """Print power, how the load goes with the speed, and the load of some speeds if it does."""
+    """Print power, the load as a function of the speed, and the load at some speeds if it varies."""
     for text in (record["rated"]["sentence"], record["sentence"]):
         print_line(units.text(f"{text[0].upper()}{text[1:]}."))
     if record["law"] != "constant":
@@ -127,7 +127,7 @@ def _print_whole(record: Record, units: OutputUnits) -> None:
 
 
 def print_assessment(record: Record, units: OutputUnits = SI) -> None:
-    """Print what is uncertain, limits, barred ranges and, last, the verdict, and what decides it."""
+    """Print uncertainties, limits, barred ranges and, last, the verdict, and what decides it."""
     for kind, uncertain in record["uncertainty"].items():
         _print_uncertainty(kind, uncertain, units)
     for limit in dict.fromkeys(check["limit"] for check in record["checks"]):
