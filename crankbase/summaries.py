@@ -1,5 +1,6 @@
 """How results show themselves: a text of one to three lines, and a small table in notebooks."""
 
+import math
 import textwrap
 from collections.abc import Callable, Mapping, Sized
 from html import escape
@@ -30,8 +31,8 @@ def summarized(*items: str, keeps_text: bool = False) -> Callable[[type[T]], typ
     *items : str
         What matters, as "attribute [unit]": where it is found, with its SI unit. An attribute of an
         attribute is named "mesh.unknowns", and its last name is shown, or what is put before it as
-        in "left: left.force [N]"; a method is called without arguments. What is None is left out,
-        and all that an attribute has where that is None.
+        in "left: left.force [N]"; a method is called without arguments. What is None, or nan as a
+        single number, does not exist and is left out, and all that an attribute has where that is None.
     keeps_text : bool, optional
         Whether the class says in a text of its own what it is.
 
@@ -121,7 +122,7 @@ def _value(value: Any, unit: str) -> str:
     """Write a value with its unit; "" where there is none."""
     if callable(value):
         value = value()
-    if value is None:
+    if value is None or (isinstance(value, float) and math.isnan(value)):
         return ""
     if isinstance(value, np.ndarray) and value.size > FEW:
         return _array_summary(value, unit)

@@ -17,6 +17,17 @@ def format_number(value: float, digits: int) -> str:
     return f"{value:.0f}" if "e+" in text else text
 
 
+def compact(value: float, digits: int = 3) -> str:
+    """Write a number with so many digits at most, and a power of ten as in engine files.
+
+    Examples
+    --------
+    >>> compact(1.4e8), compact(0.5)
+    ('1.4e8', '0.5')
+    """
+    return f"{value:.{digits}g}".replace("e+0", "e").replace("e+", "e")
+
+
 def significant(value: float, digits: int = 4) -> str:
     """Format a number with so many significant digits, zeros at its end included; see `format_number`.
 

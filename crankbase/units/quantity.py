@@ -8,6 +8,7 @@ from typing import Any
 from crankbase.checks.scalars import is_number, is_whole
 from crankbase.errors import InputError, quoted, shortened
 from crankbase.text_limits import LARGEST_POWER, LONGEST_QUANTITY
+from crankbase.units.number_formats import compact
 from crankbase.units.units import DISPLAY_UNITS, POWER_OF_TEN, UNITS
 
 # Revolutions, in a field of speeds.
@@ -292,8 +293,8 @@ def format_quantity(value: float, unit: str, digits: int = 6) -> str:
         return f"{value / size:.{digits}g}e-9 {unit}"
     if unit in THOUSANDFOLD and abs(value) >= KILO_FROM:
         shown, size = f"k{unit}", 1e3
-    text = f"{value / size:.{digits}g}"
-    if "e+" in text and abs(value / size) < WRITTEN_OUT:
+    text = compact(value / size, digits)
+    if "e" in text and 1.0 <= abs(value / size) < WRITTEN_OUT:
         text = f"{float(text):.0f}"
     return f"{text} {shown}".strip()
 

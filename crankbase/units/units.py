@@ -28,6 +28,7 @@ UNITS: dict[str, tuple[str, float]] = {
     "deg": ("rad", math.pi / 180.0),
     "rad/s": ("rad/s", 1.0),
     "1/min": ("rad/s", math.pi / 30.0),
+    "m/s": ("m/s", 1.0),
     "m/s^2": ("m/s^2", 1.0),
     "Hz": ("Hz", 1.0),
     "s": ("s", 1.0),

@@ -3,6 +3,7 @@
 from collections.abc import Iterable
 
 from crankbase.model import InputModel, field_extra
+from crankbase.units.number_formats import compact
 from crankbase.units.quantity import format_quantity
 from crankfem.analyses.shaft.bearings import bearing_stiffness
 from crankfem.analyses.shaft.shaft_surroundings import flywheel_overhang
@@ -200,7 +201,7 @@ def _of_shaft(engine: EngineFile, given: set[str]) -> Iterable[InputRecord]:
     if held.assumed:
         yield _assumed(
             "bearings.stiffness",
-            f"{held.nominal:.3g} N/m ({held.lowest:.3g} to {held.highest:.3g})",
+            f"{compact(held.nominal)} N/m ({compact(held.lowest)} to {compact(held.highest)})",
             "1e10 N/m per m of journal diameter, an order of magnitude",
         )
         yield _assumed("bearings.damping", "0 N s/m", "oil films are left out")

@@ -268,7 +268,7 @@ def _chain_checks(whole: Mapping[str, Any] | None) -> list[Record]:
                 + (
                     "The lumped model is adequate."
                     if chain["suffices"]
-                    else f"Lumped model inadequate: {' '.join(chain['reasons'])}"
+                    else "Lumped model inadequate; the section on the whole crankshaft gives the reasons."
                 ),
                 shown_unit="%",
                 # Frequencies, shares of the energy and amplitudes decide together.

@@ -20,6 +20,7 @@ from crankfem.files.engine.file_kinds import any_sections, file_kind
 from crankfem.files.engine.mechanism_file import MechanismFile, load_any, mechanism_of
 from crankfem.files.engine.mechanism_load import full_load_only, pressures_at
 from crankfem.files.engine.throw_file import ThrowFile, load_study
+from crankfem.files.engine.usual_sizes import throw_warnings
 from crankfem.files.hinge.hinge_file import SECTIONS as HINGE_SECTIONS
 from crankfem.files.hinge.hinge_file import HingeFile, load_hinge
 from crankfem.files.reading.toml_file import InputRecord, TomlFile
@@ -53,6 +54,8 @@ class CheckedFile:
     engine : dict or None
         Cylinders, firing order and angles, crank angles, running range.
     remarks : tuple of str
+    warnings : tuple of str
+        What is far outside of practice, and so perhaps a slip.
     throws : dict
         Name to throw, where throws have names; the first then is that at the free end.
     material : Material
@@ -68,6 +71,7 @@ class CheckedFile:
     throw: CrankThrow | None = None
     engine: Record | None = None
     remarks: tuple[str, ...] = ()
+    warnings: tuple[str, ...] = ()
     throws: dict[str, CrankThrow] = field(default_factory=dict)
     material: Material = STEEL
 
@@ -109,7 +113,7 @@ def check_record(checked: CheckedFile) -> Record:
         "engine": checked.name,
         "valid": True,
         "file": str(checked.path),
-        **attributes(checked, "kind", "sections", "commands", "remarks"),
+        **attributes(checked, "kind", "sections", "commands", "remarks", "warnings"),
         "arrangement": checked.engine,
         **_throw_record(checked.throw, checked.material),
         "inputs": input_records(checked.inputs),
@@ -185,10 +189,13 @@ def _throw(read: ThrowFile, content: TomlFile) -> CheckedFile:
         "throw",
         None,
         tuple(content.sections),
-        (*THROW_COMMANDS, *study),
+        (*THROW_COMMANDS, *_lookup(read.throw, read.material), *study),
         read.records,
         read.throw,
-        remarks=() if read.material.remark is None else (read.material.remark,),
+        warnings=(
+            *(() if read.material.remark is None else (read.material.remark,)),
+            *throw_warnings(read.throws),
+        ),
         throws={} if PLAIN in read.throws else read.throws,
         material=read.material,
     )
@@ -202,14 +209,20 @@ def _mechanism(read: MechanismFile, content: TomlFile) -> CheckedFile:
         "mechanism",
         read.name,
         tuple(content.sections),
-        (*MECHANISM_COMMANDS, *study),
+        (*MECHANISM_COMMANDS, *_lookup(read.throw, read.material), *study),
         input_values(read),
         read.throw,
         _arrangement(Engine.from_text(content.sections["engine"])),
         (*read.remarks, *gas),
+        read.warnings,
         _in_mechanism(read, content),
         read.material,
     )
+
+
+def _lookup(throw: CrankThrow, material: Material) -> tuple[str, ...]:
+    """The command lookup, where the law covers the throw: then it needs no model."""
+    return () if law_record(throw, material)["answers"] is None else ("lookup",)
 
 
 def _in_mechanism(read: MechanismFile, content: TomlFile) -> dict[str, CrankThrow]:
@@ -221,13 +234,15 @@ def _in_mechanism(read: MechanismFile, content: TomlFile) -> dict[str, CrankThro
 def _engine(read: EngineFile, content: TomlFile) -> CheckedFile:
     refuse_what_cannot_run(read)
     study = ("doe",) if read.study is not None else ()
-    remarks = [_thrust_bearing(read), *_checked_mechanism(read)]
+    mechanism = _checked_mechanism(read)
+    power = () if mechanism.power is None else (mechanism.power.sentence,)
+    remarks = [_thrust_bearing(read), *mechanism.remarks, *power]
     if read.gas is None:
         remarks.append(_without_gas())
     if read.limits is None and read.gas is not None:
         remarks.append(
             "without the section [limits], a classification society's rule for crankshafts is used: "
-            + rule_reason(read.engine)
+            + rule_reason(read)
         )
     fitted_by_run = bool(chosen_regressions(read.vibration)) and read.model_path is None
     if fitted_by_run:
@@ -249,11 +264,15 @@ def _engine(read: EngineFile, content: TomlFile) -> CheckedFile:
         "engine",
         read.engine.name,
         tuple(content.sections),
-        ("run", *(() if fitted_by_run else vibration), *MECHANISM_COMMANDS, *study),
+        (
+            *("run", *(() if fitted_by_run else vibration), *MECHANISM_COMMANDS),
+            *(*_lookup(read.throw, read.material), *study),
+        ),
         input_values(read),
         read.throw,
         _arrangement(read.engine),
         tuple(remarks),
+        mechanism.warnings,
         dict(read.throws_by_name),
         read.material,
     )
@@ -277,17 +296,16 @@ def _thrust_bearing(read: EngineFile) -> str:
     return f"thrust bearing at main bearing {place} of {count}, counted from 1 at the free end"
 
 
-def _checked_mechanism(read: EngineFile) -> Iterable[str]:
-    """Check whether the pressure can be calculated, too, and return the remarks on the mechanism."""
+def _checked_mechanism(read: EngineFile) -> MechanismFile:
+    """Return the mechanism of an engine whose gas pressure can be reached."""
     from crankfem.files.sections.excitation_sections import gas_map_pressure
 
     if read.gas_map is not None:
         gas_map_pressure(read.gas_map, read.engine.strokes, read.path)
     mechanism = mechanism_of(read)
-    power = () if mechanism.power is None else (mechanism.power.sentence,)
     if not full_load_only(mechanism):
         pressures_at(mechanism, [read.engine.lowest_speed, read.engine.highest_speed])
-    return (*mechanism.remarks, *power)
+    return mechanism
 
 
 def _without_gas() -> str:
@@ -308,4 +326,5 @@ def _arrangement(engine: Engine) -> Record:
         "rated_speed_rpm": engine.rated_speed * RPM,
         "lowest_speed_rpm": engine.lowest_speed * RPM,
         "highest_speed_rpm": engine.highest_speed * RPM,
+        "mean_piston_speed": engine.mean_piston_speed(engine.rated_speed),
     }

@@ -55,6 +55,7 @@ _NAMES = {
     "J": "energy_swing",
     "s": "duration",
     "1/min": "vibrations_per_minute",
+    "m/s": "mean_piston_speed",
     "rad/s": "angular_frequency speed",
     "m/N": "axial_compliance axial_rigid_sections e_0 e_180 influence influence_coefficient",
     "rad/(N m)": "torsional_compliance",

@@ -66,8 +66,14 @@ def print_path(text: str) -> None:
 
 
 def print_warning(text: str) -> None:
-    """Print on standard error that data are lost or damaged, which --quiet does not hide."""
+    """Print on standard error that data are lost, or input looks wrong, which --quiet does not hide."""
     print_note(f"Warning: {text}")
+
+
+def print_warnings(warnings: Iterable[str], units: OutputUnits = SI) -> None:
+    """Print what looks wrong in the input, each as a warning."""
+    for warning in warnings:
+        print_warning(units.text(f"{warning.rstrip('.')}."))
 
 
 def print_note(text: str, quiet: bool = False) -> None:
@@ -250,7 +256,7 @@ class RunProgress:
         print_note(f"Note: {text}", self._quiet)
 
     def warn(self, text: str) -> None:
-        """Print above the bar that data are lost or damaged, with `quiet` too."""
+        """Print above the bar what is lost, or looks wrong in the input, with `quiet` too."""
         print_warning(text)
 
     def finish(self) -> None:

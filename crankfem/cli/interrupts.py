@@ -40,17 +40,31 @@ def end_at_once(*_: object) -> None:
 
 @contextmanager
 def interrupts_exit_immediately() -> Iterator[None]:
-    """Let an interrupt end the process, as long as nothing is open that has to be closed."""
-    usual = signal.getsignal(signal.SIGINT)
-    if usual is not signal.default_int_handler:
-        # Somebody wants interrupts to be ignored, or to answer them.
+    """Let an interrupt end the process, as long as nothing is open that would have to be closed.
+
+    A request to end (SIGTERM), as schedulers and containers send it, is answered as Ctrl-C is.
+    """
+    usual, terminating = signal.getsignal(signal.SIGINT), signal.getsignal(signal.SIGTERM)
+    if usual is signal.default_int_handler:
+        signal.signal(signal.SIGINT, end_at_once)
+    elif usual is not signal.SIG_IGN:  # somebody wants to answer them
         yield
         return
-    signal.signal(signal.SIGINT, end_at_once)
+    if terminating is signal.SIG_DFL:
+        signal.signal(signal.SIGTERM, _interrupt)
     try:
         yield
     finally:
         signal.signal(signal.SIGINT, usual)
+        signal.signal(signal.SIGTERM, terminating)
+
+
+def _interrupt(*_: object) -> None:
+    if (
+        signal.getsignal(signal.SIGINT) is signal.SIG_IGN
+    ):  # as in jobs that a shell runs in the background
+        end_at_once()
+    signal.raise_signal(signal.SIGINT)
 
 
 @contextmanager

@@ -34,6 +34,7 @@ from crankfem.jobs.run_files import (
     check_folder,
     make_folder,
     replace_last_run,
+    the_only_run,
     write_results,
 )
 from crankfem.jobs.run_files import RESULTS as RESULTS
@@ -112,6 +113,8 @@ def run_engine(
     told.step("Reading the engine file")
     check_workers(workers)
     inputs = engine if isinstance(engine, RunInputs) else read_inputs(engine)
+    for warning in inputs.mechanism.warnings:
+        told.warn(f"{warning}.")
     path = inputs.engine_file.path
     folder = Path(f"{path.stem}-results" if output is None else output)
     read, study = inputs.paths, inputs.study is not None
@@ -121,7 +124,13 @@ def run_engine(
             folder / STORE
         ).close()  # which refuses what is no store, before anything is computed
     make_folder(folder)
-    with Renderings() as renderings, recording_run_files(), protected(*read):
+    with the_only_run(folder), recording_run_files(), protected(*read):
+        return _run(inputs, folder, workers, told)
+
+
+def _run(inputs: RunInputs, folder: Path, workers: int, told: TimedProgress) -> RunResult:
+    """Compute, and fill the folder."""
+    with Renderings() as renderings:
         computed = _compute(inputs, folder / STORE, workers, told, renderings)
         repeat = repeat_record(inputs.files, told.seconds, inputs.option)
         found = with_units(run_results(computed) | {"repeat": repeat})
@@ -139,9 +148,8 @@ def run_engine(
         "repeat": repeat_record(inputs.files, told.seconds, inputs.option),
     }
     told.step("Writing the report")
-    with protected(*read):
-        write_results(folder, found)
-        report = write_report(found, folder / PICTURES, folder / REPORT)
+    write_results(folder, found)
+    report = write_report(found, folder / PICTURES, folder / REPORT)
     return RunResult(folder, report, found)
 
 

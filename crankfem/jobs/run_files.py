@@ -9,6 +9,7 @@ the folder, see `crankbase.outputs`; nothing else is ever replaced or taken away
 import json
 import tempfile
 from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -28,9 +29,11 @@ from crankbase.outputs import (
 from crankfem.analyses.record import json_text
 from crankfem.report.plots import PLOTS
 from regression.models.model_file import is_model
+from regression.runs.claims import Claims
 
 RESULTS, REPORT, MODEL, STORE = "results.json", "report.html", "model.json", "study.sqlite"
 MESH_FILE, PICTURES = "throw.vtu", "pictures"
+RUNNING = ".crankfem-run"
 # Kinds of pictures that results name, and how their files end.
 ENDINGS: dict[str, tuple[Kind, tuple[str, ...]]] = {
     "pictures": ("picture", (".svg", ".png")),
@@ -151,6 +154,24 @@ def make_folder(folder: Path) -> Path:
             "allowed is a writable folder."
         ) from None
     return folder
+
+
+@contextmanager
+def the_only_run(folder: Path) -> Iterator[None]:
+    """Keep other runs out of a folder until this one has ended: its files must be those of one run.
+
+    Raises
+    ------
+    InputError
+        If another run is at work there.
+    """
+    with Claims(folder / RUNNING) as claims:
+        if not claims.take(RUNNING):
+            raise InputError(
+                f"output: given {str(folder)!r}, where another run is at work; give another folder, or wait "
+                "until that run has ended."
+            )
+        yield
 
 
 def write_results(folder: Path, results: Mapping[str, Any]) -> Path:

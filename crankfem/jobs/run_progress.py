@@ -19,7 +19,7 @@ class Progress(Protocol):
         """Something the user should know."""
 
     def warn(self, text: str) -> None:
-        """Data are lost or damaged, which nobody should miss."""
+        """Data are lost or damaged, or the input looks wrong, which nobody should miss."""
 
 
 class SilentProgress:

@@ -62,6 +62,7 @@ def run_results(computed: RunComputation) -> dict[str, Any]:
         "about": provenance_record(),
         "engine": _engine_record(engine_file),
         "inputs": input_records(input_values(engine_file)),
+        "input_warnings": list(computed.inputs.mechanism.warnings),
         "sources": engine_file.sources,
         "throw": first["throw"],
         "formulas": first["formulas"],

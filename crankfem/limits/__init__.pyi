@@ -3,7 +3,7 @@
 from crankfem.analyses.vibration.firing_check import FiringCheck as FiringCheck
 from crankfem.analyses.vibration.firing_check import Reached as Reached
 from crankfem.analyses.vibration.misfiring import Misfiring as Misfiring
-from dynamics.assessment.barred_ranges import BarredRange as BarredRange
+from dynamics.assessment.barred_range import BarredRange as BarredRange
 from dynamics.assessment.barred_ranges import BarredRangeRule as BarredRangeRule
 from dynamics.assessment.decided import Decision as Decision
 from dynamics.assessment.decided import Trial as Trial

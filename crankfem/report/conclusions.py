@@ -1,11 +1,20 @@
 """What a run concludes, in a few sentences: what is reached, why, what may be barred, and what to do."""
 
-from collections.abc import Mapping
+import math
+from collections.abc import Mapping, Sequence
 from typing import Any
 
-from crankbase.units.number_formats import format_usage, significant
+from crankbase.units.number_formats import UNBOUNDED, format_usage, significant
 from crankbase.units.quantity import quantities_apart
-from crankfem.report.text_filters import quantity, sentence, with_three_digits
+from crankfem.analyses.shaft.motion import MOTION
+from crankfem.report.text_filters import (
+    check_limit_text,
+    check_value_text,
+    quantity,
+    range_sentence,
+    sentence,
+    with_three_digits,
+)
 from dynamics.assessment.limit_sentences import limit_at
 
 Record = Mapping[str, Any]
@@ -29,10 +38,17 @@ def headline(results: Record) -> str:
     if assessment is None:
         return NOT_JUDGED
     said = "Undecided" if undecided(assessment) else str(assessment["sentence"]).partition(":")[0]
-    if not misfiring_decides(vibration):
-        return said
-    normal = " with all cylinders firing" if assessment["status"] == "fine" else ""
-    return f"{said}{normal}; limits are exceeded while a cylinder misfires"
+    if assessment["status"] == "not acceptable":
+        misfiring = misfiring_decides(vibration)
+        exceeded = "; with the values used, limits are exceeded, also while a cylinder misfires"
+        return f"{said}{exceeded}" if misfiring else said
+    fine = said.startswith("Fine")
+    if misfiring_decides(vibration):
+        normal = " with all cylinders firing" if fine else ""
+        said = f"{said}{normal}; limits are exceeded while a cylinder misfires"
+    return (
+        said if _axial_judged(assessment) or not fine else f"{said}; axial vibration is not judged"
+    )
 
 
 def misfiring_decides(vibration: Record) -> bool:
@@ -65,7 +81,7 @@ def verdict_line(results: Record) -> str:
 
 
 def conclusions(results: Record) -> list[str]:
-    """Return what follows from the results of a run, in at most seven statements.
+    """Return what follows from the results of a run, in at most eight statements.
 
     Parameters
     ----------
@@ -76,15 +92,17 @@ def conclusions(results: Record) -> list[str]:
     Returns
     -------
     list of str
-        What is reached of the limit used most and where, which orders make it and what can help, which
-        speeds may be barred, what misfiring does, what decides by assumption and should be given, how
-        the whole crankshaft differs, and whether the crankshaft is strong enough.
+        What looks wrong in the input, what is reached of the limit used most and where, which orders
+        make it and what can help, which speeds may be barred, what misfiring does, what decides by
+        assumption and should be given, how the whole crankshaft differs, and whether the crankshaft
+        is strong enough.
     """
     assessment = results["vibration"]["assessment"]
     if assessment is None:
-        return _without_forces(results)
+        return [*_warned(results), *_without_forces(results)]
     cause = assessment["checks"][0].get("cause")
     found = [
+        *_warned(results),
         _reached(assessment),
         " ".join(filter(None, ("" if cause is None else _cause(assessment), _advice(assessment)))),
         " ".join(_ranges(assessment)),
@@ -148,16 +166,7 @@ def _share(found: Record, unit: str) -> str:
 
 def _ranges(assessment: Record) -> list[str]:
     return [
-        with_three_digits(
-            f"{one['shown']} cannot be barred: {'; '.join(one['refusals'])}."
-            if not one["allowed"]
-            else f"{one['shown']} {fine}."
-        )
-        for name, fine in (
-            ("barred", "may be barred"),
-            ("started_through", "is passed on every start"),
-        )
-        for one in assessment[name]
+        f"{range_sentence(one)}." for one in (*assessment["barred"], *assessment["started_through"])
     ]
 
 
@@ -167,15 +176,18 @@ def _assumed(results: Record) -> str:
     assessment = vibration["assessment"]
     limits = assessment["limits"]
     decision = (assessment.get("decision") or {}).get("sentence")
+    if decision and misfiring_decides(vibration):
+        decision = f"with all cylinders firing, {decision}"
     found = [sentence(decision)] if decision else []
     found += [
         f"The limit on {one['name']} is assumed ({one['source']}): give the maker's."
         for one in limits
         if one["assumed"]
     ]
-    if not any(one["name"].startswith("axial") for one in limits):
+    if not _axial_judged(assessment):
         found.append(
-            "Axial vibration is not judged: give limits.axial_amplitude or limits.axial_force."
+            f"Axial vibration{_axial_amplitude(results)} is not judged: give limits.axial_amplitude or "
+            "limits.axial_force."
         )
     load = vibration.get("load")
     if load is not None and load["rated"] is not None and not load["rated"]["consistent"]:
@@ -186,11 +198,59 @@ def _assumed(results: Record) -> str:
     return " ".join(found)
 
 
+def _axial_judged(assessment: Record) -> bool:
+    return any(one["name"].startswith("axial") for one in assessment["limits"])
+
+
+def _axial_amplitude(results: Record) -> str:
+    """Tell the largest axial amplitude of the free end at running speeds, where it was calculated."""
+    found = (results["vibration"]["forced"] or {}).get("axial")
+    if found is None:
+        return ""
+    low, high = (results["engine"][f"{end}_speed_rpm"] for end in ("lowest", "highest"))
+    reached = [
+        (math.inf if value is None else value, rpm)
+        for value, rpm in zip(found["free_end"]["synthesis"], found["speeds_rpm"], strict=True)
+        if low * (1.0 - 1e-9) <= rpm <= high * (1.0 + 1e-9)
+    ]
+    if not reached:
+        return ""
+    value, rpm = max(reached)
+    size, unit = MOTION["axial"].size, MOTION["axial"].printed
+    amplitude = UNBOUNDED if math.isinf(value) else f"{significant(value / size, DIGITS)} {unit}"
+    return f" ({amplitude} at the free end at {significant(rpm, DIGITS)} 1/min)"
+
+
 def _misfiring(vibration: Record) -> str:
     """State what misfiring does; nothing of older runs, which have not calculated it."""
     found = vibration.get("misfiring")
     said = vibration.get("misfiring_note") if found is None else found["sentence"]
     return with_three_digits(sentence(said)) if said else ""
+
+
+def failed_checks(checks: Sequence[dict[str, Any]]) -> str:
+    """Name the self-checks that fail, and whether the calculation itself holds; nothing if all hold.
+
+    Parameters
+    ----------
+    checks : sequence of dict
+        Of results.json.
+    """
+    judged = [one for one in checks if one["met"] is not None]
+    failed = [one for one in judged if not one["met"]]
+    if not failed:
+        return ""
+    named = [
+        f"{one['name'][0].lower()}{one['name'][1:]}, {check_value_text(one)}"
+        + ("" if one["allowed"] is None else f" (allowed: {check_limit_text(one)})")
+        for one in failed
+    ]
+    told = f"{len(failed)} of {len(judged)} checks {'fails' if len(failed) == 1 else 'fail'}: "
+    told += f"{'; '.join(named)}."
+    # What has no allowed figure compares two models.
+    if any(one["allowed"] is not None for one in failed):
+        return told
+    return f"{told} These compare two models by their first frequency; the calculation passes all others."
 
 
 def _other_models(vibration: Record) -> str:
@@ -215,19 +275,32 @@ def _advice(assessment: Record) -> str:
     made = sum(one["contribution"] for one in resonant)
     left = {**worst, "value": worst["value"] - made}
     rest, permitted = reached_and_permitted(left)
-    fall = f"{worst['limit'].capitalize()} must fall by {format_usage(1.0 - 1.0 / worst['used'])}"
+    without = (
+        f"Without the orders at or near resonance, at least {rest} remains there (the sum of all other "
+        f"orders, small ones included), "
+    )
     if left["value"] > worst["permitted"]:
         return (
-            f"{fall}; more damping alone is not sufficient: the non-resonant orders together contribute "
-            f"{rest} there, and {permitted} is permitted. Reduce their excitation, or strengthen the shaft."
+            f"{without}more than the permitted {permitted}: more damping alone is not sufficient. Reduce "
+            "the excitation by these orders, or strengthen the shaft."
         )
     least = LEAST_SHARE * made
     modes = sorted({(one["kind"], one["mode"]) for one in resonant if one["contribution"] > least})
     named = " and ".join(f"{kind} mode {mode}" for kind, mode in modes)
     return (
-        f"{fall}; the non-resonant orders together contribute {rest} there, and {permitted} is permitted: "
-        f"more damping, or another frequency of {named}, may be sufficient at this speed."
+        f"{without}less than the permitted {permitted}: more damping, or another frequency of {named}, "
+        "may be sufficient at this speed."
     )
+
+
+def _warned(results: Record) -> list[str]:
+    """Name the input that looks wrong; results of earlier versions say nothing of it."""
+    warnings = results.get("input_warnings", ())
+    fields = dict.fromkeys(warning.partition(":")[0] for warning in warnings)
+    if not fields:
+        return []
+    noun = "1 warning" if len(warnings) == 1 else f"{len(warnings)} warnings"
+    return [f"Check the input: {noun} about {', '.join(fields)}; see the report's inputs."]
 
 
 def _without_forces(results: Record) -> list[str]:

@@ -10,7 +10,7 @@ Record = Mapping[str, Any]
 # Lengths of the drawing, without a unit.
 STEP, SHAFT, HEIGHT, STAR = 46.0, 118.0, 190.0, 170.0
 LEAST_DISC, LARGEST_DISC, THROW = 9.0, 44.0, 26.0
-PISTON = 24.0
+PISTON, APART = 24.0, 11.0
 LINE, FILL, ACCENT = "#1d2733", "#e9f1f8", "#1f5f99"
 
 
@@ -34,18 +34,28 @@ def engine_schematic(results: Record) -> Markup:
     width = STEP * (max(places) + 1.5)
     largest = max(chain["inertia"]) or 1.0
     drawn = [_line(STEP, SHAFT, width - STEP / 2.0, SHAFT, 4.0)]
-    crank = 0
+    own = zip(names, chain["inertia"], strict=True)
+    around = max(
+        (_ring_radius(inertia, largest) for name, inertia in own if name in rings), default=0.0
+    )
+    crank, named_place, named_at = 0, -2, 0.0
     for name, place, inertia in zip(names, places, chain["inertia"], strict=True):
         x = STEP * (place + 1.0)
         if name in rings:
-            drawn.append(_disc(x, _radius(inertia, largest) + 5.0, dashed=True))
-            drawn.append(_label(x, 24.0, name))
+            drawn.append(_disc(x, _ring_radius(inertia, largest), dashed=True))
+            drawn.append(_label(x, SHAFT - _ring_radius(inertia, largest) - 5.0, name))
         elif name.startswith(("cylinder ", "throw ", "crank ")) and crank < len(angles):
             drawn.append(_crank(x, angles[crank], name.rpartition(" ")[2]))
             crank += 1
         elif inertia > 0.0:
-            drawn.append(_disc(x, _radius(inertia, largest)))
-            drawn.append(_label(x, HEIGHT - 12.0 if place % 2 else HEIGHT - 2.0, name))
+            radius = _radius(inertia, largest)
+            drawn.append(_disc(x, radius))
+            # Close below its disc or the ring about it, and apart from the name of a disc beside it.
+            below = SHAFT + max(radius, 0.0 if place else around) + 12.0
+            if place - named_place == 1 and abs(below - named_at) < APART:
+                below = named_at + APART
+            named_place, named_at = place, below
+            drawn.append(_label(x, below, name))
     total = width + STAR
     order = "-".join(str(one) for one in engine["firing_order"])
     said = f"The engine along its shaft: {', '.join(names)}; firing order {order}"
@@ -74,6 +84,11 @@ def _places(nodes: list[str]) -> tuple[list[str], list[int], set[str]]:
 def _radius(inertia: float, largest: float) -> float:
     """Of a disc of equal width, whose inertia grows with the fourth power of its radius."""
     return max(LEAST_DISC, LARGEST_DISC * math.sqrt(math.sqrt(inertia / largest)))
+
+
+def _ring_radius(inertia: float, largest: float) -> float:
+    """Of a damper's ring, drawn about the disc that it rides on."""
+    return _radius(inertia, largest) + 5.0
 
 
 def _line(x: float, y: float, to_x: float, to_y: float, width: float, color: str = LINE) -> Markup:

@@ -3,10 +3,11 @@
 from collections.abc import Iterable, Mapping
 from typing import Any
 
-from crankbase.units.number_formats import nano, significant
+from crankbase.units.number_formats import compact, nano, significant
 from crankfem.analyses.record import Record
 from crankfem.analyses.throw.throw_tables import error_words
-from crankfem.report.conclusions import conclusions, headline, undecided
+from crankfem.analyses.vibration.tables import factor_range
+from crankfem.report.conclusions import conclusions, failed_checks, headline, undecided
 
 KINDS = ("axial", "torsional")
 
@@ -22,8 +23,8 @@ def summary(results: Mapping[str, Any]) -> Record:
     Returns
     -------
     dict
-        "status" ("fine", "barred", "bad" or "open"), "headline", "sentences" (the conclusions), "limits",
-        "figures", "uncertain" (a sentence by kind).
+        "status" ("fine", "barred", "bad" or "open"), "headline", "sentences" (the conclusions),
+        "failed_checks" (a sentence), "limits", "figures", "uncertain" (a sentence by kind).
     """
     vibration = results["vibration"]
     assessment = vibration["assessment"]
@@ -35,6 +36,7 @@ def summary(results: Mapping[str, Any]) -> Record:
         "status": status,
         "headline": headline(results),
         "sentences": conclusions(results),
+        "failed_checks": failed_checks(results["checks"]),
         "limits": [] if assessment is None else worst_of_each(assessment["checks"]),
         "figures": [
             _compliance(results),
@@ -49,23 +51,30 @@ def summary(results: Mapping[str, Any]) -> Record:
 def uncertain_sentence(vibration: Record, kind: str) -> str:
     """State what is uncertain of one kind of vibration, and what that does to the crankshaft's first mode."""
     uncertain = vibration["assessment"]["uncertainty"][kind]
-    found = [
-        f"{one['name']} {significant(one['low'], 3)} to {significant(one['high'], 3)} times the value used"
-        for one in uncertain["spreads"]
-    ]
+    found = [f"{one['name']} {factor_range(one)} the value used" for one in uncertain["spreads"]]
     bearings = vibration.get("bearings")
     if bearings is not None:
         low, high = min(bearings["stiffness"]), max(bearings["stiffness"])
-        found.append(f"stiffness of the main bearings {low:.3g} to {high:.3g} N/m each")
+        found.append(f"stiffness of the main bearings {compact(low)} to {compact(high)} N/m each")
     said = f"Uncertainty of {kind} vibration: {'; '.join(found) or 'not known'}."
     first = _first_mode(vibration[kind])
     if first is None:
         return said
     bounds = uncertain["frequencies"][first["number"] - 1]
-    return (
-        f"{said} First natural frequency of the crankshaft {_hertz(bounds['low'])} to "
-        f"{_hertz(bounds['high'])} Hz."
-    )
+    said += f" First natural frequency of the crankshaft {_bounds(bounds)} by the chain"
+    swept = _swept(vibration, kind)
+    return f"{said}, {swept} by the whole crankshaft over this stiffness." if swept else f"{said}."
+
+
+def _bounds(ends: Mapping[str, float]) -> str:
+    return f"{_hertz(ends['low'])} to {_hertz(ends['high'])} Hz"
+
+
+def _swept(vibration: Mapping[str, Any], kind: str) -> str:
+    """First frequency of the whole crankshaft over the stiffness of its bearings; empty if not calculated."""
+    found = (vibration.get("bearings") or {}).get("shaft", {}).get(kind) or ()
+    known = [one for one in found if one is not None]
+    return _bounds({"low": min(known), "high": max(known)}) if len(known) > 1 else ""
 
 
 def _first_mode(own: Record) -> Record | None:
@@ -140,10 +149,13 @@ def _frequency(vibration: Mapping[str, Any], kind: str) -> Record:
     assessment, whole = vibration["assessment"], vibration["whole"]
     if assessment is not None and shown is not None:
         bounds = assessment["uncertainty"][kind]["frequencies"][shown["number"] - 1]
-        details[0] = f"uncertainty range {_hertz(bounds['low'])} to {_hertz(bounds['high'])} Hz"
+        details[0] = f"uncertainty range of the chain {_bounds(bounds)}"
     if whole is not None and whole["chains"].get(kind, {}).get("modes"):
         shaft = whole["chains"][kind]["modes"][0]["shaft_frequency"]
-        details.append(f"whole crankshaft in its bearings: {_hertz(shaft)} Hz")
+        swept = _swept(vibration, kind)
+        details.append(
+            f"whole crankshaft in its bearings: {_hertz(shaft)} Hz{f' ({swept})' if swept else ''}"
+        )
     beside = elastic.index(shown) if shown is not None else len(elastic)
     if beside:
         lower = ", ".join(_hertz(mode["frequency"]) for mode in elastic[:beside])

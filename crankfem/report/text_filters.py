@@ -28,7 +28,7 @@ SOURCE_WORDS = {"fe": "finite elements", "fe pinned": "finite elements, pinned",
 UNIT_BEHIND = re.compile(r"(?<=\d) (?=(?:1/min|[MG]?Pa|kN|N|mm|m/N|Hz|%|µm|mrad|deg)(?![\w]))")
 FIELD = re.compile(r"\w+(?:\.\w+|_\w)")
 TABLE_DIGITS = 3
-DECIMALS = re.compile(r"(?<![\w.])(?P<whole>\d+)\.(?P<decimals>\d+)")
+DECIMALS = re.compile(r"(?<![\w.])(?P<whole>\d+)\.(?P<decimals>\d+)(?!\d| %)")
 # Loads that differ by a smaller share are alike.
 ALIKE = 1e-6
 MINUTE, HOUR = 60.0, 3600.0
@@ -183,6 +183,13 @@ def table_cells(table: Table) -> list[list[str]]:
     ]
 
 
+def range_sentence(found: Record) -> str:
+    """Write whether a range of speeds may be barred or passed, and why not; without its full stop."""
+    # Results of earlier releases have only the reasons.
+    reasons = "; ".join(found["refusals"]) or "accepted"
+    return with_three_digits(found.get("sentence") or f"{found['shown']}: {reasons}")
+
+
 def with_three_digits(text: str) -> str:
     """Cut the decimals of the numbers in a cell so that three digits stay; digits before the point stay.
 
@@ -234,6 +241,7 @@ FILTERS = {
     "head": head,
     "run_command": run_command,
     "tied": keep_units_together,
+    "range": range_sentence,
     "three": with_three_digits,
     "gpa": lambda value: f"{value / 1e9:.4g} GPa",
     "length_of": lambda values: math.hypot(*values),

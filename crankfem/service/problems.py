@@ -1,15 +1,18 @@
 """Errors as the API tells them: application/problem+json, with a sentence for each wrong field."""
 
 import re
+from collections.abc import Iterator
 from http import HTTPStatus
 from typing import Any
 
 from pydantic_core import to_json
 from starlette.requests import Request
 from starlette.responses import Response
+from starlette.routing import Match
 
 from crankbase.errors import InputError
 
+METHODS = ("DELETE", "GET", "POST")  # that any path takes
 MEDIA_TYPE = "application/problem+json"
 _FIELD = re.compile(r"(?P<field>\[?[\w.-]+(?:\[\d+\][\w.]*)*\]?): ")
 
@@ -63,12 +66,23 @@ async def answer_error(_: Request, error: Exception) -> Response:
     return problem_response(problem(422, error.sentences[0], field_errors(error)))
 
 
-async def answer_http_error(_: Request, error: Exception) -> Response:
+async def answer_http_error(request: Request, error: Exception) -> Response:
     """Answer a wrong path or method."""
     status = getattr(error, "status_code", 500)
     details = {404: "There is nothing at this path.", 405: "This path does not take this method."}
     detail = details.get(status, HTTPStatus(status).phrase + ".")
-    return problem_response(problem(status, detail), getattr(error, "headers", None))
+    headers = dict(getattr(error, "headers", None) or {})
+    if status == HTTPStatus.METHOD_NOT_ALLOWED:
+        headers["Allow"] = ", ".join(_methods(request))
+    return problem_response(problem(status, detail), headers)
+
+
+def _methods(request: Request) -> Iterator[str]:
+    """Methods of all routes at the path of a request; a route alone names its own in its error."""
+    for method in METHODS:
+        scope = dict(request.scope) | {"method": method}
+        if any(route.matches(scope)[0] is Match.FULL for route in request.app.routes):
+            yield method
 
 
 async def answer_fault(_: Request, error: Exception) -> Response:

@@ -28,7 +28,7 @@ REFUSALS = {
     "422": "input that cannot be used, with a sentence for each wrong field",
     "429": "the queue is full; Retry-After gives the time to wait",
     "500": "a fault of the service",
-    "503": "busy",
+    "503": "busy; try again later",
 }
 
 
@@ -46,7 +46,7 @@ def described(
     says: str = "",
 ) -> dict[str, Any]:
     """Describe a route: what it answers (a model, or a media type), what is asked, how it may refuse."""
-    codes = {401, 403, *refused}
+    codes = {401, 403, 503, *refused}
     if asked is not None:
         codes |= {400, 408, 413, 415, 422}
     found: dict[str, Any] = {"response_model": None, "status_code": status}

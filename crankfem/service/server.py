@@ -8,15 +8,17 @@ from typing import Any
 
 import uvicorn
 from pydantic_core import to_json
+from starlette.types import Receive, Scope, Send
 from uvicorn.protocols.http.auto import AutoHTTPProtocol
 
 from crankbase.errors import InputError
 from crankfem.service.app import make_app
 from crankfem.service.bounds import Settings
-from crankfem.service.guard import REFUSED
-from crankfem.service.problems import MEDIA_TYPE, problem
+from crankfem.service.guard import REFUSED, Guard
+from crankfem.service.problems import MEDIA_TYPE, problem, problem_response
 
 LATE = HTTPStatus.REQUEST_TIMEOUT.value
+WAIT = 1  # seconds after which a refused connection may be tried again
 GRACE = 5  # seconds for requests under way when the service ends
 
 
@@ -37,12 +39,15 @@ def serve(settings: Settings, tell: Callable[[str], None]) -> None:
     app, runner = make_app(settings)
     bounds = settings.bounds
     late = _late(bounds.seconds)
+    full = Guard(_refuse_for_now, settings)
 
     class Protocol(AutoHTTPProtocol):  # type: ignore[misc, valid-type]
-        """A connection that is closed where a request does not come in time."""
+        """A connection: refused where there are too many, closed where a request does not come in time."""
 
         def connection_made(self, transport: Any) -> None:
             super().connection_made(transport)
+            if len(self.connections) > bounds.connections:
+                self.app = full
             self._asked_before: Any = None
             self._look_later()
 
@@ -73,7 +78,6 @@ def serve(settings: Settings, tell: Callable[[str], None]) -> None:
         access_log=False,
         log_level="warning",
         server_header=False,
-        limit_concurrency=bounds.connections,
         timeout_graceful_shutdown=GRACE,
         h11_max_incomplete_event_size=65536,
     )
@@ -83,6 +87,14 @@ def serve(settings: Settings, tell: Callable[[str], None]) -> None:
         shown = f"[{host}]" if ":" in host else host
         tell(f"http://{shown}:{port}/")
         server.run(sockets=[listener])
+
+
+async def _refuse_for_now(scope: Scope, receive: Receive, send: Send) -> None:
+    told = problem(
+        HTTPStatus.SERVICE_UNAVAILABLE, "Too many connections are open; try again later."
+    )
+    response = problem_response(told, {"Connection": "close", "Retry-After": str(WAIT)})
+    await response(scope, receive, send)
 
 
 def _late(seconds: float) -> bytes:

@@ -8,10 +8,9 @@ from numpy.typing import NDArray
 
 from crankbase.checks.arrays import FloatArray, positive_number
 from crankbase.errors import InputError
-from crankbase.summaries import summarized
-from crankbase.tables.frames import Row
+from crankbase.units.number_formats import format_usage
 from crankbase.units.quantity import format_quantity
-from dynamics.assessment.limit_sentences import shown_excess, shown_range
+from dynamics.assessment.barred_range import BarredRange, Position
 from dynamics.assessment.limits import AmplitudeCurve, VibrationLimit, checked_rated_speed, usage
 from dynamics.running_limits import at_most, within
 
@@ -100,8 +99,8 @@ class ExceededRange:
     low, high : float
         Where the limit is met, by interpolation between the speeds calculated [rad/s].
     peaks : tuple of float
-        Speeds at which the use of the limit has a maximum [rad/s]. Also the maximum beyond an end of
-        the range, if the range ends on its flank.
+        Speeds at which the use of the limit has a maximum [rad/s]; also that of a flank which the
+        range ends on, though it lies beyond. Where the limit begins on a falling flank is none.
     cut_off : bool
         Whether the range reaches the first or last calculated speed, so that it may continue beyond.
     used : float
@@ -113,58 +112,6 @@ class ExceededRange:
     peaks: tuple[float, ...]
     cut_off: bool
     used: float
-
-
-@summarized("low [rad/s]", "high [rad/s]", "allowed", "peaks", "limits")
-@dataclass(frozen=True)
-class BarredRange:
-    """A range of speeds to be passed quickly, or a proposal that is not acceptable.
-
-    Parameters
-    ----------
-    low, high : float
-        [rad/s].
-    peaks : tuple of float
-        Speeds of the largest vibration in it, or of the peak on whose flank it is [rad/s].
-    limits : tuple of str
-        Names of the limits exceeded in it.
-    refusals : tuple of str
-        Why running through it is not acceptable; empty if it is.
-    remarks : tuple of str
-        What is unknown about it.
-    ends : str
-        Origin of the range's ends: the speeds and positions at which limits are exceeded, and the rule
-        that widens the range about peaks.
-    """
-
-    low: float
-    high: float
-    peaks: tuple[float, ...]
-    limits: tuple[str, ...]
-    refusals: tuple[str, ...]
-    remarks: tuple[str, ...]
-    ends: str = ""
-
-    @property
-    def allowed(self) -> bool:
-        """Whether it may be barred."""
-        return not self.refusals
-
-    @property
-    def shown(self) -> str:
-        """For example "700 to 800 1/min"."""
-        return shown_range(self.low, self.high)
-
-    def row(self) -> Row:
-        """Return the columns of a table of ranges, each value with its unit; see `table_of`."""
-        return {
-            "low": (self.low, "rad/s"),
-            "high": (self.high, "rad/s"),
-            "allowed": (self.allowed, ""),
-            "limits": (", ".join(self.limits), ""),
-            "refusals": ("; ".join(self.refusals), ""),
-            "remarks": ("; ".join(self.remarks), ""),
-        }
 
 
 def exceeded_ranges(
@@ -195,11 +142,14 @@ def exceeded_ranges(
     for first, last in _runs(used > 1.0):
         if not at_most(speeds[first], highest):
             break
+        # The limit jumps on a falling flank: the peak is below the range, where another limit applies.
+        falls = first > 0 and curve.values[first - 1] > curve.values[first]
+        peaks = _peaks_to(speeds[first : last + 1], used[first : last + 1], highest)
         found.append(
             ExceededRange(
                 low=_crossing(limit, curve, used, first, -1),
                 high=min(_crossing(limit, curve, used, last, 1), highest),
-                peaks=_peaks_to(speeds[first : last + 1], used[first : last + 1], highest),
+                peaks=peaks[1:] if falls and peaks and peaks[0] == speeds[first] else peaks,
                 cut_off=first == 0 or last == curve.speeds.size - 1,
                 used=float(np.max(used[first : last + 1])),
             )
@@ -274,16 +224,31 @@ def _barred(
 ) -> BarredRange:
     low, high = min(item.low for item in group), max(item.high for item in group)
     names = tuple(dict.fromkeys(item.limit.name for item in group))
+    position: Position = (
+        "below"
+        if not at_most(running_range[0], high)
+        else "running"
+        if at_most(low, running_range[1])
+        else "above"
+    )
     refusals, remarks = [], []
+    too_much: list[tuple[float, str]] = []
     if at_most(low, running_range[0]) and at_most(running_range[1], high):
         refusals.append("it leaves no speed to run at")
     end = min(rule.highest_by(item.limit) for item in group)
-    if not at_most(high, end):
+    if position == "above":
+        most = max(group, key=lambda item: item.exceeded.used)
+        refusals.append(
+            f"{most.limit.name} reaches {_used(most)} of its limit, which applies up to "
+            f"{_speed(limit_end_speed(most.limit, running_range))}; the engine does not run there, so that "
+            "only less vibration or a higher critical speed helps"
+        )
+    elif not at_most(high, end):
         refusals.append(
             f"it reaches {high / rule.rated_speed:.2f} of the rated speed, and nothing may be barred "
-            f"above {end / rule.rated_speed:.2f}"
+            f"above {end / rule.rated_speed:.2f} ({_speed(end)})"
         )
-    for limit, curve in findings:
+    for limit, curve in () if position == "above" else findings:
         inside = within(curve.speeds, low, high)
         values = curve.values[inside]
         if not values.size or limit.name not in names:
@@ -298,11 +263,17 @@ def _barred(
         np.divide(values, passing, out=share, where=np.isfinite(passing))
         worst = int(np.argmax(share))
         if share[worst] > 1.0:
-            refusals.append(
+            said = (
                 f"{curve.name} reaches {_amount(values[worst], limit.unit)} at "
-                f"{format_quantity(float(curve.speeds[inside][worst]), 'rad/s', 4)}, where "
+                f"{_speed(float(curve.speeds[inside][worst]))}, where "
                 f"{_amount(passing[worst], limit.unit)} may be passed"
             )
+            too_much.append((float(share[worst]), said))
+    if too_much:
+        others = len(too_much) - 1
+        more = "location exceeds" if others == 1 else "locations exceed"
+        more = f"; {others} more {more} what may be passed" if others else ""
+        refusals.append(f"{max(too_much)[1]}{more}")
     if any(item.exceeded.cut_off for item in group):
         remarks.append("the range reaches the end of the speeds calculated")
     return BarredRange(
@@ -312,6 +283,7 @@ def _barred(
         limits=names,
         refusals=tuple(dict.fromkeys(refusals)),
         remarks=tuple(dict.fromkeys(remarks)),
+        position=position,
         ends=_ends(group, rule),
     )
 
@@ -323,7 +295,7 @@ def _ends(group: Sequence[_Widened], rule: BarredRangeRule) -> str:
     said = [
         f"limits are exceeded from {_speed(first.exceeded.low)} ({first.place}) to "
         f"{_speed(last.exceeded.high)} ({last.place}), "
-        f"{shown_excess(max(item.exceeded.used for item in group))} at most"
+        f"{_used(max(group, key=lambda item: item.exceeded.used))} is used at most"
     ]
     lowest = min(group, key=lambda item: item.low)
     if lowest.low < first.exceeded.low:
@@ -337,6 +309,11 @@ def _ends(group: Sequence[_Widened], rule: BarredRangeRule) -> str:
     if len(said) > 1:
         said.append(f"r is n divided by the rated speed of {_speed(rule.rated_speed)}")
     return "; ".join(said)
+
+
+def _used(item: _Widened) -> str:
+    used = item.exceeded.used
+    return format_usage(None if np.isinf(used) else used)
 
 
 def _speed(value: float) -> str:

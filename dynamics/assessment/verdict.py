@@ -15,12 +15,8 @@ from crankbase.summaries import summarized
 from crankbase.tables.frames import Row, table, table_of
 from crankbase.units.quantity import format_quantity
 from crankbase.units.units import RPM
-from dynamics.assessment.barred_ranges import (
-    BarredRange,
-    BarredRangeRule,
-    barred_ranges,
-    limit_end_speed,
-)
+from dynamics.assessment.barred_range import BarredRange
+from dynamics.assessment.barred_ranges import BarredRangeRule, barred_ranges, limit_end_speed
 from dynamics.assessment.limit_sentences import limit_at, shown_range, use_in_words
 from dynamics.assessment.limits import (
     AmplitudeCurve,
@@ -208,7 +204,8 @@ class Verdict:
     checks : tuple of LimitCheck
         One for each curve, the worst use first.
     barred : tuple of BarredRange
-        Ranges of running speeds to be barred, proposed; also those that cannot be accepted.
+        Ranges of running speeds to be barred, proposed; also those that cannot be accepted, some of
+        which may lie above the running range.
     started_through : tuple of BarredRange
         Ranges below the lowest running speed that are passed on every start.
     running_range : tuple of two floats
@@ -235,12 +232,10 @@ class Verdict:
         worst = self.checks[0]
         if self.status == "fine":
             return f"Fine from {shown_range(*self.running_range)}: {worst.sentence}"
-        refused = [one for one in (*self.barred, *self.started_through) if not one.allowed]
         if self.status == "not acceptable":
-            why = "; ".join(
-                f"{one.shown} cannot be barred: {', and '.join(one.refusals)}" for one in refused
-            )
-            return f"Not acceptable: {worst.sentence} {why}."
+            exceeded = (*self.barred, *self.started_through)
+            why = " ".join(f"{one.sentence}." for one in exceeded if not one.allowed)
+            return f"Not acceptable: {worst.sentence} {why}"
         ranges = ", ".join(one.shown for one in self.barred)
         return f"Barred range needed, {ranges}: {worst.sentence}"
 
@@ -339,13 +334,18 @@ def judge(
     low, high = checked_running_range(running_range)
     checks = [_check(limit, curve, (low, high)) for limit, curve in findings]
     ranges = barred_ranges(findings, rule, (low, high))
-    barred = tuple(one for one in ranges if at_most(low, one.high))
-    below = tuple(one for one in ranges if not at_most(low, one.high))
+    barred = tuple(one for one in ranges if one.position != "below")
+    below = tuple(one for one in ranges if one.position == "below")
     refused = any(not one.allowed for one in ranges)
     status: Status = "not acceptable" if refused else "barred range needed" if barred else "fine"
     noted = [f"{check.curve.name}: {text}" for check in checks for text in check.remarks]
     noted += [f"{one.shown}: {text}" for one in ranges for text in one.remarks]
-    noted += [f"{limit.name}: {limit.remark}" for limit, _ in findings if limit.remark]
+    for limit, _ in findings:
+        if not at_most(high, limit.continuous.high):
+            stated = format_quantity(limit.continuous.high, "rad/s", 4)
+            noted.append(f"{limit.name}: not judged above {stated}, where the limit ends")
+        if limit.remark:
+            noted.append(f"{limit.name}: {limit.remark}")
     return Verdict(
         status=status,
         checks=tuple(sorted(checks, key=lambda check: -check.used)),
@@ -377,10 +377,6 @@ def _check(
         )
     worst = int(np.argmax(np.where(judged, used, -np.inf)))
     remarks = []
-    if not at_most(high, limit.continuous.high):
-        remarks.append(
-            f"not judged above {format_quantity(limit.continuous.high, 'rad/s', 4)}, where the limit ends"
-        )
     if not at_most(end, curve.speeds[-1]):
         remarks.append(
             f"the limit goes on to {format_quantity(end, 'rad/s', 4)}, the calculation to "
@@ -393,6 +389,6 @@ def _check(
         worst_value=float(curve.values[worst]),
         permitted=float(permitted[worst]),
         remarks=tuple(remarks),
-        judged=(low, min(end, float(curve.speeds[-1]))),
+        judged=(low, min(end, float(curve.speeds[-1]), limit.continuous.high)),
         highest_running=high,
     )

@@ -49,9 +49,18 @@ class ResponseMatch:
     shaft: FloatArray
 
     @property
+    def peaks(self) -> tuple[tuple[float, float], tuple[float, float]]:
+        """Speed [rad/s] and size [m or rad] of the largest amplitude: by the chain, and by the shaft."""
+        worst = [int(np.argmax(curve)) for curve in (self.chain, self.shaft)]
+        return (
+            (float(self.speeds[worst[0]]), float(self.chain[worst[0]])),
+            (float(self.speeds[worst[1]]), float(self.shaft[worst[1]])),
+        )
+
+    @property
     def difference(self) -> float:
-        """Largest amplitude by the chain over that of the shaft, minus 1."""
-        chain, shaft = float(np.max(self.chain)), float(np.max(self.shaft))
+        """Largest amplitude by the chain over that of the shaft, less 1."""
+        (_, chain), (_, shaft) = self.peaks
         if chain == shaft:
             return 0.0
         return chain / shaft - 1.0 if 0.0 < shaft < np.inf else np.inf

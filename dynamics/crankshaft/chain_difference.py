@@ -53,10 +53,12 @@ class FrequencyDifference:
 
     @property
     def sentence(self) -> str:
-        """For example "torsional mode 1: whole crankshaft 88.5 Hz, chain 85.0 Hz: flywheel tilt +2.8 Hz"."""
+        """Such as "axial mode 1: 81 Hz by the whole crankshaft, 75 Hz by the chain (flywheel tilt +6 Hz)"."""
         name = f"{self.kind} mode {self.mode}"
-        text = f"{name}: whole crankshaft {self.shaft:.1f} Hz, chain {self.chain:.1f} Hz"
-        return f"{text}: {self.shown_causes}" if self.shown_causes else text
+        text = (
+            f"{name}: {self.shaft:.1f} Hz by the whole crankshaft, {self.chain:.1f} Hz by the chain"
+        )
+        return f"{text} ({self.shown_causes})" if self.shown_causes else text
 
     @property
     def shown_causes(self) -> str:
@@ -140,6 +142,11 @@ class FlywheelTilt:
     mode: int
     without: float
     shaft: float
+
+    @property
+    def shown(self) -> bool:
+        """Whether the inertia moves the frequency by 0.05 Hz or more."""
+        return abs(self.shaft - self.without) >= SHOWN
 
     @property
     def sentence(self) -> str:

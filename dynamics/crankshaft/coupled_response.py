@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from crankbase.checks.arrays import ComplexArray, FloatArray
 from crankbase.drawing.curves import Curves, Series, draw_curves
-from crankbase.drawing.diagram_style import BLUE, ORANGE, RED, new_axes, with_gaps
+from crankbase.drawing.diagram_style import BLUE, ORANGE, new_axes, with_gaps
 from crankbase.drawing.legends import legend_inside, write_title
 from crankbase.errors import InputError
 from crankbase.library_types import Axes, Dataset
@@ -307,12 +307,14 @@ def split_curves(
     label : str
         Of the upright axis, with its unit.
     """
-    names = ("all forces", "tangential forces alone", "radial forces alone")
+    both, tangential, radial = (with_gaps(factor * values) for values in sums)
     return Curves(
         x=speeds * RPM,
-        series=tuple(
-            Series(name, with_gaps(factor * values), color=color)
-            for name, values, color in zip(names, sums, (RED, ORANGE, BLUE), strict=True)
+        # Dashes over a line: where all cranks are in one plane, radial forces alone do all of it.
+        series=(
+            Series("all forces", both, "total"),
+            Series("tangential forces alone", tangential, color=ORANGE),
+            Series("radial forces alone", radial, color=BLUE, dash="dash"),
         ),
         x_label=SPEED_LABEL,
         y_label=label,

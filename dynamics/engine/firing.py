@@ -11,6 +11,8 @@ from dynamics.cycle import cycle_degrees
 
 # Crank and cylinder axis count as in line within this angle [rad]; files give degrees.
 IN_LINE = 1e-6
+# Firings count as even, or as one, within this angle [rad], the digits of given angles.
+EVEN = math.radians(0.5)
 # No engine has more.
 MOST_CYLINDERS = 48
 
@@ -136,6 +138,66 @@ def firing_intervals(firing_angles: Sequence[float], strokes: int) -> tuple[floa
     cycle = math.radians(cycle_degrees(strokes))
     following = [*angles[1:], angles[0] + cycle]
     return tuple(after - before for before, after in zip(angles, following, strict=True))
+
+
+def repeating_intervals(intervals_deg: Sequence[float]) -> tuple[float, ...]:
+    """Return the intervals that repeat through a cycle, once.
+
+    Parameters
+    ----------
+    intervals_deg : sequence of float
+        Between all firings of a cycle [deg].
+
+    Examples
+    --------
+    >>> repeating_intervals([90.0, 30.0, 90.0, 30.0])
+    (90.0, 30.0)
+    """
+    steps = tuple(intervals_deg)
+    sizes = (size for size in range(1, len(steps) + 1) if not len(steps) % size)
+    period = next(
+        size
+        for size in sizes
+        if all(math.isclose(one, steps[k % size], abs_tol=0.01) for k, one in enumerate(steps))
+    )
+    return steps[:period]
+
+
+def even_firing_order(firing_angles: Sequence[float], strokes: int) -> tuple[int, ...] | None:
+    """Return a firing order with even intervals for the same cranks.
+
+    In a four-stroke engine each cylinder may fire at its top or one turn later.
+
+    Parameters
+    ----------
+    firing_angles : sequence of n float
+        Shaft angle at which each cylinder fires now [rad].
+    strokes : int
+        Strokes per cycle, 2 or 4.
+
+    Returns
+    -------
+    tuple of int or None
+        Cylinder numbers, beginning with the one that fires first now; None if no order is even.
+
+    Examples
+    --------
+    >>> even_firing_order([0.0, 2.0 * math.pi, math.pi, 3.0 * math.pi], 4)
+    (1, 3, 2, 4)
+    """
+    count, first = len(firing_angles), min(firing_angles)
+    step = math.radians(cycle_degrees(strokes)) / count
+    slots: dict[int, int] = {}
+    for number in sorted(range(1, count + 1), key=lambda one: firing_angles[one - 1]):
+        for turn in range(strokes // 2):
+            place = (firing_angles[number - 1] - first + turn * 2.0 * math.pi) / step
+            slot = round(place)
+            if abs(place - slot) * step < EVEN and slot % count not in slots:
+                slots[slot % count] = number
+                break
+        else:
+            return None
+    return tuple(slots[place] for place in range(count))
 
 
 def _after(angle: float, least: float, turn: float) -> float:

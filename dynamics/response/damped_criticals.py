@@ -28,7 +28,10 @@ BAND = 0.5
 SECTION, STEPS = 0.5 * (np.sqrt(5.0) - 1.0), 29
 
 
-@summarized("order", "mode", "speed_rpm [1/min]", "amplitude", "place", "damping_ratio")
+@summarized(
+    *("order", "mode", "has_peak", "speed_rpm [1/min]", "amplitude", "place", "damping_ratio"),
+    "undamped_speed [rad/s]",
+)
 @dataclass(frozen=True)
 class DampedCritical:
     """The speed at which one order alone makes a quantity largest, and the mode responsible.

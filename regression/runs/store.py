@@ -83,6 +83,11 @@ class ResultStore:
                 raise InputError(
                     f"store: given {str(self.path)!r}, which is no result store ({error}); {MADE_BY}."
                 ) from None
+            if not self.path.is_file():
+                raise InputError(
+                    f"store: given {str(self.path)!r}, which cannot be made ({error}); allowed is a file in "
+                    "a folder that can be written."
+                ) from None
             raise InputError(
                 f"store: given {str(self.path)!r}, which is no result store and cannot become one "
                 f"({error}); give a new file name."

@@ -18,7 +18,12 @@ from regression.runs.registered_designs import is_design
 from regression.runs.store import ResultStore, read_plan
 from regression.runs.store_file import connect_readonly, transaction
 from regression.runs.store_rows import DamagedRowError, read_design, read_extra
-from regression.runs.store_schema import CHECKSUMS_SINCE, SCHEMA_VERSION, schema_version
+from regression.runs.store_schema import (
+    CHECKSUMS_SINCE,
+    SCHEMA_VERSION,
+    schema_version,
+    wanted_columns,
+)
 
 # No row takes less of the file than so many bytes.
 SMALLEST_ROW = 32
@@ -126,6 +131,7 @@ def _copy_sound_rows(old: Path, new: Path) -> dict[str, int]:
         "study_designs": is_listed,
         "extra_rows": read_extra,
     }
+    wanted = wanted_columns()
     with closing(connect_readonly(old)) as source:
         # Also where the file is shorter than its header says.
         source.execute("PRAGMA writable_schema=ON")
@@ -137,7 +143,11 @@ def _copy_sound_rows(old: Path, new: Path) -> dict[str, int]:
                     "because rows of others have no checksums, and nothing shows which of them are sound."
                 )
         rows = {
-            table: [row for row in _readable_rows(source, table, old) if _is_sound(test, row)]
+            table: [
+                row
+                for row in _readable_rows(source, table, tuple(wanted[table]), old)
+                if _is_sound(test, dict.fromkeys(wanted[table]) | row)
+            ]
             for table, test in sound.items()
         }
     ResultStore(new).close()
@@ -153,24 +163,34 @@ def _copy_sound_rows(old: Path, new: Path) -> dict[str, int]:
 
 def _is_sound(test: Callable[[Mapping[str, Any]], object], row: Mapping[str, Any]) -> bool:
     try:
+        for value in row.values():
+            if isinstance(value, str):
+                value.encode()  # bytes that are no text cannot be
         return bool(test(row))
-    except DamagedRowError:
+    except (DamagedRowError, UnicodeEncodeError):
         return False
 
 
 def _readable_rows(
-    connection: sqlite3.Connection, table: str, file: Path
+    connection: sqlite3.Connection, table: str, wanted: tuple[str, ...], file: Path
 ) -> Iterator[dict[str, Any]]:
-    """Read a table row by row, past what cannot be read."""
+    """Read a table row by row, past what cannot be read; columns whose names are damaged by their order."""
     try:
-        columns = [row[1] for row in connection.execute(f"PRAGMA table_info({table})")]
+        present = [row[1] for row in connection.execute(f"PRAGMA table_info({table})")]
     except UNREADABLE:  # what tables there are cannot be read
         return
+    lacking = (name for name in wanted if name not in present)
+    columns = [name if name in wanted else next(lacking, "") for name in present]
     log = Path(f"{file}{LOG}")
     size = file.stat().st_size + (log.stat().st_size if log.is_file() else 0)
-    query = f"SELECT {', '.join(columns)} FROM {table} WHERE rowid = ?"
+    named = ", ".join(f"c{number}" for number in range(len(columns)))
+    query = (
+        f"WITH named(number, {named}) AS (SELECT rowid, * FROM {table}) "
+        f"SELECT {named} FROM named WHERE number = ?"
+    )
     for number in range(1, size // SMALLEST_ROW if columns else 0):
         with suppress(*UNREADABLE):
             row = connection.execute(query, (number,)).fetchone()
             if row is not None:
-                yield dict(zip(columns, row, strict=True))
+                found = dict(zip(columns, row, strict=True))
+                yield {name: found[name] for name in wanted if name in found}

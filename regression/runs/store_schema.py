@@ -118,7 +118,7 @@ def _extract(column: str, name: str) -> str:
 
 def missing_parts(connection: sqlite3.Connection) -> list[str]:
     """Name the tables and columns that a file of ours lacks, which somebody took away."""
-    version, wanted = schema_version(connection), _wanted_columns()
+    version, wanted = schema_version(connection), wanted_columns()
     missing = []
     for table in FIRST_TABLES if version < CHECKSUMS_SINCE else wanted:
         columns = _columns(connection, table)
@@ -130,7 +130,7 @@ def missing_parts(connection: sqlite3.Connection) -> list[str]:
     return missing
 
 
-def _wanted_columns() -> dict[str, dict[str, str]]:
+def wanted_columns() -> dict[str, dict[str, str]]:
     """Columns that each table has in this release, with their types."""
     with closing(sqlite3.connect(":memory:")) as made:
         for statement in TABLES:
@@ -175,7 +175,7 @@ def prepare(connection: sqlite3.Connection) -> None:
         return
     for statement in TABLES:
         connection.execute(statement)
-    for table, columns in _wanted_columns().items():
+    for table, columns in wanted_columns().items():
         present = _columns(connection, table)
         for name, kind in columns.items():
             if name not in present:

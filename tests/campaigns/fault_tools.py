@@ -94,7 +94,7 @@ class Bench:
             finding.hangs += 1
             process.kill()
             out, errors = process.communicate()
-        if "Traceback" in out + errors:
+        if "Traceback" in out + errors or "an unexpected error" in errors:
             finding.tracebacks += 1
             finding.says(errors[-600:])
         code = process.returncode
@@ -154,6 +154,12 @@ def rows(store: Path, finding: Finding | None = None) -> dict[str, dict[str, obj
             found = [text for (text,) in connection.execute("PRAGMA integrity_check")]
             listed = connection.execute("SELECT * FROM designs").fetchall()
         except sqlite3.OperationalError:  # the tables are not made yet
+            return {}
+        except sqlite3.DatabaseError as error:
+            if finding is None:
+                raise
+            finding.lost += 1
+            finding.says(f"cannot be read: {error}")
             return {}
     if finding is not None and found != ["ok"]:
         finding.lost += 1

@@ -3,7 +3,7 @@
 import pytest
 
 from crankbase.tables.output_units import parse_output_units
-from crankfem.cli.tables.vibration_tables import print_assessment
+from crankfem.cli.tables.vibration_tables import print_assessment, print_judgment
 
 STRESS, TWIST = "torsional stress of crankshaft", "torsional amplitude of free end"
 
@@ -46,8 +46,8 @@ def record():
 def test_each_limit_stands_once_above_its_places(record, capsys):
     print_assessment(record)
     lines = capsys.readouterr().out.splitlines()
-    heads = [line.strip() for line in lines if line.rstrip().endswith(", worst running speeds")]
-    assert heads == [f"{name.capitalize()}, worst running speeds" for name in (STRESS, TWIST)]
+    heads = [line.partition(",")[0].strip() for line in lines if ", at the" in line]
+    assert heads == [name.capitalize() for name in (STRESS, TWIST)]
     rows = [[cell.strip() for cell in line.split("│")[1:-1]] for line in lines if "│" in line]
     assert rows == [
         ["cylinder 4 - cylinder 5", "498.0", "10 MPa", "20 MPa", "50"],
@@ -68,7 +68,7 @@ def test_speeds_above_the_running_range_are_explained(record, capsys):
 
 def test_what_decides_stands_before_the_verdict_with_the_values_assumed(record, capsys):
     record["decision"] = {"status": "undecided", "sentence": "acceptable with this: give that"}
-    print_assessment(record)
+    print_judgment(record)
     assert capsys.readouterr().out.splitlines()[-2:] == [
         "Verdict: undecided, acceptable with this: give that.",
         "With the values used: Fine.",
@@ -77,7 +77,7 @@ def test_what_decides_stands_before_the_verdict_with_the_values_assumed(record, 
 
 def test_a_verdict_that_only_its_barred_ranges_hang_on_says_so(record, capsys):
     record["decision"] = {"status": "acceptable", "sentence": "no speeds need be barred with this"}
-    print_assessment(record)
+    print_judgment(record)
     assert capsys.readouterr().out.splitlines()[-2:] == [
         "Verdict: Fine.",
         "It depends on assumed or uncertain values: no speeds need be barred with this.",

@@ -7,7 +7,7 @@ import pytest
 
 import crankfem as cf
 from comparing import close
-from crankfem.analyses.vibration.engine_limits import engine_limits
+from crankfem.analyses.vibration.engine_limits import engine_limits, unmodeled_plant
 
 
 def test_an_engine_is_shown_as_understood(call):
@@ -146,6 +146,17 @@ def test_the_rule_follows_what_the_engine_drives(call, tmp_path, six_cylinders, 
     (tmp_path / "mine.toml").write_text(text, encoding="utf-8")
     _, remarks = engine_limits(cf.load_engine("mine.toml"))
     assert any("because the file does not say what the engine drives" in one for one in remarks)
+    assert unmodeled_plant(cf.load_engine("mine.toml")) == ()
+    # The law of its load says it too; nothing beyond the flywheel is in the file.
+    text += '\n[load]\nlaw = "propeller"\n'
+    (tmp_path / "mine.toml").write_text(text, encoding="utf-8")
+    engine = cf.load_engine("mine.toml")
+    reason = "the rule 'KR main engine', because the engine drives a propeller (load.law)"
+    assert any(reason in one for one in engine_limits(engine)[1])
+    (said,) = unmodeled_plant(engine)
+    assert said.startswith("The propeller and its shafts are not modeled")
+    for whole_plant in ("5rt-flex50d", "6chn18-22-set"):
+        assert unmodeled_plant(cf.load_engine(whole_plant)) == ()
 
 
 @pytest.mark.parametrize(
@@ -164,3 +175,13 @@ def test_firing_intervals_are_shown(call, engine, intervals, said):
     answer = call("mechanism", engine, "--json").json()
     assert answer["firing_intervals_deg"] == close(intervals)
     assert said in " ".join(call("mechanism", engine).out.split())
+
+
+def test_limits_outside_the_verdict_are_named_and_a_rule_by_assumption_counts_as_assumed():
+    limits, remarks = engine_limits(cf.load_engine("6chn18-22-set"))
+    (said,) = (one for one in remarks if "class document" in one)
+    left_out = ("coupling_heat", "damper_torque", "damper_heat", "generator_angle")
+    assert all(f"limits.{name}" in said for name in left_out)
+    assert "coupling_torque" not in said
+    assert "coupling_torque" in limits
+    assert limits["crankshaft_stress"].assumed

@@ -545,3 +545,9 @@ def test_a_yield_strength_above_the_tensile_one_is_refused(tmp_path, six_cylinde
     path.write_text(six_cylinders + limits, encoding="utf-8")
     with pytest.raises(InputError, match=r"limits\.yield_strength: given 700 MPa above .* 600 MPa"):
         load_engine(path)
+
+
+def test_a_choice_that_is_not_made_is_shown_as_not_given():
+    shown = {one.field: one.given for one in load_engine("8chn13-14").records}
+    assert shown["engine.drives"] == "not given"
+    assert all(shown.values())

@@ -30,6 +30,23 @@ main()
 """
 
 
+# As in jobs that a shell runs in the background.
+IGNORED = """
+import signal
+signal.signal(signal.SIGINT, signal.SIG_IGN)
+from crankfem.cli.interrupts import interrupts_exit_immediately
+with interrupts_exit_immediately():
+    signal.raise_signal(signal.SIGINT)
+    print("goes on", flush=True)
+    signal.raise_signal(signal.SIGTERM)
+"""
+
+
+def test_where_interrupts_are_ignored_a_request_to_end_is_answered(spawn):
+    answer = spawn(command=[sys.executable, "-c", IGNORED])
+    assert (answer.code, answer.out.strip(), answer.err) == (130, "goes on", "Stopped.\n")
+
+
 def test_python_runs_the_package(spawn):
     answer = spawn("--version", command=[sys.executable, "-P", "-m", "crankfem"])
     assert answer.code == 0
@@ -46,18 +63,20 @@ def test_an_interrupt_while_modules_load(spawn, command, sentence):
     assert answer.err.count("\n") == 1
 
 
-def test_afterwards_interrupts_are_what_they_were():
-    usual = signal.getsignal(signal.SIGINT)
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+def test_afterwards_interrupts_are_what_they_were(number):
+    usual = signal.getsignal(number)
     with interrupts_exit_immediately():
-        assert signal.getsignal(signal.SIGINT) is not usual
-    assert signal.getsignal(signal.SIGINT) is usual
+        assert signal.getsignal(number) is not usual
+    assert signal.getsignal(number) is usual
 
 
-def test_work_that_must_be_closed_sees_an_interrupt():
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+def test_work_that_must_be_closed_sees_an_interrupt(number):
     with interrupts_exit_immediately():
         ending = signal.getsignal(signal.SIGINT)
         with pytest.raises(KeyboardInterrupt), interrupts_raise():
-            signal.raise_signal(signal.SIGINT)
+            signal.raise_signal(number)
         assert signal.getsignal(signal.SIGINT) is ending
 
 

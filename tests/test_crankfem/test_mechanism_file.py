@@ -18,7 +18,6 @@ from crankfem.files.engine.mechanism_file import (
     with_throws,
 )
 from crankfem.files.reading.data_files import input_path
-from crankfem.files.sections.engine_sections import Engine
 from dynamics.cycle import cycle_radians
 from dynamics.engine.forces import mechanism_forces
 from dynamics.engine.gas_forces import gas_forces
@@ -319,34 +318,6 @@ def test_all_cylinders_breathe_from_one_receiver():
     assert first is mechanism.pressure[3]
     assert hinged is mechanism.pressure[7]
     assert np.abs(first.pressure / hinged.pressure - 1.0).max() > 1e-4
-
-
-def three_cylinders(**changes):
-    given = {
-        "name": "three",
-        "cylinders": 3,
-        "strokes": 4,
-        "bore": 0.08,
-        "stroke": 0.1,
-        "rated_speed": 300.0,
-        "lowest_speed": 100.0,
-        "highest_speed": 310.0,
-        "crank_angles": tuple(math.radians(angle) for angle in (0.0, 120.0, 240.0)),
-        "firing_order": (1, 3, 2),
-    }
-    return Engine(**(given | changes))
-
-
-def test_an_order_that_fits_both_senses_turns_so_that_it_fires_evenly():
-    engine = three_cylinders()
-    assert sorted(np.rad2deg(engine.firing_angles)) == close([0.0, 240.0, 480.0])
-    assert engine.firing_remark is None
-
-
-def test_uneven_firing_is_told():
-    angles = tuple(math.radians(angle) for angle in (0.0, 90.0, 240.0))
-    remark = three_cylinders(crank_angles=angles).firing_remark
-    assert remark.startswith("engine.firing_order: fires at uneven intervals of")
 
 
 def test_a_shipped_torque_table_by_name(tmp_path):

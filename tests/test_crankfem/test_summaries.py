@@ -37,6 +37,7 @@ def test_a_text_keeps_to_three_lines(parts, name):
         (312.4567, "value 312.5 m"),
         (3, "value 3 m"),
         (None, ""),
+        (float("nan"), ""),
         (lambda: 2.0, "value 2 m"),
         (np.array([1.0, 2.0]), "value (1, 2) m"),
         (np.arange(60.0), "value 0 to 59 m (60)"),

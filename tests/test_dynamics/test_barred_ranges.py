@@ -1,5 +1,7 @@
 """Ranges about resonances of known shape, 1 / |1 - (n / n_c)^2 + i / M n / n_c|."""
 
+from dataclasses import replace
+
 import numpy as np
 
 from comparing import close
@@ -95,6 +97,56 @@ def test_nothing_is_barred_above_the_share_of_the_rated_speed_or_the_limit_for_p
         (20.0, 100.0),
     )
     assert "0.00012 MPa at 477.5 1/min, where 0.0001 MPa may be passed" in strong.refusals[0]
+
+
+def test_of_locations_that_exceed_the_limit_for_passing_one_is_named_and_the_others_are_counted():
+    speeds = np.linspace(20.0, 110.0, 1801)
+    sizes = {"a": 3.0, "b": 4.0, "c": 3.5, "kept": 0.5}
+    curves = [
+        AmplitudeCurve(name, speeds, size * resonance(speeds, 50.0)) for name, size in sizes.items()
+    ]
+    (found,) = barred_ranges([(LIMIT, one) for one in curves], RULE, (20.0, 100.0))
+    (said,) = found.refusals
+    assert said.startswith("b reaches ")
+    assert said.endswith("may be passed; 2 more locations exceed what may be passed")
+
+
+def test_a_limit_that_begins_on_a_falling_flank_has_no_critical_speed_there():
+    # Such as a set's, whose continuous limit begins at 0.9 of the rated speed, above the peak at 50 rad/s.
+    limit = replace(LIMIT, continuous=constant_curve(10.0, low=52.0))
+    speeds = np.linspace(20.0, 110.0, 1801)
+    curve = AmplitudeCurve("shaft", speeds, 4.0 * resonance(speeds, 50.0))
+    (found,) = exceeded_ranges(limit, curve)
+    assert found.low == close(52.0, abs=0.06)
+    assert found.peaks == ()
+    (barred,) = barred_ranges([(limit, curve)], RULE, (20.0, 100.0))
+    assert barred.low == found.low
+    assert "16 n" not in barred.ends
+
+
+def test_what_exceeds_a_limit_above_the_running_range_is_not_called_barred():
+    rule_end = VibrationLimit(
+        quantity="torsional stress",
+        applies_to="crankshaft",
+        unit="Pa",
+        continuous=constant_curve(100.0, high=115.0),
+        source="rule",
+    )
+    speeds = np.linspace(20.0, 120.0, 2001)
+    used = 1.2 * 100.0 / np.max(resonance(speeds, 110.0))
+    curve = AmplitudeCurve("shaft", speeds, used * resonance(speeds, 110.0))
+    (above,) = barred_ranges([(rule_end, curve)], RULE, (20.0, 100.0))
+    assert above.position == "above"
+    assert not above.allowed
+    assert "barred" not in above.sentence
+    assert "120 % of its limit, which applies up to 1098 1/min" in above.sentence
+    # Where running speeds reach into it, it can be barred or not.
+    (across,) = barred_ranges([(rule_end, curve)], RULE, (20.0, 110.0))
+    assert across.position == "running"
+    assert "cannot be barred" in across.sentence
+    (below,) = barred_ranges([(rule_end, curve)], RULE, (114.0, 119.0))
+    assert below.position == "below"
+    assert "passed on every start" in below.sentence
 
 
 def test_a_range_that_leaves_no_speed_to_run_at_is_refused():

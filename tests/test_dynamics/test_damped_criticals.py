@@ -86,6 +86,8 @@ def test_at_speeds_that_hold_all_that_are_looked_at():
 def test_no_peak_with_much_damping():
     found = damped_criticals(response(damped(MAIN, modal_damping=0.75)), node=0)
     assert [one.has_peak for one in found] == [False, False]
+    assert "has_peak no" in repr(found[0])
+    assert "nan" not in repr(found[0])
     assert found[0].damping_ratio == close(0.75)
 
 
@@ -190,7 +192,7 @@ def test_what_is_asked_for():
     frame = table_of(every)
     assert frame["speed"].tolist() == [one.speed for one in every]
     assert every[0].speed_rpm == close(every[0].speed * 30.0 / np.pi)
-    assert repr(every[0]).startswith("DampedCritical(order 1, mode 1, speed_rpm ")
+    assert repr(every[0]).startswith("DampedCritical(order 1, mode 1, has_peak yes, speed_rpm ")
 
 
 @pytest.mark.parametrize(

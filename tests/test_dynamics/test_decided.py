@@ -39,7 +39,7 @@ def test_a_verdict_that_comes_and_goes_names_all_values():
         for value, status in ((2e8, FINE), (2e9, BAD), (2e10, BARRED))
     ]
     assert decide(BAD, tried).sentence == (
-        "acceptable with a lateral stiffness of 2e+08 N/m or 2e+10 N/m, not with 2e+09 N/m (assumed): give "
+        "acceptable with a lateral stiffness of 2e8 N/m or 2e10 N/m, not with 2e9 N/m (assumed): give "
         "bearings.stiffness"
     )
 

@@ -41,16 +41,16 @@ def test_barred_range_needed():
     assert verdict.sentence.startswith(
         "Barred range needed, 436.5 to 522.2 1/min: torsional stress"
     )
-    assert "60 MPa at 477.5 1/min, 1.54 times the permitted 39 MPa" in verdict.sentence
+    assert "60 MPa at 477.5 1/min, 154 % of the permitted 39 MPa" in verdict.sentence
 
 
 def test_what_is_exceeded_a_little_is_told_by_the_margin():
     verdict = judge([(CRANKSHAFT, peak(50.0, 39e6 * 1.002))], RUNNING, RULE)
-    assert "which exceeds the permitted 39 MPa by 0.2 %" in verdict.sentence
+    assert "39.08 MPa at 477.5 1/min, 100.2 % of the permitted 39 MPa" in verdict.sentence
     (barred,) = verdict.barred
-    assert "(shaft 6 - 7), by 0.2 % at most" in barred.ends
+    assert "(shaft 6 - 7), 100.2 % is used at most" in barred.ends
     (far,) = judge([(CRANKSHAFT, peak(50.0, 60e6))], RUNNING, RULE).barred
-    assert "(shaft 6 - 7), 1.54 times at most" in far.ends
+    assert "(shaft 6 - 7), 154 % is used at most" in far.ends
 
 
 @pytest.mark.parametrize(
@@ -103,6 +103,18 @@ def test_rule_is_held_above_the_running_range_as_far_as_it_goes():
     )
     (remark,) = judge([(CRANKSHAFT, short)], RUNNING, RULE).remarks
     assert "the limit goes on to 1098 1/min, the calculation to" in remark
+
+
+def test_a_limit_that_ends_within_the_running_range_is_told_once_with_its_end():
+    speeds = np.linspace(10.0, 120.0, 221)
+    findings = [
+        (CRANKSHAFT, AmplitudeCurve(name, speeds, 1e6 * speeds)) for name in ("one", "other")
+    ]
+    verdict = judge(findings, (RUNNING[0], 118.0), RULE)
+    assert verdict.remarks == (
+        f"{CRANKSHAFT.name}: not judged above 1098 1/min, where the limit ends",
+    )
+    assert [check.judged[1] for check in verdict.checks] == close([115.0, 115.0])
 
 
 @pytest.mark.parametrize(

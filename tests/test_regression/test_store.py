@@ -3,6 +3,7 @@ import math
 import shutil
 import sqlite3
 from dataclasses import replace
+from pathlib import Path
 
 import pytest
 from hypothesis import given, settings
@@ -331,6 +332,12 @@ def test_a_store_of_the_first_release_can_be_read_without_a_change(old_store):
         assert store.study_designs("old") == ()  # their factor values were not kept
         assert [(o.key, version) for _, o, version in store.results()] == [("k1", None)]
     assert old_store.read_bytes() == before
+
+
+@pytest.mark.skipif(not Path("/proc").is_dir(), reason="needs a folder that cannot be written")
+def test_a_store_in_a_folder_that_cannot_be_written_is_refused():
+    with pytest.raises(InputError, match=r"cannot be made .*in a folder that can be written\."):
+        ResultStore("/proc/runs.sqlite")
 
 
 @pytest.mark.parametrize("readonly", [False, True])

@@ -160,6 +160,27 @@ def test_a_store_whose_tables_have_no_readable_names_is_damaged(store):
     assert check_store(store).sound
 
 
+def test_rows_are_kept_under_names_of_columns_that_cannot_be_read(store):
+    before = rows(store)
+    content = store.read_bytes().replace(b"attempts INTEGER,   ", b"a\xf5tempts INTEGER,   ")
+    content = content.replace(b"inputs TEXT NOT NULL, ", b"i nput TEXT NOT NULL, ")
+    assert content.count(b"a\xf5tempts") == content.count(b"i nput") == 1
+    store.write_bytes(content)
+    assert not check_store(store).sound
+    rebuilt = rebuild_store(store)
+    assert (rebuilt.designs, rebuilt.extra_rows) == (40, 1)
+    assert rows(store) == before
+    assert check_store(store).sound
+
+
+def test_text_of_a_row_that_is_no_text_is_damaged(store):
+    """A study's list has no checksum of its own."""
+    execute(store, "UPDATE study_designs SET role = CAST(x'F572756E' AS TEXT) WHERE place = 3")
+    rebuild_store(store)
+    assert run_plan(PLAN, store).computed == 0
+    assert check_store(store).sound
+
+
 def test_a_repaired_store_keeps_added_runs_but_damaged_ones(store):
     add_runs(PLAN, store, np.array([[0.281], [0.282]]))
     assert run_plan(PLAN, store).computed == 2

@@ -6,6 +6,7 @@ import subprocess
 import sys
 import time
 from concurrent.futures import ThreadPoolExecutor
+from contextlib import ExitStack
 from pathlib import Path
 
 import pytest
@@ -150,6 +151,28 @@ def test_slow_heads_and_bodies_are_refused(serve, tmp_path):
     assert "Traceback" not in service.log.read_text()
 
 
+@pytest.mark.slow
+def test_connections_beyond_the_limit_are_refused_until_others_close(serve, tmp_path):
+    service = serve(tmp_path, connections=2)
+    port = int(service.address.rpartition(":")[2])
+    with ExitStack() as held:
+        for _ in range(2):
+            held.enter_context(socket.create_connection(("127.0.0.1", port)))
+        status, headers, told = service.ask("/api/throws/law", {"throw": {}})
+        assert status == json.loads(told)["status"] == 503
+        assert json.loads(told)["detail"] == "Too many connections are open; try again later."
+        assert headers["Content-Type"] == "application/problem+json"
+        assert int(headers["Retry-After"]) > 0
+        assert headers["X-Content-Type-Options"] == "nosniff"
+    time.sleep(0.2)
+    assert service.ask("/api/jobs")[0] == 200
+    assert 503 in [
+        json.loads(line)["status"]
+        for line in service.log.read_text().splitlines()[1:]
+        if "{" in line
+    ]
+
+
 def test_nonsense_on_the_line_is_refused(service):
     assert raw(service, b"\x16\x03\x01\x02\x00\x01\r\n\r\n").startswith((b"HTTP/1.1 400", b""))
     assert service.ask("/api/jobs")[0] == 200
@@ -196,6 +219,12 @@ def test_uploaded_files_name_nothing_beside_them(service, wrong):
     assert "root:" not in json.dumps(told)
     if "plain name" not in told["detail"]:
         assert "\ud800" in wrong.get("text", "") or "name of the file itself" in told["detail"]
+
+
+def test_a_refused_method_names_all_that_the_path_takes(service):
+    """Two functions answer at this path."""
+    status, headers, _ = service.ask("/api/jobs/0", method="PUT")
+    assert (status, headers["Allow"]) == (405, "DELETE, GET")
 
 
 def test_scripts_in_a_file_stay_text(service):

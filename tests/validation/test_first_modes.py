@@ -56,7 +56,9 @@ def test_summary_names_the_mode_of_the_crankshaft(run):
     first = run.torsional.chosen.first_frequency
     low, high = (getattr(run.assessment.torsional, end)[1] for end in ("lowest", "highest"))
     assert float(found["value"]) == close(first, rel=0.01)
-    assert found["details"][0].startswith(f"uncertainty range {low:.1f} to {high:.1f} Hz")
+    assert found["details"][0].startswith(
+        f"uncertainty range of the chain {low:.1f} to {high:.1f} Hz"
+    )
     shaft = run.comparison.torsional.modes[0].shaft_frequency
     assert any(f"whole crankshaft in its bearings: {shaft:.1f}" in one for one in found["details"])
     assert any("lower modes of coupling, damper or line" in one for one in found["details"])

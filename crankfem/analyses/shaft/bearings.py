@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from crankbase.summaries import summarized
+from crankbase.units.number_formats import compact
 from crankfem.files.engine.engine_file import EngineFile
 
 # Lateral stiffness of a main bearing (oil film, cap and wall) per journal diameter, where the file gives
@@ -51,9 +52,9 @@ class BearingStiffness:
 
     def describe(self) -> str:
         """Return the stiffness and its range in a clause."""
-        text = f"lateral stiffness of {self.nominal / 1e9:.3g}e9 N/m each"
+        text = f"lateral stiffness of {compact(self.nominal)} N/m each"
         if self.lowest < self.highest:
-            text += f" (range {self.lowest / 1e9:.3g}e9 to {self.highest / 1e9:.3g}e9)"
+            text += f" (range {compact(self.lowest)} to {compact(self.highest)})"
         return text
 
 

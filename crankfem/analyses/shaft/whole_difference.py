@@ -6,6 +6,7 @@ import numpy as np
 
 from crankbase.errors import InputError
 from crankbase.units.number_formats import UNBOUNDED, significant
+from crankbase.units.units import RPM
 from crankfem.analyses.shaft.motion import MOTION
 from crankfem.analyses.shaft.whole_shaft import ShaftComparison, WholeShaft
 from dynamics.chains.engine_chains import EngineChain
@@ -76,12 +77,14 @@ def _difference(verdict: ChainVerdict) -> str:
     motion, found = MOTION[verdict.kind], verdict.response
     if found is not None and abs(found.difference) > RESPONSE_LIMIT:
         chain, shaft = (
-            significant(peak / motion.size, 3) if np.isfinite(peak) else UNBOUNDED
-            for peak in (float(np.max(found.chain)), float(np.max(found.shaft)))
+            f"{significant(peak / motion.size, 3)} {motion.printed} at {significant(speed * RPM, 3)} 1/min"
+            if np.isfinite(peak)
+            else UNBOUNDED
+            for speed, peak in found.peaks
         )
         return (
             f"largest {verdict.kind} amplitude of the free end, over all speeds calculated, {shaft} "
-            f"instead of {chain} {motion.printed}"
+            f"instead of {chain}"
         )
     for match in verdict.modes:
         number = match.chain_mode - match.chain_rigid + 1

@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from crankbase.units.number_formats import significant
 from crankbase.units.units import RPM
 from crankfem.analyses.record import Record, attributes, plain
 from crankfem.analyses.shaft.whole_shaft import ShaftComparison, WholeShaft
@@ -59,26 +60,31 @@ def _tilts(whole: WholeShaft, comparison: ShaftComparison) -> Record | None:
     """Return the effect of the flywheel's diametral inertia on the first modes."""
     if not comparison.tilts:
         return None
-    inertia = float(whole.crankshaft.shaft.stations.diametral[-1])
-    moved = ", ".join(one.sentence for one in comparison.tilts)
+    stations = whole.crankshaft.shaft.stations
+    inertia = float(stations.diametral[-1])
+    half = ", half of that about the shaft" if np.isclose(inertia, 0.5 * stations.polar[-1]) else ""
+    moved = ", ".join(one.sentence for one in comparison.tilts if one.shown)
     return {
         "inertia": inertia,
         "modes": [attributes(one, "kind", "mode", "without", "shaft") for one in comparison.tilts],
-        "sentence": "The flywheel's inertia about a diameter, assumed to be half of that about the shaft, "
-        f"{inertia:.3g} kg m^2, moves {moved}.",
+        "sentence": f"The flywheel's inertia about a diameter ({significant(inertia, 3)} kg m^2{half}) moves "
+        f"{moved or 'the first frequencies by less than 0.05 Hz'}.",
     }
 
 
 def _chain(verdict: ChainVerdict) -> Record:
     response = verdict.response
+    (chain_speed, chain), (shaft_speed, shaft) = response.peaks if response else ((None,) * 2,) * 2
     return {
         **attributes(verdict, "suffices", "reasons"),
         "modes": [
             attributes(one, "chain_frequency", "shaft_frequency", "share", "likeness")
             for one in verdict.modes
         ],
-        "chain_amplitude": None if response is None else np.max(response.chain),
-        "shaft_amplitude": None if response is None else np.max(response.shaft),
+        "chain_amplitude": chain,
+        "chain_speed_rpm": None if chain_speed is None else chain_speed * RPM,
+        "shaft_amplitude": shaft,
+        "shaft_speed_rpm": None if shaft_speed is None else shaft_speed * RPM,
     }
 
 

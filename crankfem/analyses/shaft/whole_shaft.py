@@ -61,7 +61,9 @@ class WholeShaft:
     ----------
     crankshaft : CrankshaftSystem
     highest_frequency : float
-        Highest frequency for which the superelements were made [Hz].
+        What the superelements were made for [Hz].
+    exciting_frequency : float
+        Of the highest order at the highest speed [Hz].
     rotation_ratios : (q - r,) array
         Highest ratio of rotational speed to each elastic natural frequency: shows the importance of Coriolis
         forces, which are neglected; see `rotation_ratio`.
@@ -71,6 +73,7 @@ class WholeShaft:
 
     crankshaft: CrankshaftSystem
     highest_frequency: float
+    exciting_frequency: float
     rotation_ratios: FloatArray
     remarks: tuple[str, ...]
 
@@ -215,7 +218,8 @@ def whole_shaft(
     SolveError
         If the superelement cannot be built.
     """
-    highest = highest_exciting_frequency(engine_file)
+    exciting = highest_exciting_frequency(engine_file)
+    highest = max(LEAST_FREQUENCY, exciting)
     each = crank_analyses(engine_file, analysis)
     if superelement is None:
         built = {
@@ -253,12 +257,13 @@ def whole_shaft(
     left = unmodeled_sections(engine_file)
     if left:
         remarks += (
-            f"{' and '.join(left)} are included in the chains but not in the whole crankshaft, so the two "
-            "are not compared",
+            f"{' and '.join(left)} {'is' if len(left) == 1 else 'are'} included in the chains but not in "
+            "the whole crankshaft, so the two are not compared",
         )
     return WholeShaft(
         crankshaft=crankshaft,
         highest_frequency=highest,
+        exciting_frequency=exciting,
         rotation_ratios=rotation_ratio(
             engine_file.engine.highest_speed, modes.angular_frequencies[modes.rigid :]
         ),
@@ -276,10 +281,9 @@ def unmodeled_sections(engine_file: EngineFile) -> tuple[str, ...]:
 
 
 def highest_exciting_frequency(engine_file: EngineFile) -> float:
-    """Frequency of the highest order at the highest speed, 200 Hz at least [Hz]."""
-    engine = engine_file.engine
-    turns = engine.highest_speed / (2.0 * math.pi)
-    return max(LEAST_FREQUENCY, engine_file.vibration.highest_order * turns)
+    """Frequency of the highest order at the highest speed [Hz]."""
+    turns = engine_file.engine.highest_speed / (2.0 * math.pi)
+    return engine_file.vibration.highest_order * turns
 
 
 def shaft_throws(
@@ -374,14 +378,15 @@ def compare_with_chains(
     Returns
     -------
     ShaftComparison
-        Modes of the chains up to the frequency of the superelements, and each chain's
-        first in any case.
+        Modes of the chains up to the highest exciting frequency, and each chain's first mode of the
+        crankshaft itself in any case: nothing excites higher ones near their resonance.
     """
     verdicts = []
     for chain, answer in ((axial, axial_response), (torsional, torsional_response)):
         modes = chain.chain.modes()
-        first = float(modes.frequencies[modes.rigid])
-        matches = matching_modes(whole.crankshaft, chain, max(first, whole.highest_frequency))
+        first = chain.first_mode(modes)
+        highest = whole.highest_frequency if first is None else float(modes.frequencies[first])
+        matches = matching_modes(whole.crankshaft, chain, max(highest, whole.exciting_frequency))
         response = None
         if coupled is not None and answer is not None:
             response = matching_response(coupled, chain, answer)

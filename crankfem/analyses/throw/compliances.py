@@ -21,10 +21,11 @@ def compliance_tables(results: Mapping[str, Any]) -> Record:
     Returns
     -------
     dict
-        "tables": for each kind its unit and rows (name, value, ratio to finite elements, first natural
-        frequency with that source or None, whether it applies, numbers of its notes); "notes": the
-        notes in the order of their numbers, each once; "range": for each kind the lowest and the
-        highest ratio of the formulas that apply, None if fewer than two do.
+        "tables": for each kind its unit and rows: name, value, beside finite elements, mean over the throws
+        in the shaft with that source and first natural frequency that follows (both None where the source
+        is not used), whether it applies, numbers of its notes; "notes": the
+        notes in the order of their numbers, each said once; "range": for each kind the lowest and the
+        highest ratio of the formulas that apply, None where fewer than two do.
     """
     numbers: dict[str, int] = {}
 
@@ -50,6 +51,7 @@ def compliance_tables(results: Mapping[str, Any]) -> Record:
                 "name": name,
                 "value": value,
                 "beside": value / fe,
+                "in_shaft": None if own is None else own["mean_compliance"],
                 "frequency": None
                 if own is None
                 else own.get("first_frequency", own["first_frequencies"][0]),
@@ -57,11 +59,9 @@ def compliance_tables(results: Mapping[str, Any]) -> Record:
                 "notes": sorted(note(text) for text in remarks),
             }
 
-        cranks = _cranks_of_first(results) or range(1, len(results["shaft"][kind]) + 1)
-        in_shaft = [results["shaft"][kind][crank - 1] for crank in cranks]
         rows = [
-            row("finite elements, pinned", fe, "fe pinned", []),
-            row("finite elements, mean in the shaft", sum(in_shaft) / len(in_shaft), "fe", []),
+            row("finite elements", fe, "fe", []),
+            row("finite elements, pinned in the shaft too", fe, "fe pinned", []),
         ]
         regression = results["formulas"].get("regression")
         if regression is not None and regression.get(kind) is not None:
@@ -97,19 +97,11 @@ def further_compliances(results: Mapping[str, Any]) -> dict[str, Record]:
                 "throw": own["throw"],
                 "formulas": own["formulas"],
                 "throws": {name: own},
-                "shaft": results["shaft"],
                 "vibration": {kind: {"sources": []} for kind in UNITS},
             }
         )
         for name, own in list((results.get("throws") or {}).items())[1:]
     }
-
-
-def _cranks_of_first(results: Mapping[str, Any]) -> list[int]:
-    """The cranks with the throw whose compliances are shown, from 1; empty if all have it."""
-    named = results.get("throws")
-    found: list[int] = next(iter(named.values()))["cranks"] if named else []
-    return found
 
 
 def regression_record(

@@ -19,6 +19,7 @@ from crankfem.analyses.vibration.engine_limits import (
     engine_verdict,
     limit_findings,
     limited_series,
+    unmodeled_plant,
 )
 from crankfem.analyses.vibration.forced import ForcedVibration, forced_vibrations
 from crankfem.analyses.vibration.modes import Vibration
@@ -116,8 +117,9 @@ class Assessment:
         What was not assessed, or assumed.
     axial, torsional : Uncertainty
     beside : tuple of str
-        Differences of the whole crankshaft from the chains that were assessed, and where
-        the verdict changes within the range of the bearings' stiffness, a sentence each.
+        What the engine drives where it is not modeled, how far a calculation of the whole crankshaft
+        differs from the chains that were judged, and where the verdict changes within the range of the
+        bearings' stiffness, a sentence each.
     """
 
     verdict: Verdict
@@ -212,6 +214,7 @@ def assess(
         torsional=_uncertainty(
             engine_file, torsional, spreads["torsional"], held, barred.get("torsional", ())
         ),
+        beside=unmodeled_plant(engine_file),
     )
 
 

@@ -4,7 +4,7 @@ from crankbase.units.units import RPM
 from crankfem.analyses.record import Record, attributes, plain
 from crankfem.analyses.vibration.assessment import Assessment, Uncertainty
 from crankfem.analyses.vibration.misfiring_records import worst_record
-from dynamics.assessment.barred_ranges import BarredRange, limit_end_speed
+from dynamics.assessment.barred_range import BarredRange
 from dynamics.assessment.limits import worst_use
 from dynamics.assessment.verdict import SAME, LimitCheck
 from dynamics.response.peak_cause import PeakCause
@@ -22,6 +22,7 @@ def assessment_record(assessment: Assessment) -> Record:
     """Return verdict, limits and uncertainty in SI units; null where vibration is unbounded."""
     verdict = assessment.verdict
     running = verdict.running_range
+    judged_to = {check.limit.name: check.judged[1] for check in verdict.checks}
     return {
         **attributes(verdict, "status", "sentence"),
         "decision": attributes(assessment.decision, "status", "sentence")
@@ -39,7 +40,7 @@ def assessment_record(assessment: Assessment) -> Record:
         "beside": list(assessment.beside),
         "limits": [
             attributes(limit, "name", "unit", "source", "assumed", "remark")
-            | {"judged_to_rpm": limit_end_speed(limit, running) * RPM}
+            | {"judged_to_rpm": judged_to[limit.name] * RPM}
             for limit in assessment.limits.values()
         ],
         "uncertainty": {
@@ -82,7 +83,8 @@ def _cause(found: PeakCause) -> Record:
 
 def _range(found: BarredRange) -> Record:
     return {
-        **attributes(found, "shown", "limits", "allowed", "refusals", "remarks", "ends"),
+        **attributes(found, "shown", "sentence", "position", "limits", "allowed", "refusals"),
+        **attributes(found, "remarks", "ends"),
         "low_rpm": found.low * RPM,
         "high_rpm": found.high * RPM,
     }

@@ -10,6 +10,7 @@ import numpy as np
 from crankbase.checks.arrays import FloatArray
 from crankbase.summaries import summarized
 from crankbase.tables.frames import table
+from crankbase.units.number_formats import compact
 from crankfem.analyses.shaft.bearings import BearingStiffness, bearing_stiffness
 from crankfem.analyses.shaft.chains import damped_engine_chain
 from crankfem.analyses.shaft.sources import compliances_in_shaft
@@ -121,7 +122,7 @@ class BearingSweep:
     def sentences(self) -> tuple[str, ...]:
         """Effect of the range on first frequencies and limits, and whether the verdict changes."""
         held = self.bearings
-        over = f"Main bearings of {_stiffness(held.lowest)} to {_stiffness(held.highest)} N/m"
+        over = f"Main bearings of {compact(held.lowest)} to {compact(held.highest)} N/m"
         over += " (assumed)" if held.assumed else ""
         found = []
         for kind in KINDS[::-1]:
@@ -151,7 +152,7 @@ class BearingSweep:
 
     @property
     def status_by_stiffness(self) -> str:
-        """For example "fine" at 2.2e+08 to 1e+09 N/m, "not acceptable" at 2.2e+09 N/m."""
+        """Such as "fine" at 2.2e8 to 1e9 N/m, "not acceptable" at 2.2e9 N/m."""
         changes = [
             place
             for place in range(1, len(self.statuses))
@@ -159,8 +160,8 @@ class BearingSweep:
         ]
         starts, ends = [0, *changes], [*changes, len(self.statuses)]
         return ", ".join(
-            f'"{self.statuses[start]}" at {_stiffness(self.stiffness[start])}'
-            + (f" to {_stiffness(self.stiffness[end - 1])}" if end - start > 1 else "")
+            f'"{self.statuses[start]}" at {compact(self.stiffness[start])}'
+            + (f" to {compact(self.stiffness[end - 1])}" if end - start > 1 else "")
             + " N/m"
             for start, end in zip(starts, ends, strict=True)
         )
@@ -373,10 +374,6 @@ def _coarse_speeds(engine_file: EngineFile, orders: FloatArray, held: HeldChains
     speeds = np.unique(np.concatenate(found))
     speeds = speeds[(speeds >= low) & (speeds <= high)]
     return np.asarray(speeds[np.diff(speeds, prepend=0.0) > 1e-9 * speeds])
-
-
-def _stiffness(value: float) -> str:
-    return f"{value:.3g}"
 
 
 def _range(values: FloatArray, form: str) -> str:

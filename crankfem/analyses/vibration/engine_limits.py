@@ -45,6 +45,8 @@ COMPARED = {
     "coupling_torque": ("torque of coupling", "N m"),
     "damper_torque": ("torque of torsional damper", "N m"),
 }
+# Limits that the class document alone holds results against.
+IN_CLASS_DOCUMENT = ("coupling_heat", "damper_torque", "damper_heat", "generator_angle")
 NOT_SAMPLED = "samples of the axial amplitude keep the excitation by torsion of the nominal chain"
 
 
@@ -114,11 +116,19 @@ def engine_limits(
             or (given.tensile_strength is None and tensile > CRANKSHAFT_STRENGTHS[False]),
         )
         found["crankshaft_stress"] = replace(picked, assumed=True)
-        remarks.append(f"torsional stress of the crankshaft: {RULE_PICKED}; {rule_reason(engine)}")
+        remarks.append(
+            f"torsional stress of the crankshaft: {RULE_PICKED}; {rule_reason(engine_file)}"
+        )
     if not {"axial_amplitude", "axial_force"} & set(found):
         remarks.append(
             "axial vibration is not judged, because no limit is given and no general one is published; the "
             "engine maker can give limits.axial_amplitude or limits.axial_force"
+        )
+    unused = [f"limits.{name}" for name in IN_CLASS_DOCUMENT if getattr(given, name) is not None]
+    if unused:
+        remarks.append(
+            f"{', '.join(unused)}: not part of this verdict, but judged in the class document "
+            "(`crankfem class`)"
         )
     if engine_file.ranges is not None:
         remarks.append(NOT_SAMPLED)
@@ -134,14 +144,34 @@ def rule_of(engine: Engine) -> str:
     return RULE_OF_DRIVEN[engine.drives or "propeller"]
 
 
-def rule_reason(engine: Engine) -> str:
-    """State which rule is used for the crankshaft, and why."""
-    if engine.drives:
-        return f"the rule {rule_of(engine)!r}, because the engine drives a {engine.drives} (engine.drives)"
+def rule_reason(engine_file: EngineFile) -> str:
+    """Say which rule is picked for the crankshaft, and why."""
+    driven, rule = _driven(engine_file), rule_of(engine_file.engine)
+    if driven is not None:
+        field = "engine.drives" if engine_file.engine.drives else "load.law"
+        return f"the rule {rule!r}, because the engine drives a {driven} ({field})"
     return (
-        f"the rule {rule_of(engine)!r}, because the file does not say what the engine drives; for a "
+        f"the rule {rule!r}, because the file does not say what the engine drives; for a "
         'generating set of constant speed write drives = "generator" in [engine]'
     )
+
+
+def unmodeled_plant(engine_file: EngineFile) -> tuple[str, ...]:
+    """Say that the file names what the engine drives and does not describe it; nothing otherwise."""
+    driven = _driven(engine_file)
+    if driven is None or engine_file.driven is not None or engine_file.shaft_lines:
+        return ()
+    return (
+        f"The {driven} and its shafts are not modeled (no [driven], no [shaft_line]): the verdict holds for "
+        "the engine with its flywheel alone, not for the plant.",
+    )
+
+
+def _driven(engine_file: EngineFile) -> str | None:
+    """Return what the engine drives, by the file's engine.drives or by the law of its load."""
+    load = engine_file.load
+    by_load = load is not None and load.law == "propeller"
+    return engine_file.engine.drives or ("propeller" if by_load else None)
 
 
 def strengths(engine_file: EngineFile) -> tuple[float, float]:

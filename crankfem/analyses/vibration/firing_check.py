@@ -8,6 +8,7 @@ import numpy as np
 from crankbase.checks.arrays import FloatArray
 from crankbase.summaries import summarized
 from crankbase.tables.frames import Row
+from crankbase.units.number_formats import format_usage
 from crankbase.units.quantity import format_quantity
 from dynamics.assessment.largest_amplitude import largest_amplitude
 from dynamics.assessment.limit_sentences import limit_at, use_in_words
@@ -102,8 +103,15 @@ class FiringCheck:
         elsewhere = "" if normal.place == own.place else f", {normal.place}"
         return (
             f"With {named(self.cylinders)} misfiring, {limit_at(self.quantity, own.place)}: {found}; with "
-            f"all cylinders firing {self._amount(normal)}{elsewhere}."
+            f"all cylinders firing {self._amount(normal)}{self._share(normal)}{elsewhere}."
         )
+
+    def _share(self, found: Reached) -> str:
+        """Write the share of what is permitted at that speed, where something is and it is bounded."""
+        if np.isinf(found.permitted) or np.isinf(found.value):
+            return ""
+        permitted = format_quantity(found.permitted, self.unit, DIGITS)
+        return f", {format_usage(found.used)} of the permitted {permitted}"
 
     def _amount(self, found: Reached) -> str:
         """Write the value, and its speed."""

@@ -93,7 +93,8 @@ class Misfiring:
         """The worst finding while misfiring, with normal firing for comparison."""
         if not self.exceeded:
             return self.worst.sentence
-        ranges = ", ".join(shown_range(*one) for one in self.exceeded)
+        shown = [shown_range(*one) for one in self.exceeded]
+        ranges = " and ".join(filter(None, (", ".join(shown[:-1]), shown[-1])))
         who = named(self.cases[0]) if len(self.cases) == 1 else "a cylinder"
         return f"{self.worst.sentence} While {who} misfires, limits are exceeded from {ranges}."
 
@@ -275,8 +276,14 @@ def _over_speed(
 
 
 def _ranges(speeds: FloatArray, flags: NDArray[np.bool_]) -> tuple[tuple[float, float], ...]:
-    """Return the ranges of flagged speeds, each widened to the next speeds that are not."""
-    edges = np.diff(np.concatenate(([0], flags.astype(int), [0])))
+    """Return the ranges of flagged speeds, each widened to the next speeds that are not.
+
+    Ranges with one speed between them are one: both reach to it.
+    """
+    between = (
+        np.concatenate(([False], flags[:-2] & flags[2:], [False])) if flags.size > 2 else False
+    )
+    edges = np.diff(np.concatenate(([0], (flags | between).astype(int), [0])))
     last = speeds.size - 1
     starts, stops = np.flatnonzero(edges == 1), np.flatnonzero(edges == -1)
     return tuple(

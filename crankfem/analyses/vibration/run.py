@@ -356,7 +356,7 @@ def engine_vibration(
             trials = (*assessment.decision.trials, *sweep.trials)
             decided = decide(assessment.verdict.status, trials)
             assessment = replace(assessment, decision=decided)
-        assessment = replace(assessment, beside=beside)
+        assessment = replace(assessment, beside=(*assessment.beside, *beside))
     return EngineVibration(
         engine_file=read,
         analyses=analyses,

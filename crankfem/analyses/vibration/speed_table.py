@@ -1,5 +1,6 @@
 """The table of an engine's critical speeds: their position, uncertainty and effect."""
 
+from collections.abc import Collection, Sequence
 from dataclasses import replace
 
 from crankbase.tables.output_units import SI, OutputUnits
@@ -16,8 +17,13 @@ ABSENT = "-"
 BESIDE = ("lowest", "highest", "undamped", "ring locked")
 
 
-def speed_table(vibration: Record, units: OutputUnits = SI, most: int = ROWS_SHOWN) -> Table:
-    """Return the critical speeds of both kinds of vibration, with all results for each.
+def speed_table(
+    vibration: Record,
+    units: OutputUnits = SI,
+    most: int = ROWS_SHOWN,
+    major: Collection[float] | None = None,
+) -> Table:
+    """Return the critical speeds of both kinds of vibration, with all that is known of each.
 
     Parameters
     ----------
@@ -27,15 +33,22 @@ def speed_table(vibration: Record, units: OutputUnits = SI, most: int = ROWS_SHO
     units : OutputUnits, optional
         In which amplitudes are written.
     most : int
-        Number shown of each kind: the most severe, or without forces those with the largest phase
-        vector sums.
+        How many are shown of each kind: the most severe, or without forces those at which the cylinders
+        act together most.
+    major : collection of float, optional
+        The engine's major orders, to name the kind of critical speeds without a peak at speeds calculated.
 
     Returns
     -------
     Table
         Speeds at which the cylinders act in phase are marked.
     """
-    rows = [_row(one, units) for kind in KINDS for one in _shown(_speeds(vibration, kind), most)]
+    running = (vibration["assessment"] or {}).get("running_rpm")
+    rows = [
+        _row(one, units, major, running)
+        for kind in KINDS
+        for one in _shown(_speeds(vibration, kind), most)
+    ]
     columns = [
         Column("vibration", words=True),
         SPEED,
@@ -123,13 +136,22 @@ def _speed_rpm(record: Record) -> float | None:
     return None
 
 
-def _row(record: Record, units: OutputUnits) -> dict[str, Cell]:
+def _row(
+    record: Record,
+    units: OutputUnits,
+    major: Collection[float] | None,
+    running: Sequence[float] | None,
+) -> dict[str, Cell]:
     kind = record["kind of motion"]
     critical, peak, margin = (record.get(part, {}) for part in ("critical", "resonance", "margin"))
     speed = _speed_rpm(record)
     known = _known(record)
-    above = not known.get("in_running_range", True) or bool(margin.get("margin"))
+    outside = not known.get("in_running_range", True) or bool(margin.get("margin"))
+    if running is not None and speed is not None and "in_running_range" not in known:
+        outside = outside or not running[0] <= speed <= running[1]
     named = peak.get("kind", "")
+    if not named and major is not None:
+        named = "major" if known["order"] in major else "minor"
     return {
         "vibration": kind,
         "speed": "no peak" if speed is None else speed / RPM,
@@ -143,8 +165,9 @@ def _row(record: Record, units: OutputUnits) -> dict[str, Cell]:
         "phase sum": critical.get("phase_sum"),
         "amplitude": _amplitude(peak, kind, units),
         "damping": peak.get("damping_ratio"),
-        "margin": (margin["margin"] or None) if margin else ABSENT if peak else None,
-        "kind": f"{named}{', ' if named else ''}outside" if above else named or None,
+        # Of a speed outside whose uncertainty range reaches to running speeds nothing is left.
+        "margin": (margin["margin"] if outside else None) if margin else ABSENT if peak else None,
+        "kind": f"{named}{', ' if named else ''}outside" if outside else named or None,
     }
 
 

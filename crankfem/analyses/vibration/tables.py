@@ -106,6 +106,20 @@ def barred_within_error(ranges: list[Record]) -> str:
     return f"over that range of the compliances, speeds to be barred are within {shown} 1/min"
 
 
+def factor_range(spread: Record) -> str:
+    """Write the range of a factor.
+
+    Examples
+    --------
+    >>> factor_range({"low": 0.6, "high": 1.4}), factor_range({"low": 0.9967, "high": 1.0033})
+    ('0.6 to 1.4 times', '-0.33 to +0.33 % of')
+    """
+    low, high = spread["low"], spread["high"]
+    if max(abs(low - 1.0), abs(high - 1.0)) < 0.1:
+        return f"{100.0 * (low - 1.0):+.2g} to {100.0 * (high - 1.0):+.2g} % of"
+    return f"{low:.3g} to {high:.3g} times"
+
+
 def resonance_table(record: Record, units: OutputUnits = SI) -> Table:
     """Return the most severe resonances of a `forced_record`, by speed."""
     kind, found = record["kind"], record["resonances"]
@@ -203,9 +217,7 @@ def limit_table(
     # What was judged above the running range stands beside it.
     beside = any(one.get("above") is not None for one in checks)
     table = Table(
-        "Limits, worst running speeds"
-        if limit is None
-        else f"{limit.capitalize()}, worst running speeds",
+        f"{'Limits' if limit is None else limit.capitalize()}, at the running speeds where most is used",
         [
             Column("limit", words=True),
             Column("where", words=True),
@@ -264,7 +276,7 @@ def misfiring_table(record: Record, units: OutputUnits = SI) -> Table:
         cylinders = ", ".join(str(number) for number in one["cylinders"])
         return [
             row(one, "all cylinders", one["normal"]),
-            row(one, f"not {cylinders}", one["misfiring"]),
+            row(one, f"all but {cylinders}", one["misfiring"]),
         ]
 
     return Table(

@@ -76,6 +76,7 @@ def mechanism(
     inputs = mechanism_inputs(loaded)
     names = [*MECHANISM.files(), *([ROD_MODELS_FILE] if len(models) == 2 else [])]
     folder = check_outputs(csv, pictures, *inputs, names=names)
+    console.print_warnings(loaded.warnings, out.units)
     run = run_mechanism(loaded, turning, models[0], motored=motored)
     compared = None if len(models) == 1 else model_difference(run, models[1])
     record = mechanism_record(run) | {

@@ -74,6 +74,7 @@ def vibration(
     from crankfem.analyses.vibration.run_up import parse_duration
     from crankfem.analyses.vibration.run_up import run_up as turned_up
     from crankfem.cli.column_file import write_columns
+    from crankfem.cli.tables.run_tables import print_verdict
     from crankfem.cli.tables.vibration_tables import print_run, print_run_up
     from crankfem.files.engine.engine_file import load_engine
     from crankfem.files.engine.input_files import engine_tables
@@ -85,8 +86,9 @@ def vibration(
     read = load_engine(content if model is None else with_model(content, model))
     if strict:
         check_has_limits(read)
+    mechanism = mechanism_of(read)
     if csv is not None or pictures is not None:
-        protect(read.path, *engine_tables(read, mechanism_of(read)))
+        protect(read.path, *engine_tables(read, mechanism))
     tables = make_output_folder(
         "--csv", csv, [f"{one}.csv" for one in (*MOTION, "axial_force")], "table"
     )
@@ -94,6 +96,7 @@ def vibration(
     there = [*(["forced"] if known else []), *(["whole"] if coupled else [])]
     names = [*VIBRATION.files(there), *([] if run_up is None else ["run_up.svg"])]
     drawn = make_output_folder("--pictures", pictures, names)
+    console.print_warnings(mechanism.warnings, out.units)
     with console.RunProgress(out.quiet) as progress:
         run = engine_vibration(read, coupled=coupled, step=progress.step)
         found = None
@@ -126,6 +129,7 @@ def vibration(
             print_run_up(record["run_up"], out.units)
         for path in written:
             console.print_line(f"Written: {path}")
+        print_verdict({"vibration": record}, out.units)
     if strict:
         exit_unless_acceptable(record)
 

@@ -10,6 +10,7 @@ from crankfem.analyses.record import Record
 from crankfem.analyses.throw.law_record import law_sentence
 from crankfem.cli.console import print_line, print_notes, print_table
 from crankfem.cli.tables.throw_tables import print_shape
+from dynamics.engine.firing import repeating_intervals
 
 KINDS = {
     "engine": "It describes a whole engine",
@@ -26,7 +27,11 @@ def print_check(record: Record, units: OutputUnits = SI) -> None:
     assumed = sum(one["assumed"] for one in inputs)
     verb = "is" if assumed == 1 else "are"
     counted = f"; {assumed} of {len(inputs)} values {verb} assumed" if inputs else ""
-    print_line(f"{record['file']}: valid {record['kind']} file{counted}.")
+    warnings = record["warnings"]
+    warned = f"; {len(warnings)} warning{'s' if len(warnings) > 1 else ''}" if warnings else ""
+    print_line(f"{record['file']}: valid {record['kind']} file{counted}{warned}.")
+    for warning in warnings:
+        print_line(units.text(f"Warning: {warning.rstrip('.')}."))
     print_line(f"{KINDS[record['kind']]}; use it with: {', '.join(record['commands'])}.")
     print_line(f"Sections: {', '.join(record['sections'])}.")
     if record["arrangement"] is not None:
@@ -64,7 +69,8 @@ def _print_arrangement(name: str, engine: Record, units: OutputUnits) -> None:
         f"{name}: {_cylinders(engine['cylinders'])} {kind}, {engine['strokes']}-stroke, bore x stroke "
         f"{length.number(engine['bore'], digits)} x {length.number(engine['stroke'], digits)} "
         f"{length.name}; runs from "
-        f"{speeds[0]} to {speeds[1]} {speed.name}, rated speed {speeds[2]} {speed.name}; firing order "
+        f"{speeds[0]} to {speeds[1]} {speed.name}, rated speed {speeds[2]} {speed.name} (mean piston "
+        f"speed {units.of('m/s').with_name(engine['mean_piston_speed'], 3)}); firing order "
         f"{'-'.join(map(str, engine['firing_order']))}, "
         f"{intervals_text(engine['firing_intervals_deg'], units)}."
     )
@@ -87,19 +93,13 @@ def _print_arrangement(name: str, engine: Record, units: OutputUnits) -> None:
 
 
 def intervals_text(intervals_deg: Sequence[float], units: OutputUnits) -> str:
-    """State the firing intervals of an engine; of repeating intervals, each once."""
-    steps = list(intervals_deg)
-    period = next(
-        size
-        for size in range(1, len(steps) + 1)
-        if not len(steps) % size
-        and all(math.isclose(one, steps[k % size], abs_tol=0.01) for k, one in enumerate(steps))
-    )
+    """Say at which intervals an engine fires; of intervals that repeat, each once."""
+    repeated = repeating_intervals(intervals_deg)
     angle = units.of("deg")
-    told = ", ".join(angle.number(math.radians(step)) for step in steps[:period])
-    if period == 1:
+    told = ", ".join(angle.number(math.radians(step)) for step in repeated)
+    if len(repeated) == 1:
         return f"fires every {told} {angle.name}"
-    again = " in turn" if period < len(steps) else ""
+    again = " in turn" if len(repeated) < len(intervals_deg) else ""
     return f"fires at intervals of {told} {angle.name}{again}"
 
 

@@ -8,6 +8,7 @@ from crankfem.analyses.vibration.tables import (
     barred_within_error,
     critical_table,
     element_table,
+    factor_range,
     limit_table,
     load_table,
     margin_table,
@@ -25,7 +26,7 @@ NOT_FORCED = (
 
 
 def print_run(record: Record, units: OutputUnits = SI) -> None:
-    """Print all of an engine's vibration, the verdict last; critical speeds only where nothing is forced."""
+    """Print an engine's vibration, the verdict last; critical speeds only where nothing is forced."""
     forced = record["forced"]
     if record.get("load") is not None:
         print_load(record["load"], units)
@@ -54,17 +55,15 @@ def print_run(record: Record, units: OutputUnits = SI) -> None:
         print_line(NOT_FORCED)
     else:
         print_assessment(record["assessment"], units)
-        _print_misfiring(record, units)
-
-
-def _print_misfiring(record: Record, units: OutputUnits) -> None:
-    found = record.get("misfiring")
-    if found is None:
-        print_notes(filter(None, [record.get("misfiring_note")]), units)
-        return
-    print_table(misfiring_table(found, units), units)
-    print_notes(found["remarks"], units)
-    print_line(units.text(f"Misfiring: {found['sentence']}"))
+        found = record.get("misfiring")
+        if found is not None:
+            print_table(misfiring_table(found, units), units)
+        print_notes(
+            filter(None, found["remarks"] if found else [record.get("misfiring_note")]), units
+        )
+        print_judgment(record["assessment"], units)
+        if found is not None:
+            print_line(units.text(f"Misfiring: {found['sentence']}"))
 
 
 def print_run_up(record: Record, units: OutputUnits = SI) -> None:
@@ -127,7 +126,7 @@ def _print_whole(record: Record, units: OutputUnits) -> None:
 
 
 def print_assessment(record: Record, units: OutputUnits = SI) -> None:
-    """Print uncertainties, limits, barred ranges and, last, the verdict, and what decides it."""
+    """Print what is uncertain, the limits, and what was assumed of them."""
     for kind, uncertain in record["uncertainty"].items():
         _print_uncertainty(kind, uncertain, units)
     for limit in dict.fromkeys(check["limit"] for check in record["checks"]):
@@ -148,13 +147,14 @@ def print_assessment(record: Record, units: OutputUnits = SI) -> None:
             )
         )
     print_notes(record["remarks"], units)
-    for name, fine in (
-        ("barred", "may be barred"),
-        ("started_through", "is passed on every start"),
-    ):
-        for one in record[name]:
-            said = "; ".join(one["refusals"]) or fine
-            print_line(units.text(f"Range {one['shown']}: {said}. Its ends: {one['ends']}."))
+
+
+def print_judgment(record: Record, units: OutputUnits = SI) -> None:
+    """Print ranges of speed, the verdict with its reasons, what decides it, and how sure it is."""
+    for one in (*record["barred"], *record["started_through"]):
+        # The verdict has the reasons of those that cannot be accepted.
+        said = one["sentence"] if one["allowed"] else one["shown"]
+        print_line(units.text(f"Range {said}. Its ends: {one['ends']}."))
     decision = record.get("decision", {"status": "", "sentence": ""})
     if decision["status"] == "undecided":
         print_line(units.text(f"Verdict: undecided, {decision['sentence']}."))
@@ -171,10 +171,7 @@ def print_assessment(record: Record, units: OutputUnits = SI) -> None:
 
 def _print_uncertainty(kind: str, record: Record, units: OutputUnits) -> None:
     for spread in record["spreads"]:
-        print_line(
-            f"{kind.capitalize()}: {spread['name']} {spread['low']:.3g} to {spread['high']:.3g} times the "
-            "value used"
-        )
+        print_line(f"{kind.capitalize()}: {spread['name']} {factor_range(spread)} the value used")
     if record.get("barred"):
         print_line(units.text(f"{kind.capitalize()}: {barred_within_error(record['barred'])}."))
     print_table(margin_table(record, kind), units)

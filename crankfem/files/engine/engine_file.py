@@ -360,7 +360,7 @@ def load_engine(path: str | Path | TomlFile) -> EngineFile:
         needed = [f"[{name}]" for name, one in SECTIONS.items() if one.required and name != "throw"]
         raise InputError(
             f"{content.path.name}: describes a throw, not an engine; add the sections {', '.join(needed)}, "
-            "or use it with throw, formulas, draw and export."
+            "or use it with a command for throws: `crankfem check` lists them."
         )
     if kind == "mechanism":
         raise InputError(

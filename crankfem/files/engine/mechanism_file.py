@@ -12,6 +12,7 @@ from crankbase.summaries import summarized
 from crankfem.files.engine.engine_checks import check_load
 from crankfem.files.engine.engine_file import SECTIONS, EngineFile, check_sections, load_engine
 from crankfem.files.engine.file_kinds import engine_sections, file_kind
+from crankfem.files.engine.firing_evenness import firing_evenness
 from crankfem.files.engine.mechanism_cylinders import (
     angles_of_throws,
     check_sizes,
@@ -22,6 +23,7 @@ from crankfem.files.engine.mechanism_cylinders import (
 )
 from crankfem.files.engine.rated_power import EnginePower, engine_power
 from crankfem.files.engine.throw_file import ThrowFile, load_throw_file
+from crankfem.files.engine.usual_sizes import engine_warnings
 from crankfem.files.reading.toml_file import InputRecord, TomlFile
 from crankfem.files.sections.crank_throws import (
     PLAIN,
@@ -50,7 +52,13 @@ READ = (
 
 
 @summarized(
-    "name", "path", "rated_speed [rad/s]", "layout.cylinders", "throw_angles_deg [deg]", "remarks"
+    "name",
+    "path",
+    "rated_speed [rad/s]",
+    "layout.cylinders",
+    "throw_angles_deg [deg]",
+    "remarks",
+    "warnings",
 )
 @dataclass(frozen=True)
 class MechanismFile:
@@ -88,7 +96,9 @@ class MechanismFile:
     attached_inertia : float
         Of flywheel and free end, if given [kg m^2].
     remarks : tuple of str
-        Assumptions beyond the values of the file.
+        What was assumed beyond the values of the file.
+    warnings : tuple of str
+        Sizes far outside of practice, and firing that could be even: perhaps slips.
     records : tuple of InputRecord
         Every value with its source.
     sources : dict
@@ -111,6 +121,7 @@ class MechanismFile:
     load: LoadSection | None
     attached_inertia: float
     remarks: tuple[str, ...]
+    warnings: tuple[str, ...]
     records: tuple[InputRecord, ...]
     sources: dict[str, str]
 
@@ -157,6 +168,7 @@ def _read_mechanism(content: TomlFile) -> MechanismFile:
             path=content.path,
             engine=engine,
             shaft=shaft,
+            named_throws=throws,
             crank_throws=along,
             rod=rod,
             piston=piston,
@@ -179,6 +191,7 @@ class MechanismSections:
     path: Path
     engine: Engine
     shaft: ShaftLayout | None
+    named_throws: dict[str, CrankThrow]
     crank_throws: tuple[CrankThrow, ...]
     rod: Rod
     piston: Piston
@@ -233,6 +246,7 @@ def mechanism_of(file: EngineFile | MechanismSections) -> MechanismFile:
         load=file.load,
         attached_inertia=sum(attached),
         remarks=_remarks(file),
+        warnings=_warnings(file, power),
         records=file.records,
         sources=file.sources,
     )
@@ -259,11 +273,18 @@ def layout_of(file: EngineFile | MechanismSections) -> EngineLayout:
     return EngineLayout(0.5 * engine.stroke, cylinders, engine.firing_order, engine.strokes)
 
 
+def _warnings(file: EngineFile | MechanismSections, power: EnginePower | None) -> tuple[str, ...]:
+    """Name what is far outside of practice, and so perhaps a slip."""
+    thrust = file.thrust_bearing if isinstance(file, EngineFile) else None
+    material = () if file.material.remark is None else (file.material.remark,)
+    firing = firing_evenness(file.engine).warnings
+    return (*firing, *material, *engine_warnings(file, power, thrust))
+
+
 def _remarks(file: EngineFile | MechanismSections) -> tuple[str, ...]:
-    """State the assumptions beyond the sections, and unusual values in them."""
+    """Say what is assumed beyond the sections."""
     remarks = inertia_remarks(file.rod, file.hinged_rods)
-    unusual = (file.engine.firing_remark, file.material.remark)
-    remarks += [remark for remark in unusual if remark is not None]
+    remarks += firing_evenness(file.engine).notes
     if side_by_side(file.crank_throws[0], file.throws, file.hinged_rods):
         remarks.insert(
             0,

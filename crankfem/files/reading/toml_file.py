@@ -183,7 +183,7 @@ class TomlFile:
                 continue
             else:
                 source, assumed = "default", name not in type(made).choices
-                given = _show(value, field_extra(info, "unit"))
+                given = _show(value, field_extra(info, "unit")) or "not given"
             self.records.append(
                 InputRecord(
                     field=field_name,
@@ -303,4 +303,6 @@ def _cite(text: str, sources: Mapping[str, str]) -> str:
 def _show(value: object, unit: str | None = None) -> str:
     if isinstance(value, list | tuple):
         return ", ".join(str(item) for item in value)
+    if isinstance(value, bool):
+        return str(value).lower()
     return format_quantity(value, unit) if unit and isinstance(value, float) else str(value)

@@ -19,8 +19,6 @@ from dynamics.engine.firing import (
 )
 
 # Limits are round numbers in the units in which people read them.
-# Firing intervals that differ by less are even, but for the digits of given angles.
-UNEVEN_FROM_DEG = 0.5
 
 
 class Engine(InputModel):
@@ -171,16 +169,9 @@ class Engine(InputModel):
         steps = firing_intervals(self.firing_angles, self.strokes)
         return tuple(round(math.degrees(step), 6) for step in steps)
 
-    @property
-    def firing_remark(self) -> str | None:
-        """What to say of firing intervals that are not even, which only some engines have."""
-        steps = [round(step, 1) for step in self.firing_intervals_deg]
-        if max(steps) - min(steps) < UNEVEN_FROM_DEG:
-            return None
-        return (
-            f"engine.firing_order: fires at uneven intervals of {', '.join(f'{s:g}' for s in steps)} deg; "
-            "check the order and the crank angles unless the engine is built so"
-        )
+    def mean_piston_speed(self, speed: float) -> float:
+        """Mean piston speed [m/s] at a speed of the shaft [rad/s]: two strokes a revolution."""
+        return speed * self.stroke / math.pi
 
     def _tops(self, sense: int) -> list[float]:
         """Shaft angle at which each crank is at the top, for a sense of turning [rad]."""

@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Mapping
+from dataclasses import replace
 from typing import Any, ClassVar, Self
 
 from pydantic import Field, model_validator
@@ -265,9 +266,11 @@ class LimitsInput(InputModel):
                 assumed=assumed,
             )
         if self.crankshaft_rule:
-            found["crankshaft_stress"] = self._crankshaft_limit(
+            by_rule = self._crankshaft_limit(
                 rated_speed, strokes=strokes, kind=kind, firing_interval_deg=firing_interval_deg
             )
+            _, assumed = sources.get("limits.crankshaft_rule", ("", False))
+            found["crankshaft_stress"] = replace(by_rule, assumed=assumed)
         for shaft in self.shafts:
             found[f"shaft: {shaft.element}"] = shaft.limit(rated_speed)
         return found

@@ -140,6 +140,5 @@ def _remark(peak: FilletPeak | OilHolePeak) -> str:
     size = peak.von_mises * STRESS_SHOWN
     return (
         f"largest at {'a fillet' if isinstance(peak, FilletPeak) else 'an oil hole'}: {size:.3g} MPa "
-        f"({peak.name}; {place}); "
-        f"divided by the nominal stress {peak.von_mises_factor:.2f}"
+        f"({peak.name}; {place}), {peak.von_mises_factor:.2f} times the nominal stress"
     )

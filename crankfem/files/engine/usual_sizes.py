@@ -1,0 +1,204 @@
+"""Sizes of an engine that are far outside of practice: each is a warning, never an error."""
+
+import math
+from collections import Counter
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from typing import Protocol
+
+from crankbase.units.quantity import format_quantity
+from crankfem.files.engine.rated_power import EnginePower
+from crankfem.files.sections.crank_throws import PLAIN
+from crankfem.files.sections.engine_sections import Engine, Flywheel, ThrustBearing
+from crankfem.files.sections.mechanism_sections import Piston, Rod
+from geometry.throw import CrankThrow
+from regression.law.ratios import DIVISORS, FILLETS, RANGES, REAL
+
+LAW, SHIPPED, M53 = (
+    "range of the law's training throws",
+    "range of the shipped engines",
+    "range of IACS UR M53",
+)
+
+
+@dataclass(frozen=True)
+class UsualRange:
+    """Smallest and largest usual value of a ratio, how it is written, and who has these values.
+
+    `meaning` has braces for the value with its unit. A value beyond the range by the factor `margin` gets
+    a warning.
+    """
+
+    low: float
+    high: float
+    meaning: str
+    unit: str = "times"
+    basis: str = SHIPPED
+    margin: float = 2.0
+
+    def warning(self, field: str, given: str, value: float) -> Iterator[str]:
+        """Give the sentence about a value far outside of the range; none about any other."""
+        if self.low / self.margin <= value <= self.high * self.margin:
+            return
+        shown = self.meaning.format(f"{value:.3g} {self.unit}")
+        yield (
+            f"{field}: {given}, which {shown}; usual is {self.low:g} to {self.high:g} {self.unit} "
+            f"({self.basis})"
+        )
+
+
+# Of the shipped engines, rounded outwards to two digits.
+PITCH = UsualRange(1.1, 1.8, "is {} the bore for each cylinder of a bank", margin=1.1)
+JOURNAL = UsualRange(0.63, 1.3, "is {} the bore", margin=1.5)
+STROKE = UsualRange(0.89, 4.1, "is {} the bore")
+ROD_LENGTH = UsualRange(2.0, 5.0, "is {} the crank radius", margin=1.5)
+PISTON_MASS = UsualRange(0.94, 6.2, "is {} of swept volume", "kg/dm^3")
+ROD_MASS = UsualRange(0.98, 5.5, "is {} of swept volume", "kg/dm^3")
+PISTON_SPEED = UsualRange(5.5, 14.0, "gives a mean piston speed of {}", "m/s")
+HIGHEST_PISTON_SPEED = UsualRange(5.6, 16.0, "gives a mean piston speed of {}", "m/s")
+INDICATED = UsualRange(1.0, 2.1, "gives a mean indicated pressure of {}", "MPa")
+FLYWHEEL = UsualRange(1.4, 2.4, "gives a radius of gyration of {} the bore")
+THRUST = UsualRange(2.2, 3.7, "is {} of the main journal's diameter", "MN/m per mm", margin=5.0)
+# A ratio of a throw may be beyond the range of the law by this factor.
+THROW_MARGIN = 1.25
+OIL_HOLE = UsualRange(0.0, 0.2, "is {} its journal's diameter", basis=M53, margin=THROW_MARGIN)
+
+# Fields of a throw and its parts to the ratio whose range the law's training throws have.
+OF_THROW = {
+    **{name: name for name in REAL},
+    **dict.fromkeys(("fillet_radius", *FILLETS), FILLETS[0]),
+    "main_journal_bore": "main_journal_bore",
+    "pin_bore": "pin_bore",
+}
+OF_WEB = {"thickness": "web_thickness", "width": "web_width"}
+OF_PIN = {
+    "crank_radius": "crank_radius",
+    "diameter": "pin_diameter",
+    "length": "pin_length",
+}
+
+
+def throw_warnings(throws: Mapping[str, CrankThrow]) -> Iterator[str]:
+    """Name the dimensions of throws that are far out of proportion to their journals.
+
+    Parameters
+    ----------
+    throws : mapping
+        Name to throw; "throw" is that of a plain file.
+    """
+    for name, throw in throws.items():
+        section = name if name == PLAIN else f"throws.{name}"
+        parts: list[tuple[str, object, Mapping[str, str]]] = [
+            (section, throw, OF_THROW),
+            (f"{section}.left_web", throw.left_web, OF_WEB),
+            (f"{section}.right_web", throw.right_web, OF_WEB),
+        ]
+        for place, pin in enumerate(throw.further_pins):
+            parts.append((f"{section}.further_pins[{place}]", pin, OF_PIN))
+        for path, part, known in parts:
+            for field, ratio in known.items():
+                if value := getattr(part, field, None):
+                    yield from _ratio_warning(f"{path}.{field}", value, ratio, throw)
+        for hole in throw.parts.drillings:
+            yield from OIL_HOLE.warning(
+                f"{section}.oil_holes[{hole.number - 1}].diameter",
+                f"given {format_quantity(2.0 * hole.radius, 'm')}",
+                hole.radius / hole.journal_radius,
+            )
+
+
+def _ratio_warning(field: str, value: float, ratio: str, throw: CrankThrow) -> Iterator[str]:
+    by = DIVISORS.get(ratio, "main_journal_diameter")
+    usual = UsualRange(*RANGES[ratio], f"is {{}} {by}", basis=LAW, margin=THROW_MARGIN)
+    return usual.warning(field, f"given {format_quantity(value, 'm')}", value / getattr(throw, by))
+
+
+class Sized(Protocol):
+    """The sections of a file whose sizes are compared; engine and mechanism files have them."""
+
+    @property
+    def engine(self) -> Engine:
+        """The section [engine]."""
+
+    @property
+    def named_throws(self) -> Mapping[str, CrankThrow]:
+        """The throws by name."""
+
+    @property
+    def throws(self) -> tuple[int, ...]:
+        """Throw that each cylinder works on, from 0."""
+
+    @property
+    def crank_throws(self) -> tuple[CrankThrow, ...]:
+        """Throw of each crank."""
+
+    @property
+    def rod(self) -> Rod:
+        """The section [rod]."""
+
+    @property
+    def piston(self) -> Piston:
+        """The section [piston]."""
+
+    @property
+    def flywheel(self) -> Flywheel | None:
+        """The section [flywheel]."""
+
+
+def engine_warnings(
+    file: Sized, power: EnginePower | None, thrust: ThrustBearing | None
+) -> Iterator[str]:
+    """Name the sizes of an engine that are far outside of practice, its throws included.
+
+    Parameters
+    ----------
+    file : Sized
+    power : EnginePower or None
+        At rated speed; None without gas pressure.
+    thrust : ThrustBearing or None
+    """
+    yield from throw_warnings(file.named_throws)
+    engine, throw, bore = file.engine, file.crank_throws[0], file.engine.bore
+
+    def told(field: str, value: float, unit: str, usual: UsualRange, ratio: float) -> Iterator[str]:
+        return usual.warning(field, f"given {format_quantity(value, unit, 5)}", ratio)
+
+    journal, rod, pitch = throw.main_journal_diameter, file.rod.length, throw.length
+    yield from told("engine.stroke", engine.stroke, "m", STROKE, engine.stroke / bore)
+    yield from told("throw.main_journal_diameter", journal, "m", JOURNAL, journal / bore)
+    yield from PITCH.warning(
+        "throw",
+        f"{format_quantity(pitch, 'm', 5)} from one main bearing to the next",
+        pitch / bore / _cylinders_in_line(file),
+    )
+    yield from told("rod.length", rod, "m", ROD_LENGTH, rod / throw.crank_radius)
+    swept = 0.25 * math.pi * bore**2 * engine.stroke * 1e3  # [dm^3]
+    for field, mass, usual in (
+        ("piston.mass", file.piston.mass, PISTON_MASS),
+        ("rod.mass", file.rod.mass, ROD_MASS),
+    ):
+        yield from told(field, mass, "kg", usual, mass / swept)
+    for field, speed, usual in (
+        ("engine.rated_speed", engine.rated_speed, PISTON_SPEED),
+        ("engine.highest_speed", engine.highest_speed, HIGHEST_PISTON_SPEED),
+    ):
+        yield from told(field, speed, "rad/s", usual, engine.mean_piston_speed(speed))
+    if power is not None:
+        mean = power.mean_indicated_pressure / 1e6
+        yield from INDICATED.warning("gas", "the pressure over the cycle", mean)
+    if file.flywheel is not None:
+        inertia = file.flywheel.inertia
+        gyration = math.sqrt(inertia / file.flywheel.mass)
+        yield from told("flywheel.inertia", inertia, "kg m^2", FLYWHEEL, gyration / bore)
+    if thrust is not None:
+        stiffness = thrust.stiffness
+        yield from told(
+            "thrust_bearing.stiffness", stiffness, "N/m", THRUST, stiffness / journal / 1e9
+        )
+
+
+def _cylinders_in_line(file: Sized) -> int:
+    """Return the cylinders of one bank that the first throw carries, one behind the other."""
+    banks = file.engine.bank_angles or (0.0,) * file.engine.cylinders
+    first = [round(bank, 6) for bank, own in zip(banks, file.throws, strict=True) if own == 0]
+    return max(Counter(first).values())

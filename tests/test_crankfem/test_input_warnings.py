@@ -1,0 +1,207 @@
+"""Warnings of sizes far outside of practice and of uneven firing, none of which is refused."""
+
+import math
+
+import numpy as np
+import pytest
+
+from comparing import close
+from crankfem.files.engine import usual_sizes
+from crankfem.files.engine.engine_file import EngineFile
+from crankfem.files.engine.firing_evenness import FiringEvenness, firing_evenness
+from crankfem.files.engine.mechanism_file import load_any, mechanism_of
+from crankfem.files.engine.throw_file import ThrowFile
+from crankfem.files.engine.usual_sizes import UsualRange, throw_warnings
+from crankfem.files.reading.data_files import input_path, shipped_names
+from crankfem.files.sections.engine_sections import Engine
+
+
+@pytest.fixture(scope="module")
+def shipped():
+    """All shipped engine files, read."""
+    return [load_any(name) for name in shipped_names("engine")]
+
+
+def test_no_shipped_engine_is_warned_of(shipped):
+    for file in shipped:
+        if isinstance(file, ThrowFile):
+            assert not list(throw_warnings(file.throws)), file.path
+            continue
+        mechanism = mechanism_of(file) if isinstance(file, EngineFile) else file
+        assert mechanism.warnings == (), file.path
+
+
+def outwards(low, high):
+    """Two digits, rounded away from the middle."""
+    size = [10.0 ** (math.floor(math.log10(one)) - 1) for one in (low, high)]
+    return math.floor(low / size[0]) * size[0], math.ceil(high / size[1]) * size[1]
+
+
+def test_usual_ranges_are_those_of_the_shipped_engines(shipped):
+    values = {}
+
+    def add(name, value):
+        values.setdefault(name, []).append(value)
+
+    for file in shipped:
+        if isinstance(file, ThrowFile):
+            continue
+        whole = isinstance(file, EngineFile)
+        mechanism = mechanism_of(file) if whole else file
+        cylinder, throw = mechanism.layout.cylinders[0], mechanism.throw
+        bore, stroke = cylinder.bore, 2.0 * throw.crank_radius
+        swept = 1e3 * 0.25 * math.pi * bore**2 * stroke
+        add("STROKE", stroke / bore)
+        add("JOURNAL", throw.main_journal_diameter / bore)
+        add("PITCH", throw.length / bore)
+        add("ROD_LENGTH", cylinder.rod.length / throw.crank_radius)
+        add("PISTON_MASS", cylinder.piston_mass / swept)
+        add("ROD_MASS", cylinder.rod.mass / swept)
+        add("PISTON_SPEED", 2.0 * stroke * mechanism.rated_speed / (2.0 * math.pi))
+        if mechanism.power is not None:
+            add("INDICATED", mechanism.power.mean_indicated_pressure / 1e6)
+        if whole:
+            add("HIGHEST_PISTON_SPEED", 2.0 * stroke * file.engine.highest_speed / (2.0 * math.pi))
+            add("FLYWHEEL", math.sqrt(file.flywheel.inertia / file.flywheel.mass) / bore)
+            stiffness = file.thrust_bearing.stiffness / throw.main_journal_diameter
+            add("THRUST", stiffness / 1e9)
+    ranges = {n: one for n, one in vars(usual_sizes).items() if isinstance(one, UsualRange)}
+    assert set(ranges) - set(values) == {"OIL_HOLE"}
+    for name, found in values.items():
+        usual = ranges[name]
+        assert (usual.low, usual.high) == close(outwards(min(found), max(found))), name
+
+
+SLIPS = {
+    "throw.web_thickness": (
+        '"580 mm"',
+        "580 mm, which is 2.64 times main_journal_diameter; usual is 0.18 to",
+    ),
+    "throw.fillet_radius": (
+        '"28 mm"',
+        "28 mm, which is 0.127 times main_journal_diameter; usual is 0 to 0.08",
+    ),
+    "rod.length": (
+        '"7.2 m"',
+        "7200 mm, which is 42.4 times the crank radius; usual is 2 to 5 times",
+    ),
+    "piston.mass": (
+        '"300 kg"',
+        "300 kg, which is 18 kg/dm^3 of swept volume; usual is 0.94 to 6.2 kg/dm^3",
+    ),
+    "engine.highest_speed": (
+        '"5150 1/min"',
+        "a mean piston speed of 58.4 m/s; usual is 5.6 to 16 m/s",
+    ),
+    "flywheel.inertia": (
+        '"4.5 kg m^2"',
+        "a radius of gyration of 0.227 times the bore; usual is 1.4 to 2.4",
+    ),
+    "thrust_bearing.stiffness": (
+        '"8e6 N/m"',
+        "0.0364 MN/m per mm of the main journal's diameter; usual is",
+    ),
+}
+
+
+@pytest.mark.parametrize("field", SLIPS)
+def test_a_slip_is_warned_of_and_not_refused(call, tmp_path, six_cylinders, edit, field):
+    value, said = SLIPS[field]
+    (tmp_path / "mine.toml").write_text(edit(six_cylinders, {field: value}), encoding="utf-8")
+    answer = call("check", "mine.toml")
+    words = " ".join(answer.out.split())
+    assert answer.code == 0
+    assert f"Warning: {field}: given" in words
+    assert said in words
+    assert "the shipped engines)." in words or "law's training throws)." in words
+    record = call("check", "mine.toml", "--json").json()
+    assert f"{len(record['warnings'])} warning" in words
+    assert any(one.startswith(field) for one in record["warnings"])
+
+
+def test_the_throw_must_fit_the_bore():
+    """Cylinders of twice the bore on the same throw would overlap."""
+    file = load_any("6chn25-34")
+    larger = mechanism_of(file.changed(engine={"bore": 0.5})).warnings
+    assert any("which is 0.82 times the bore for each cylinder of a bank" in one for one in larger)
+
+
+def test_a_throw_alone_and_by_name(call, tmp_path):
+    text = input_path("2ch85-110").read_text(encoding="utf-8")
+    (tmp_path / "mine.toml").write_text(text.replace('"24 mm"', '"60 mm"', 1), encoding="utf-8")
+    answer = call("check", "mine.toml", "--json")
+    assert all(one.startswith("throw.") for one in answer.json()["warnings"])
+    throw = load_any("6chn25-34").throw.changed(main_journal_length=0.5)
+    (warning,) = throw_warnings({"a": throw})
+    assert warning.startswith("throws.a.main_journal_length: given 500 mm, which is 2.27 times")
+
+
+def test_mechanism_and_vibration_warn_on_standard_error(call, tmp_path, six_cylinders, edit):
+    text = edit(six_cylinders, {"piston.mass": '"300 kg"'})
+    (tmp_path / "mine.toml").write_text(text, encoding="utf-8")
+    answer = call("mechanism", "mine.toml", "--json")
+    assert answer.err.startswith("Warning: piston.mass: given 300 kg")
+    assert answer.json()["engine"] == "6ChN 25/34"
+
+
+def three_cylinders(**changes):
+    given = {
+        "name": "three",
+        "cylinders": 3,
+        "strokes": 4,
+        "bore": 0.08,
+        "stroke": 0.1,
+        "rated_speed": 300.0,
+        "lowest_speed": 100.0,
+        "highest_speed": 310.0,
+        "crank_angles": tuple(math.radians(angle) for angle in (0.0, 120.0, 240.0)),
+        "firing_order": (1, 3, 2),
+    }
+    return Engine(**(given | changes))
+
+
+def test_an_order_that_fits_both_senses_turns_so_that_it_fires_evenly():
+    engine = three_cylinders()
+    assert sorted(np.rad2deg(engine.firing_angles)) == close([0.0, 240.0, 480.0])
+    assert firing_evenness(engine) == FiringEvenness()
+
+
+def test_uneven_firing_is_told():
+    angles = tuple(math.radians(angle) for angle in (0.0, 90.0, 240.0))
+    (warning,) = firing_evenness(three_cylinders(crank_angles=angles)).warnings
+    assert "fire at uneven intervals of 240, 210, 270 deg; no firing order is even" in warning
+    assert warning.endswith("so check them unless the engine is built so")
+
+
+def test_an_even_order_is_proposed():
+    """Five cranks 72 deg apart: every second one must follow for 144 deg between firings."""
+    angles = tuple(math.radians(angle) for angle in (0.0, 288.0, 216.0, 144.0, 72.0))
+    engine = three_cylinders(cylinders=5, crank_angles=angles, firing_order=(1, 2, 3, 4, 5))
+    (warning,) = firing_evenness(engine).warnings
+    assert "1-2-3-4-5, which fires at uneven intervals of 72, 72, 72, 72, 432 deg" in warning
+    assert "an order such as 1-3-5-2-4 fires every 144 deg with the same cranks" in warning
+    assert firing_evenness(engine.changed(firing_order=(1, 3, 5, 2, 4))) == FiringEvenness()
+
+
+def test_cylinders_alone_at_the_top_are_named():
+    angles = tuple(math.radians(angle) for angle in (0.0, 120.0, 240.0, 240.0, 110.0, 0.0))
+    engine = three_cylinders(cylinders=6, crank_angles=angles, firing_order=(1, 5, 3, 6, 2, 4))
+    (warning,) = firing_evenness(engine).warnings
+    assert "(not in pairs at the top: cylinders 2, 5)" in warning
+
+
+@pytest.mark.parametrize(
+    ("cylinders", "angles", "banks"),
+    [(2, (0.0, 180.0), None), (2, (0.0, 0.0), (-22.5, 22.5))],
+    ids=["two in line", "V-twin"],
+)
+def test_engines_built_uneven_get_a_note(cylinders, angles, banks):
+    engine = three_cylinders(
+        cylinders=cylinders,
+        crank_angles=tuple(map(math.radians, angles)),
+        bank_angles=banks and tuple(map(math.radians, banks)),
+        firing_order=(1, 2),
+    )
+    found = firing_evenness(engine)
+    assert not found.warnings
+    assert "no firing order is even with these crank" in found.notes[0]
