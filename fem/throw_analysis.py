@@ -288,8 +288,8 @@ class ThrowAnalysis(SolvedSuperelement):
     ) -> "Axes":
         """Draw a compliance over the angle to equal neighbors, with the pinned and the guided throw.
 
-        With equal webs the value for neighbors in line is near the guided one, for opposite ones near the pinned
-        one, for the torsional compliance the reverse: exactly so with rigid sections. The band is the
+        With equal webs the value for neighbors in line is near the guided one, for opposite ones near the
+        pinned one, for the torsional compliance the reverse: exactly so with rigid sections. The band is the
         estimated discretization error.
 
         Parameters

@@ -109,7 +109,7 @@ def check_store(path: str | Path) -> StoreCheck:
 
 
 def _file_damage(path: Path) -> str:
-    """State why SQLite finds a file unreliable; empty if it is sound, or cannot be opened for another reason."""
+    """State why SQLite finds a file unreliable; empty if it is sound, or not readable for another reason."""
     try:
         with closing(connect_readonly(path)) as connection:
             found = [text for (text,) in connection.execute("PRAGMA integrity_check")]
