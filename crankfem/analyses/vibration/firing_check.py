@@ -74,8 +74,8 @@ class FiringCheck:
     each : dict
         Cylinders whose failing is then worst.
     over_speed : tuple of three (S,) arrays, or None
-        Running speeds [rad/s], and at the location of `misfiring` the amplitude with all cylinders firing
-        and in the worst case; of the crankshaft's stress alone.
+        Running speeds [rad/s], and at the place of `misfiring` the amplitude with all cylinders firing
+        and in the worst case; of the stress that uses its limit most alone.
     """
 
     quantity: str
@@ -110,8 +110,10 @@ class FiringCheck:
         """Write the share of what is permitted at that speed, where something is and it is bounded."""
         if np.isinf(found.permitted) or np.isinf(found.value):
             return ""
-        permitted = format_quantity(found.permitted, self.unit, DIGITS)
-        return f", {format_usage(found.used)} of the permitted {permitted}"
+        share = f", {format_usage(found.used)}"
+        if found.permitted == self.misfiring.permitted:
+            return share
+        return f"{share} of the permitted {format_quantity(found.permitted, self.unit, DIGITS)}"
 
     def _amount(self, found: Reached) -> str:
         """Write the value, and its speed."""
