@@ -32,8 +32,8 @@ def quantity_field(
 ) -> Any:
     """Declare a field of a physical quantity: SI unit, allowed range, meaning, the papers' symbol.
 
-    File format, error texts, help and docs all read this one declaration. A `feature` is something
-    that is not there unless it is given: its default is no assumption.
+    File format, error texts, help and docs all use this one declaration. A `feature` is something
+    that is absent unless given: its default is no assumption.
     """
     return Field(
         default,
@@ -76,7 +76,7 @@ def part_kind(info: FieldInfo) -> type["InputModel"] | None:
 
 
 def _fields_and_methods(names: Iterable[str]) -> list[str]:
-    """Leave out what all models of pydantic have: it is of no use to those who describe an engine."""
+    """Hide the methods of all pydantic models: users who describe an engine do not need them."""
     usual, pydantics = dir(object), {*dir(BaseModel)}
     return [
         name for name in names if name in usual or not (name in pydantics or name.startswith("__"))
@@ -84,14 +84,14 @@ def _fields_and_methods(names: Iterable[str]) -> list[str]:
 
 
 class _ShowsFields(ModelMetaclass):
-    """Leaves pydantic's own names out of what `help` and completion show of a class."""
+    """Hides pydantic's own names in `help` and completion of a class."""
 
     def __dir__(self) -> list[str]:
         return _fields_and_methods(super().__dir__())
 
 
 class _Kind:
-    """What a field holds, in the words in which a signature shows it: ``float [m]``."""
+    """The type of a field as shown in a signature: ``float [m]``."""
 
     def __init__(self, info: FieldInfo) -> None:
         kind = re.sub(r"\b(?:\w+\.)+(?=[A-Z])", "", inspect.formatannotation(info.annotation))
@@ -110,7 +110,7 @@ class InputModel(BaseModel, metaclass=_ShowsFields):
     Raises
     ------
     InputError
-        On construction, with a sentence for each wrong field: its name, the value and what is allowed.
+        On construction, with a sentence for each wrong field: its name, the value and the allowed values.
     """
 
     model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
@@ -170,12 +170,12 @@ class InputModel(BaseModel, metaclass=_ShowsFields):
         return _fields_and_methods(super().__dir__())
 
     def _given(self) -> dict[str, Any]:
-        """Return what was given, not left to its default, in the fields' order."""
+        """Return the given values, without defaults, in the fields' order."""
         given = self.model_fields_set
         return {name: getattr(self, name) for name in type(self).model_fields if name in given}
 
     def __repr__(self) -> str:
-        """Show what was given, as much of it as a few lines hold."""
+        """Show the given values, as many as a few lines hold."""
         from crankbase.summaries import summary_text
 
         parts = [f"{name}={value!r}" for name, value in self._given().items()]
@@ -184,7 +184,7 @@ class InputModel(BaseModel, metaclass=_ShowsFields):
     __str__ = __repr__
 
     def _repr_html_(self) -> str:
-        """Show what was given as a table."""
+        """Show the given values as a table."""
         from crankbase.summaries import summary_html
 
         fields = type(self).model_fields
@@ -200,12 +200,12 @@ class InputModel(BaseModel, metaclass=_ShowsFields):
         Parameters
         ----------
         **values
-            New values by field [SI]; None takes an optional one away.
+            New values by field [SI]; None removes an optional one.
 
         Returns
         -------
         Self
-            Fields that were left to their defaults follow the defaults again.
+            Fields that were defaults follow the defaults again.
 
         Raises
         ------
@@ -220,14 +220,14 @@ class InputModel(BaseModel, metaclass=_ShowsFields):
 
     @classmethod
     def from_text(cls, values: Mapping[str, object], section: str | None = None) -> Self:
-        """Build the record from text with units, as it stands in a file.
+        """Build the record from text with units, as in a file.
 
         Parameters
         ----------
         values : mapping
             Field name to text, such as ``{"crank_radius": "170 mm"}``.
         section : str, optional
-            What to call the record in messages; the class's own section otherwise.
+            Name of the record in messages; by default the class's own section.
 
         Raises
         ------
@@ -255,7 +255,7 @@ class InputModel(BaseModel, metaclass=_ShowsFields):
 def _field_errors(
     kind: type[InputModel], converted: Mapping[str, Any], unread: Collection[str], prefix: str
 ) -> list[InputError]:
-    """What is wrong with single fields beside those that could not be read, which are not missing."""
+    """Errors of single fields in addition to unreadable ones, which are not missing."""
     try:
         kind.__pydantic_validator__.validate_python(
             dict(converted), self_instance=kind.__new__(kind)
@@ -271,7 +271,7 @@ def _field_errors(
 
 
 def _value_from_text(kind: type[InputModel], key: str, text: object, name: str) -> Any:
-    """Convert what stands in a file for one field."""
+    """Convert the file's value of one field."""
     if key not in kind.model_fields:
         raise InputError(f"{name}: unknown field; {allowed_names(key, kind.model_fields)}.")
     info = kind.model_fields[key]
@@ -295,12 +295,12 @@ def _value_from_text(kind: type[InputModel], key: str, text: object, name: str) 
 
 
 def _holds_several(info: FieldInfo) -> bool:
-    """Tell whether a field holds a tuple, perhaps an optional one."""
+    """Return whether a field is a tuple, possibly an optional one."""
     return tuple in (get_origin(kind) for kind in (info.annotation, *get_args(info.annotation)))
 
 
 def _parts_from_text(kind: type[InputModel], info: FieldInfo, value: object, name: str) -> Any:
-    """Build the record, or the tuple of records, that stands in a table of its own."""
+    """Build the record, or the tuple of records, from a nested table."""
     if field_extra(info, "many"):
         if not isinstance(value, list) or not all(isinstance(item, Mapping) for item in value):
             raise InputError(

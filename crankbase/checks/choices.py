@@ -1,4 +1,4 @@
-"""Words and names that are allowed, and what a wrong one may have been meant for."""
+"""Allowed words and names, and suggestions for wrong ones."""
 
 from collections.abc import Iterable
 from difflib import get_close_matches
@@ -8,12 +8,12 @@ from crankbase.errors import InputError, quoted
 
 
 def check_choice(option: str, given: object, allowed: Iterable[str], because: str) -> None:
-    """Refuse what is none of the words allowed.
+    """Refuse a word that is not allowed.
 
     Raises
     ------
     InputError
-        If it is no word, or none of these.
+        If it is not a word, or not one of these.
     """
     words = list(allowed)
     if not isinstance(given, str) or given not in words:
@@ -34,7 +34,7 @@ def check_kind(field: str, given: object, kind: type | UnionType, allowed: str) 
 
 
 def check_not_given(option: str, given: object, shown: str, because: str) -> None:
-    """Refuse an option that what is shown has no use for.
+    """Refuse an option that does not apply to the chosen plot.
 
     Raises
     ------
@@ -56,9 +56,9 @@ def did_you_mean(given: str, names: Iterable[str], cutoff: float = 0.6, form: st
     given : str
     names : iterable of str
     cutoff : float
-        How close it must be, 0 to 1.
+        Required similarity, 0 to 1.
     form : str
-        How a name is written, such as ``"[{}]"``.
+        Format of a name, such as ``"[{}]"``.
 
     Examples
     --------
@@ -70,6 +70,6 @@ def did_you_mean(given: str, names: Iterable[str], cutoff: float = 0.6, form: st
 
 
 def allowed_names(given: str, names: Iterable[str]) -> str:
-    """Return which names are allowed in place of an unknown one, the one that may be meant first."""
+    """Return the allowed names for an unknown one, the most similar first."""
     known = list(names)
     return f"{did_you_mean(given, known)}allowed are {', '.join(known)}"

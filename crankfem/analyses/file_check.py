@@ -1,4 +1,4 @@
-"""What a file of quantities was understood as: for the command check, before anything is computed."""
+"""How a file of quantities is understood: for the command check, before anything is computed."""
 
 from collections.abc import Iterable
 from dataclasses import dataclass, field
@@ -37,17 +37,17 @@ MECHANISM_COMMANDS = ("mechanism", "harmonics", *THROW_COMMANDS)
 
 @dataclass(frozen=True)
 class CheckedFile:
-    """A valid file, and what it was understood as.
+    """A valid file, and how it is understood.
 
     Attributes
     ----------
     path : Path
     kind : {"engine", "mechanism", "throw", "hinge", "chain"}
     name : str or None
-        What the file calls it.
+        Its name in the file.
     sections : tuple of str
     commands : tuple of str
-        That the file serves.
+        That can use the file.
     inputs : tuple of InputRecord
         Every value with its source.
     throw : CrankThrow or None
@@ -77,7 +77,7 @@ class CheckedFile:
 
 
 def check_file(given: str) -> CheckedFile:
-    """Read a file as what it describes, and check it.
+    """Read a file of any kind, and check it.
 
     Parameters
     ----------
@@ -131,7 +131,7 @@ def _throw_record(throw: CrankThrow | None, material: Material) -> Record:
 
 
 def shape_record(throw: CrankThrow) -> Record:
-    """What the dimensions make: sizes that follow, and how much of the throw must be solved."""
+    """Quantities that follow from the dimensions, and the part of the throw to be solved."""
     return {
         **attributes(throw, "length", "overlap", "volume", "remarks"),
         "pins": len(throw.parts.pins),
@@ -140,7 +140,7 @@ def shape_record(throw: CrankThrow) -> Record:
 
 
 def _dimensions(throw: CrankThrow) -> list[Record]:
-    """The dimensions as understood [m], those that are there."""
+    """The dimensions as understood [m], if given."""
     return [
         {
             "name": name,
@@ -278,7 +278,7 @@ def _engine(read: EngineFile, content: TomlFile) -> CheckedFile:
 
 
 def excluded_designs(planned: PlannedStudy) -> tuple[str, ...]:
-    """Say how many designs of a study are left out, and why the first one is."""
+    """State how many designs of a study are excluded, and why the first one is."""
     runs = sum(design.role == RUN for design in planned.designs)
     excluded = [design for design in planned.excluded if design.role == RUN]
     if not excluded:
@@ -290,7 +290,7 @@ def excluded_designs(planned: PlannedStudy) -> tuple[str, ...]:
 
 
 def _thrust_bearing(read: EngineFile) -> str:
-    """Say which bearing is meant."""
+    """State which bearing is meant."""
     place, count = read.thrust_bearing.main_bearing, len(read.throw_angles_deg) + 1
     return f"thrust bearing at main bearing {place} of {count}, counted from 1 at the free end"
 

@@ -1,4 +1,4 @@
-"""How the command line talks: tables on standard output, progress and errors on standard error."""
+"""Output of the command line: tables on standard output, progress and errors on standard error."""
 
 import os
 import sys
@@ -39,7 +39,7 @@ output = Console(markup=False)
 def print_json(content: dict[str, Any], within: str = "") -> None:
     """Print JSON content with the units of its numbers, and nothing else, on standard output.
 
-    `within` is the name under which such content stands in other documents, "torque" or "axial".
+    `within` is the name under which such content appears in other documents, "torque" or "axial".
     """
     from crankfem.analyses.record import json_text
     from crankfem.analyses.record_units import with_units
@@ -84,7 +84,7 @@ def print_note(text: str, quiet: bool = False) -> None:
 
 
 def print_table(table: Table, units: OutputUnits = SI, *, plain: bool = False) -> None:
-    """Print a table and its note; the first column and columns of words are set left.
+    """Print a table and its note; the first column and columns of words are left-aligned.
 
     With `plain` there is a line below the heads only.
     """
@@ -126,7 +126,7 @@ def clear_errors() -> Iterator[None]:
     """End with one sentence and an exit code instead of a traceback.
 
     The codes are those of `crankfem.jobs.exit_codes`. With the environment variable CRANKFEM_TRACEBACK the
-    traceback of whatever ends the program stands before the sentence.
+    traceback of any exit is printed before the sentence.
     """
     try:
         yield
@@ -156,13 +156,13 @@ class ReportedExit(SystemExit):
 
 
 def exit_interrupted(sentence: str) -> NoReturn:
-    """Exit after an interrupt, with a sentence of one's own."""
+    """Exit after an interrupt, with a given sentence."""
     errors.print(escape(sentence), soft_wrap=True)
     raise ReportedExit(EXIT_INTERRUPTED)
 
 
 def exit_usage_error(sentence: str, command: str) -> NoReturn:
-    """Exit because of a usage error on the command line, and say where to read how it is right."""
+    """Exit because of a usage error on the command line, with a reference to the help."""
     read = f"see `{command}`."
     if sentence.endswith("?"):
         _stop(f"{sentence} {read.capitalize()}", EXIT_INPUT)
@@ -170,13 +170,13 @@ def exit_usage_error(sentence: str, command: str) -> NoReturn:
 
 
 def exit_by_verdict(sentence: str, code: int) -> NoReturn:
-    """Exit because the verdict, with --strict, is none that can be accepted."""
+    """Exit because the verdict, with --strict, is not acceptable."""
     errors.print(escape(sentence), soft_wrap=True, highlight=False)
     raise ReportedExit(code)
 
 
 def _exit_broken_pipe() -> NoReturn:
-    """Exit without a word: what read the output has gone."""
+    """Exit silently: the reader of the output has ended."""
     # What is still buffered goes nowhere, so that Python has nothing to complain of at its end.
     with suppress(OSError, ValueError):
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
@@ -229,14 +229,14 @@ class RunProgress:
         return f"{self.finished} of {self.total} designs"
 
     def step(self, text: str) -> None:
-        """Name the step that begins, and take the last one for done."""
+        """Name the step that begins, and count the last one as done."""
         if self._task is not None:
             task = self._bar.tasks[-1]
             self._bar.update(self._task, completed=task.total, refresh=True)
         self._task = self._bar.add_task(text, total=1, pace="")
 
     def design(self, finished: int, total: int, newest: Outcome | None) -> None:
-        """Move the bar; tell the pace, and of a design that failed."""
+        """Advance the bar; report the pace, and a failed design."""
         now = time.monotonic()
         if newest is None:
             self._before, self._began, self._said = finished, now, now
@@ -261,13 +261,13 @@ class RunProgress:
         print_warning(text)
 
     def finish(self) -> None:
-        """Take the last step for done."""
+        """Count the last step as done."""
         if self._task is not None:
             self._bar.update(self._task, completed=self._bar.tasks[-1].total, refresh=True)
 
 
 def progress_text(finished: int, seconds: float, left: int) -> str:
-    """Say how fast designs get finished, and how long the others will take.
+    """State the pace of designs, and the time left.
 
     Examples
     --------
@@ -298,7 +298,7 @@ def parse_pairs(
     convert: Callable[[str, str], Value],
     example: str = "web_width=300mm",
 ) -> dict[str, Value]:
-    """Read name=value pairs from the command line; `example` stands in the message.
+    """Read name=value pairs from the command line; `example` is used in the message.
 
     Raises
     ------

@@ -1,4 +1,4 @@
-"""What stands on the command line for a throw that the law is asked about."""
+"""Command-line arguments of a throw for the law."""
 
 from collections.abc import Sequence
 from typing import Any
@@ -22,7 +22,7 @@ def law_throw(
     Raises
     ------
     InputError
-        If a name is no dimension, a value none of it, or they make no throw.
+        If a name is not a dimension, a value is not allowed, or they are not a possible throw.
     """
     given = console.parse_pairs(pairs, _convert)
     if engine is None:

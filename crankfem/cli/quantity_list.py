@@ -9,7 +9,7 @@ UNIT = re.compile(r"[a-zA-Z][^,\s]*(\s+[a-zA-Z][^,\s]*)*\s*$")
 
 
 def parse_quantities(text: str, unit: str, field: str) -> list[float]:
-    """Convert quantities between commas to SI numbers; a unit at the end holds for bare numbers too.
+    """Convert quantities between commas to SI numbers; a unit at the end applies to bare numbers too.
 
     Parameters
     ----------

@@ -100,7 +100,7 @@ def _firing(intervals: Sequence[float] | None) -> str:
 
 
 def uncertain_sentence(vibration: Record, kind: str) -> str:
-    """Say what is uncertain of one kind of vibration, and what that does to the crankshaft's first mode."""
+    """State what is uncertain of one kind of vibration, and what that does to the crankshaft's first mode."""
     uncertain = vibration["assessment"]["uncertainty"][kind]
     found = [f"{one['name']} {factor_range(one)} the value used" for one in uncertain["spreads"]]
     bearings = vibration.get("bearings")

@@ -129,7 +129,7 @@ def model_routes(models: Models, bounds: Bounds) -> APIRouter:
 
     @routes.get("/{name}", **described(ModelDescription, None, 404, 422))
     async def describe_model(name: str) -> Response:
-        """Tell what a model answers, and for which throws."""
+        """Return what a model answers, and for which throws."""
         return answer(_description(name, models.named(name)))
 
     return routes

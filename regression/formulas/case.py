@@ -1,4 +1,4 @@
-"""What a formula is evaluated for, and the beam compliances from which all formulas are built."""
+"""The arguments of a formula, and the beam compliances from which all formulas are built."""
 
 import math
 from collections.abc import Mapping
@@ -22,7 +22,7 @@ class ThrowCase:
     constants : mapping
         A value for every name in `DEFAULT_CONSTANTS`.
     given_constants : frozenset of str
-        Those of them that were given.
+        Those that were given.
     """
 
     throw: CrankThrow

@@ -1,4 +1,4 @@
-"""Compliance models as JSON files: written in one step, checked against damage, read for good."""
+"""Compliance models as JSON files: written in one step, with a checksum."""
 
 import hashlib
 import json
@@ -33,7 +33,7 @@ def write_model(content: Mapping[str, object], path: str | os.PathLike[str]) -> 
     Raises
     ------
     InputError
-        If the path is that of a folder, or of a file that is no such model.
+        If the path is that of a folder, or of a file that is not such a model.
     OSError
         If the file cannot be written.
     """
@@ -70,8 +70,8 @@ def read_model(path: str | os.PathLike[str]) -> dict[str, Any]:
     Raises
     ------
     InputError
-        If the file cannot be read, is no compliance model, is of a newer format, or was changed or
-        cut since it was written.
+        If the file cannot be read, is not a compliance model, is of a newer format, or was changed or
+        truncated since it was written.
     """
     shown = os.fspath(path)
     check_file_size(Path(path), LARGEST_TABLE_FILE, "a compliance model")
@@ -125,13 +125,13 @@ def read_model(path: str | os.PathLike[str]) -> dict[str, Any]:
 
 
 def checksum(content: Mapping[str, object]) -> str:
-    """Return the SHA-256 of the content in one fixed spelling."""
+    """Return the SHA-256 of the content in a canonical form."""
     spelled = json.dumps(content, sort_keys=True, separators=(",", ":"), ensure_ascii=True)
     return hashlib.sha256(spelled.encode()).hexdigest()
 
 
 def _mark_uncorrected(content: dict[str, Any]) -> None:
-    """Tell of content before version 4 that finite elements were not corrected for discretization."""
+    """Mark finite elements of content before version 4 as not corrected for discretization."""
     responses = content.get("responses")
     for name, response in responses.items() if isinstance(responses, dict) else ():
         if isinstance(response, dict):
@@ -139,7 +139,7 @@ def _mark_uncorrected(content: dict[str, Any]) -> None:
 
 
 def _upgraded_content(content: dict[str, Any]) -> dict[str, Any]:
-    """Upgrade content of version 1: spell out what followed from the form's name."""
+    """Upgrade content of version 1: add what followed from the form's name."""
     fe_error = content.get("provenance", {}).get("largest_fe_error_estimate")
     responses = {}
     for name, response in content["responses"].items():

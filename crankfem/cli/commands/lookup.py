@@ -128,7 +128,7 @@ def _overridden(dimensions: list[str] | None) -> str:
 def _lookups(
     model: "ComplianceModel", asked: dict[str, Any], gamma: float | None, strict: bool
 ) -> tuple[dict[str, "Lookup"], dict[str, str]]:
-    """Look all responses up; tell which cannot be, as long as any can."""
+    """Look all responses up; report those that fail, as long as any succeeds."""
     from regression.response_kinds import ANGLE_LAWS
 
     answers: dict[str, Lookup] = {}
@@ -179,7 +179,7 @@ def _print_lookups(
     Returns
     -------
     list of str
-        Names of the equations whose bands were told.
+        Names of the equations whose bands were printed.
     """
     from regression.end_reactions import END_MOMENTS
     from regression.response_kinds import ANGLE_LAWS
@@ -222,7 +222,7 @@ def _print_lookup(name: str, answer: "Lookup", shared: list[str], units: "Output
 
 
 def _print_bands(model: "ComplianceModel", names: list[str]) -> None:
-    """Say from which errors the bands are made, and what is not known of them."""
+    """State the errors included in the bands, and those unknown."""
     from regression.fits.statistics import COVERAGE
     from regression.models.error_band import FEWEST, equation_error, percent
 

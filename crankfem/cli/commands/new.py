@@ -1,4 +1,4 @@
-"""A file to start from: a template that explains itself, or a copy of a shipped one."""
+"""A file to start from: a commented template, or a copy of a shipped one."""
 
 import os
 from pathlib import Path

@@ -38,7 +38,7 @@ class ChainFile:
     kind : {"torsional", "axial"}
     chain : Chain
     records : tuple of InputRecord
-        Every value with its source; empty for plain text, whose comments tell it.
+        Every value with its source; empty for plain text, whose comments state it.
     sources : dict
         Short name to full citation.
     """
@@ -58,7 +58,7 @@ def load_chain(path: str | Path | TomlFile) -> ChainFile:
     ----------
     path : path
         A TOML file, any other file as plain text, or the name of a shipped one; or the sections of a
-        TOML file, read already.
+        TOML file, if already read.
 
     Raises
     ------
@@ -98,7 +98,7 @@ def load_chain(path: str | Path | TomlFile) -> ChainFile:
 
 
 def _check_sizes(file: str, chain: Chain) -> None:
-    """Refuse numbers so small or large that their squares are none.
+    """Refuse numbers so small or large that their squares underflow or overflow.
 
     Raises
     ------

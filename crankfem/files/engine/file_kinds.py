@@ -1,4 +1,4 @@
-"""What a file of quantities describes, from its sections: a throw, a mechanism, an engine; its torques."""
+"""The kind of a file of quantities, from its sections: a throw, a mechanism, an engine; its torques."""
 
 import re
 from dataclasses import replace
@@ -22,9 +22,9 @@ SECTION = re.compile(r"^\s*\[(?:engine|throw|throws\.\w+|chain|sliding|hinge)\]"
 
 
 def file_kind(content: TomlFile) -> FileKind:
-    """Tell what a file describes, from its sections.
+    """Return the kind of a file, from its sections.
 
-    A throw has nothing of an engine around it; a mechanism has cranks, rods and pistons, but no flywheel
+    A throw has no engine around it; a mechanism has cranks, rods and pistons, but no flywheel
     or thrust bearing for the chains.
     """
     sections = set(content.sections)
@@ -45,8 +45,8 @@ def engine_sections(source: str | Path | TomlFile) -> TomlFile:
     Parameters
     ----------
     source : path or TomlFile
-        Sections that have been read already are not read again: what a command takes from them is then of
-        one state of the file. Their records begin anew.
+        Sections that have been read already are not read again, so that a command uses them in
+        one state of the file. Their records start anew.
 
     Raises
     ------
@@ -65,7 +65,7 @@ def any_sections(given: str) -> TomlFile | None:
     Raises
     ------
     InputError
-        If there is no such file, it cannot be read, or is not TOML though it is called so.
+        If there is no such file, it cannot be read, or has the ending of TOML but is not.
     """
     name = Path(given).name.removesuffix(".toml")
     others: tuple[InputKind, ...] = ("hinge", "chain")

@@ -1,4 +1,4 @@
-"""Where the shipped engines and tables lie, in the wheel and in a checkout."""
+"""Locations of the shipped engines and tables, in the wheel and in a checkout."""
 
 import os
 from pathlib import Path
@@ -85,7 +85,7 @@ def torque_path(given: str | Path) -> Path:
 
 
 def find_table(field: str, beside: Path, name: str) -> Path:
-    """Find a table beside a file that names it, or a shipped one.
+    """Find a table in the folder of the file that names it, or a shipped one.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""What is wrong with a file that is not TOML, in words for someone who knows no TOML."""
+"""Errors of a file that is not TOML, explained without knowledge of TOML."""
 
 import re
 import tomllib
@@ -39,19 +39,19 @@ QUOTED = re.compile(r"\"(?:[^\"\\]|\\.)*\"|'[^']*'")
 
 
 def not_toml(text: str, error: Exception) -> str:
-    """Say what the parser stumbled over, and what to write in its place.
+    """Describe the error of the parser, and the correct form.
 
     Parameters
     ----------
     text : str
         Of the file.
     error : Exception
-        Of the parser; where it tells no line, its own words are all there is.
+        Of the parser; without a line number in it, its own words are used.
 
     Returns
     -------
     str
-        Such as ``line 46, web_width = 9 in: a quantity stands without quotes; write "9 in" ...``.
+        For example ``line 46, web_width = 9 in: a quantity stands without quotes; write "9 in" ...``.
     """
     if not isinstance(error, tomllib.TOMLDecodeError):
         return "given a number of thousands of digits; allowed are numbers of 64 bits, as TOML has them."

@@ -23,7 +23,7 @@ Model = TypeVar("Model", bound=InputModel)
 
 @dataclass(frozen=True)
 class InputRecord:
-    """One value of an input file, as given, with where it comes from.
+    """One value of an input file, as given, with its source.
 
     Attributes
     ----------
@@ -32,13 +32,13 @@ class InputRecord:
     given : str
         The text in the file.
     meaning, symbol : str
-        What it is.
+        Its description.
     source : str
         Source of the value, or why it was assumed.
     assumed : bool
-        Whether it is a typical value that nobody gave.
+        Whether it is a typical value, not given by anybody.
     effect : str
-        Of an assumed value: what moves with it, and how much, where that is known.
+        For an assumed value: its effect on results, if known.
     """
 
     field: str
@@ -52,7 +52,7 @@ class InputRecord:
 
 @dataclass(frozen=True)
 class TomlFile:
-    """The sections of a TOML file, values and sources apart.
+    """The sections of a TOML file, with values and sources separated.
 
     Attributes
     ----------
@@ -82,7 +82,7 @@ class TomlFile:
         Raises
         ------
         InputError
-            With a sentence for each unknown one, else one for those missing: an unknown one may be a
+            With a sentence for each unknown one, else one for those missing: an unknown section may be a
             missing one with another name.
         """
         unknown = [
@@ -119,7 +119,7 @@ class TomlFile:
         return self.made(section, kind, self.sections[section])
 
     def made(self, section: str, kind: type[Model], values: Mapping[str, Any]) -> Model:
-        """Validate values as those of a section, and note them.
+        """Validate values as a section, and record them.
 
         Raises
         ------
@@ -135,14 +135,14 @@ class TomlFile:
         kinds: Mapping[str, type[InputModel]],
         others: Mapping[str, Callable[["TomlFile"], object]] | None = None,
     ) -> Iterator[None]:
-        """Tell, with the first error that ends a reading, those of all sections.
+        """Report, with the first error that ends a reading, those of all sections.
 
         Parameters
         ----------
         kinds : mapping
             Section to its model.
         others : mapping, optional
-            Section that is no model to what reads it.
+            Section without a model to its reader.
 
         Raises
         ------
@@ -171,7 +171,7 @@ class TomlFile:
         return f"{sentence.removesuffix('.')} ({self.path.name}, line {line})."
 
     def required(self, section: str, kind: type[Model]) -> Model:
-        """Validate one section that must be there.
+        """Validate one required section.
 
         Raises
         ------
@@ -183,7 +183,7 @@ class TomlFile:
         return made
 
     def _record(self, section: str, made: InputModel, values: Mapping[str, Any]) -> None:
-        """Note every value of a record, and of the records in it that the file gives."""
+        """Record every value of a record, and of the nested records that the file gives."""
         for name, info in type(made).model_fields.items():
             field_name, value = f"{section}.{name}", getattr(made, name)
             if part_kind(info) is not None:
@@ -254,7 +254,7 @@ def read_toml(path: Path) -> TomlFile:
 
 
 def read_text(path: Path, what: str, allowed: str) -> str:
-    """Read a file of text; for messages, what it is meant to be, and what is allowed.
+    """Read a text file; its kind and the allowed content are for messages.
 
     Raises
     ------
@@ -285,7 +285,7 @@ def _values_apart(
     sources: Mapping[str, str],
     provenance: dict[str, tuple[str, bool]],
 ) -> dict[str, Any]:
-    """Take the values of a table, and of the tables in it, out of their sources."""
+    """Separate the values of a table, and of nested tables, from their sources."""
     plain: dict[str, Any] = {}
     for name, value in values.items():
         field_name = f"{prefix}.{name}"
@@ -306,7 +306,7 @@ def _values_apart(
 def _split(
     field_name: str, value: Any, sources: Mapping[str, str]
 ) -> tuple[Any, tuple[str, bool] | None]:
-    """Take a value out of its table with source or assumption."""
+    """Separate a value from its source or assumption."""
     if not isinstance(value, dict) or "value" not in value:
         return value, None
     extra = set(value) - {"value", "source", "assumed"}

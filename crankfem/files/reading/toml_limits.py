@@ -1,4 +1,4 @@
-"""Limits of a TOML file, before and after it is taken apart: none is met by anything that people write."""
+"""Limits of a TOML file, before and after parsing; no file written by people reaches them."""
 
 import math
 import re
@@ -37,7 +37,7 @@ def check_keys(name: str, text: str) -> None:
 
 
 def too_deep(name: str) -> InputError:
-    """Return the error for tables or lists that lie in too many others."""
+    """Return the error for too deeply nested tables or lists."""
     return InputError(
         f"{name}: given tables or lists within more than {DEEPEST_TABLE} others; allowed are "
         f"{DEEPEST_TABLE}, because sections are nested no deeper than a table or two."
@@ -45,14 +45,14 @@ def too_deep(name: str) -> InputError:
 
 
 def check_content(name: str, content: dict[str, Any]) -> None:
-    """Refuse content with too many values, too long texts or numbers, or too many tables in tables.
+    """Refuse content with too many values, too long texts or numbers, or too deeply nested tables.
 
     Parameters
     ----------
     name : str
         Of the file, for the message.
     content : dict
-        As the parser gives it.
+        From the parser.
 
     Raises
     ------

@@ -34,12 +34,12 @@ def cylinder_pressures(gas: Gas, layout: EngineLayout, file: Path) -> tuple[GasP
         The section of the engine file.
     layout : EngineLayout
     file : Path
-        The engine file, beside which a pressure table is looked for.
+        The engine file, in whose folder a pressure table is searched.
 
     Raises
     ------
     InputError
-        If the table cannot be used, or the cycle cannot reach what is asked.
+        If the table cannot be used, or the cycle cannot reach the given pressures.
     """
     if gas.pressure_table is not None:
         path = find_table("gas.pressure_table", file, gas.pressure_table)
