@@ -38,25 +38,18 @@ def end_at_once(*_: object) -> None:
     os._exit(EXIT_INTERRUPTED)
 
 
-@contextmanager
-def interrupts_exit_immediately() -> Iterator[None]:
-    """Let an interrupt end the process, as long as nothing is open that would have to be closed.
+def exit_on_interrupts() -> None:
+    """Let an interrupt end the process from now on, as long as nothing is open that would have to be closed.
 
     A request to end (SIGTERM), as schedulers and containers send it, is answered as Ctrl-C is.
     """
-    usual, terminating = signal.getsignal(signal.SIGINT), signal.getsignal(signal.SIGTERM)
+    usual = signal.getsignal(signal.SIGINT)
     if usual is signal.default_int_handler:
         signal.signal(signal.SIGINT, end_at_once)
     elif usual is not signal.SIG_IGN:  # somebody wants to answer them
-        yield
         return
-    if terminating is signal.SIG_DFL:
+    if signal.getsignal(signal.SIGTERM) is signal.SIG_DFL:
         signal.signal(signal.SIGTERM, _interrupt)
-    try:
-        yield
-    finally:
-        signal.signal(signal.SIGINT, usual)
-        signal.signal(signal.SIGTERM, terminating)
 
 
 def _interrupt(*_: object) -> None:

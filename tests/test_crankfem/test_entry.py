@@ -6,7 +6,7 @@ import time
 
 import pytest
 
-from crankfem.cli.interrupts import interrupts_exit_immediately, interrupts_raise
+from crankfem.cli.interrupts import end_at_once, exit_on_interrupts, interrupts_raise
 
 pytestmark = pytest.mark.usefixtures("interruptible")
 
@@ -34,12 +34,28 @@ main()
 IGNORED = """
 import signal
 signal.signal(signal.SIGINT, signal.SIG_IGN)
-from crankfem.cli.interrupts import interrupts_exit_immediately
-with interrupts_exit_immediately():
-    signal.raise_signal(signal.SIGINT)
-    print("goes on", flush=True)
-    signal.raise_signal(signal.SIGTERM)
+from crankfem.cli.interrupts import exit_on_interrupts
+exit_on_interrupts()
+signal.raise_signal(signal.SIGINT)
+print("goes on", flush=True)
+signal.raise_signal(signal.SIGTERM)
 """
+ENDING = """
+import atexit, signal
+from crankfem.cli.entry import main
+atexit.register(lambda: signal.raise_signal(signal.{number}))
+main()
+"""
+
+
+@pytest.fixture
+def immediate(interruptible):
+    """Interrupts end this process, during a test."""
+    before = [(number, signal.getsignal(number)) for number in (signal.SIGINT, signal.SIGTERM)]
+    exit_on_interrupts()
+    yield
+    for number, handler in before:
+        signal.signal(number, handler)
 
 
 def test_where_interrupts_are_ignored_a_request_to_end_is_answered(spawn):
@@ -63,21 +79,21 @@ def test_an_interrupt_while_modules_load(spawn, command, sentence):
     assert answer.err.count("\n") == 1
 
 
-@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
-def test_afterwards_interrupts_are_what_they_were(number):
-    usual = signal.getsignal(number)
-    with interrupts_exit_immediately():
-        assert signal.getsignal(number) is not usual
-    assert signal.getsignal(number) is usual
+@pytest.mark.parametrize("number", ["SIGINT", "SIGTERM"])
+def test_an_interrupt_while_python_ends(spawn, number):
+    """The second of somebody impatient."""
+    answer = spawn("--version", command=[sys.executable, "-c", ENDING.format(number=number)])
+    assert (answer.code, answer.err) == (130, "Stopped.\n")
 
 
+@pytest.mark.usefixtures("immediate")
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
 def test_work_that_must_be_closed_sees_an_interrupt(number):
-    with interrupts_exit_immediately():
-        ending = signal.getsignal(signal.SIGINT)
-        with pytest.raises(KeyboardInterrupt), interrupts_raise():
-            signal.raise_signal(number)
-        assert signal.getsignal(signal.SIGINT) is ending
+    ending = signal.getsignal(signal.SIGINT)
+    assert ending is end_at_once
+    with pytest.raises(KeyboardInterrupt), interrupts_raise():
+        signal.raise_signal(number)
+    assert signal.getsignal(signal.SIGINT) is ending
 
 
 class Cleared:
@@ -90,7 +106,8 @@ def work():
     time.sleep(5.0)  # the interrupt comes again much sooner
 
 
+@pytest.mark.usefixtures("immediate")
 def test_an_interrupt_while_something_is_cleared_away_is_not_lost(capsys):
-    with interrupts_exit_immediately(), interrupts_raise(), pytest.raises(KeyboardInterrupt):
+    with interrupts_raise(), pytest.raises(KeyboardInterrupt):
         work()
     assert capsys.readouterr().err == ""
