@@ -1,5 +1,6 @@
 """Interrupts: answered in one sentence, whatever Python is doing just then."""
 
+import atexit
 import os
 import signal
 import sys
@@ -50,6 +51,16 @@ def exit_on_interrupts() -> None:
         return
     if signal.getsignal(signal.SIGTERM) is signal.SIG_DFL:
         signal.signal(signal.SIGTERM, _interrupt)
+    atexit.register(_ignore_interrupts)
+
+
+def _ignore_interrupts() -> None:
+    """Ignore interrupts where Python ends: a second one must not change how a command has ended.
+
+    Python takes away its own handlers then, but leaves what is ignored.
+    """
+    for number in (signal.SIGINT, signal.SIGTERM):
+        signal.signal(number, signal.SIG_IGN)
 
 
 def _interrupt(*_: object) -> None:
