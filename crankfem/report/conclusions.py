@@ -21,7 +21,7 @@ Record = Mapping[str, Any]
 RESONANT = ("at resonance", "near resonance")
 # Of what orders at resonance make together, the share from which a mode is named.
 LEAST_SHARE = 0.1
-NOT_JUDGED = "Not judged: no gas pressure is given"
+NOT_JUDGED, NOT_ACCEPTABLE = "Not judged: no gas pressure is given", "Not acceptable"
 DIGITS = 3
 
 
@@ -33,7 +33,18 @@ def headline(results: Record) -> str:
     results : mapping
         Content of results.json.
     """
-    vibration = results["vibration"]
+    said = _of_vibration(results["vibration"])
+    if too_weak(results) and said != NOT_ACCEPTABLE:
+        return f"{said}; the crankshaft is not strong enough by UR M53"
+    return said
+
+
+def too_weak(results: Record) -> bool:
+    """Whether the crankshaft's strength was judged, and is less than required."""
+    return (results.get("strength") or {}).get("passed") is False
+
+
+def _of_vibration(vibration: Record) -> str:
     assessment = vibration["assessment"]
     if assessment is None:
         return NOT_JUDGED
@@ -76,8 +87,13 @@ def verdict_line(results: Record) -> str:
         return f"Verdict: {NOT_JUDGED}."
     worst = assessment["checks"][0]
     used = "unbounded" if worst["used"] is None else f"{format_usage(worst['used'])} of its limit"
-    firing = ". With all cylinders firing" if misfiring_decides(results["vibration"]) else ""
-    return f"Verdict: {headline(results)}{firing}: {worst['limit']} {used}."
+    said = headline(results)
+    of = ""
+    if misfiring_decides(results["vibration"]):
+        of = ". With all cylinders firing"
+    elif too_weak(results) and said != NOT_ACCEPTABLE:
+        of = ". Vibration"
+    return f"Verdict: {said}{of}: {worst['limit']} {used}."
 
 
 def conclusions(results: Record) -> list[str]:

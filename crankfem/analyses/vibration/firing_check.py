@@ -75,7 +75,7 @@ class FiringCheck:
         Cylinders that fail to the worst then.
     over_speed : tuple of three (S,) arrays, or None
         Running speeds [rad/s], and at the place of `misfiring` the amplitude with all cylinders firing
-        and in the worst case; of the crankshaft's stress alone.
+        and in the worst case; of the stress that uses its limit most alone.
     """
 
     quantity: str
@@ -110,8 +110,11 @@ class FiringCheck:
         """Write the share of what is permitted at that speed, where something is and it is bounded."""
         if np.isinf(found.permitted) or np.isinf(found.value):
             return ""
-        permitted = format_quantity(found.permitted, self.unit, DIGITS)
-        return f", {format_usage(found.used)} of the permitted {permitted}"
+        permitted, failing = (
+            format_quantity(one.permitted, self.unit, DIGITS) for one in (found, self.misfiring)
+        )
+        same = permitted == failing and not np.isinf(self.misfiring.value)
+        return f", {format_usage(found.used)}{'' if same else f' of the permitted {permitted}'}"
 
     def _amount(self, found: Reached) -> str:
         """Write what is reached, and at which speed."""
