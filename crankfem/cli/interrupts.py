@@ -61,12 +61,14 @@ def _ignore_interrupts() -> None:
     """
     for number in (signal.SIGINT, signal.SIGTERM):
         signal.signal(number, signal.SIG_IGN)
+    # Once an interrupt has passed through exec of a text, as dataclasses use it, Python would in the end
+    # kill itself by SIGINT, whatever was answered; one that goes well takes that back.
+    exec("")
 
 
 def _interrupt(*_: object) -> None:
-    if (
-        signal.getsignal(signal.SIGINT) is signal.SIG_IGN
-    ):  # as in jobs that a shell runs in the background
+    # As in jobs that a shell runs in the background.
+    if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
         end_at_once()
     signal.raise_signal(signal.SIGINT)
 

@@ -98,6 +98,15 @@ def test_an_interrupt_while_python_ends_changes_nothing(spawn, number):
     assert (answer.code, answer.err) == (0, "")
 
 
+def test_an_interrupt_that_passes_through_exec_is_one_like_others(spawn, tmp_path):
+    (tmp_path / "ending.py").write_text(
+        "import crankfem.cli.app as app; from crankfem.cli.entry import main;"
+        "app.main = lambda: exec('raise KeyboardInterrupt'); main()"
+    )
+    answer = spawn(command=[sys.executable, "-m", "ending"])
+    assert (answer.code, answer.err) == (130, "Stopped.\n")
+
+
 @pytest.mark.usefixtures("immediate")
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
 def test_work_that_must_be_closed_sees_an_interrupt(number):
