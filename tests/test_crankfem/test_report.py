@@ -494,7 +494,7 @@ AS_STORED = [
     ),
     ("reactions", "guided left 0.000 209 107 -11.4 0.000 0.000"),
     ("fillets", "at most 2.7 % (requested: 10 %): sufficient"),
-    ("fillets", "left journal -0.913 0.807 0.774 1.18 0 117 66 pin, left web"),
+    ("fillets", "left journal -0.913 0.807 0.774 1.18 0.0 117 66.4 pin, left web"),
     ("fillets", "left journal 1.35 1.84 0.478 2.83 77.0 87.5 66.2 pin, left web"),
     (
         "formulas",

@@ -42,6 +42,8 @@ from dynamics.running_limits import within
 
 # What adds up of the forces of cylinders.
 SUMMED = ("tangential", "radial", "mean_tangential", "mean_radial")
+# Speeds that leave a smaller share of the speed between them leave none to run at.
+NARROW = 5e-3
 # By the key of `compared_quantities`.
 Series = dict[str, OrderSeries]
 Found = dict[str, dict[Cylinders, Reached]]
@@ -279,18 +281,18 @@ def _over_speed(
 def _ranges(speeds: FloatArray, flags: NDArray[np.bool_]) -> tuple[tuple[float, float], ...]:
     """Return the ranges of flagged speeds, each widened to the next speeds that are not.
 
-    Ranges with one speed between them are one: both reach to it.
+    Ranges between which no engine can run, as they leave less than `NARROW`, are one.
     """
-    between = (
-        np.concatenate(([False], flags[:-2] & flags[2:], [False])) if flags.size > 2 else False
-    )
-    edges = np.diff(np.concatenate(([0], (flags | between).astype(int), [0])))
+    edges = np.diff(np.concatenate(([0], flags.astype(int), [0])))
     last = speeds.size - 1
     starts, stops = np.flatnonzero(edges == 1), np.flatnonzero(edges == -1)
-    return tuple(
-        (float(speeds[max(start - 1, 0)]), float(speeds[min(stop, last)]))
-        for start, stop in zip(starts.tolist(), stops.tolist(), strict=True)
-    )
+    found: list[tuple[float, float]] = []
+    for start, stop in zip(starts.tolist(), stops.tolist(), strict=True):
+        low, high = float(speeds[max(start - 1, 0)]), float(speeds[min(stop, last)])
+        if found and low <= found[-1][1] * (1.0 + NARROW):
+            low = found.pop()[0]
+        found.append((low, high))
+    return tuple(found)
 
 
 def _refine(added: Superposition, speeds: FloatArray, each: Found) -> None:

@@ -151,8 +151,8 @@ def _row(
     speed = _speed_rpm(record)
     known = _known(record)
     outside = not known.get("in_running_range", True) or bool(margin.get("margin"))
-    if running is not None and speed is not None and "in_running_range" not in known:
-        outside = outside or not running[0] <= speed <= running[1]
+    if running is not None and speed is not None and not peak:
+        outside = not running[0] <= speed <= running[1]
     named = peak.get("kind", "")
     if not named and major is not None:
         named = "major" if known["order"] in major else "minor"
