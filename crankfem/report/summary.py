@@ -7,7 +7,13 @@ from crankbase.units.number_formats import compact, nano, significant
 from crankfem.analyses.record import Record
 from crankfem.analyses.throw.throw_tables import error_words
 from crankfem.analyses.vibration.tables import factor_range
-from crankfem.report.conclusions import conclusions, failed_checks, headline, undecided
+from crankfem.report.conclusions import (
+    conclusions,
+    failed_checks,
+    headline,
+    misfiring_decides,
+    undecided,
+)
 
 KINDS = ("axial", "torsional")
 
@@ -30,7 +36,7 @@ def summary(results: Mapping[str, Any]) -> Record:
     assessment = vibration["assessment"]
     known = {"fine": "fine", "not acceptable": "bad"}
     status = "open" if assessment is None else known.get(assessment["status"], "barred")
-    if assessment is not None and undecided(assessment):
+    if assessment is not None and (undecided(assessment) or misfiring_decides(vibration)):
         status = "barred"
     return {
         "status": status,
