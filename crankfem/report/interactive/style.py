@@ -62,7 +62,8 @@ def plain_layout(title: str, height: int = HEIGHT) -> Part:
             "xref": "container",
             "y": 1.0,
             "yanchor": "top",
-            "pad": {"l": 8, "t": 10},
+            # plotly moves the first of several lines up.
+            "pad": {"l": 8, "t": 10 + TITLE_LINE * (len(lines) - 1)},
         },
         "font": {"family": FONT, "size": 13, "color": TEXT_COLOR},
         "paper_bgcolor": "white",
