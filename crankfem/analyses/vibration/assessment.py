@@ -346,8 +346,8 @@ def _spreads(engine_file: EngineFile, forced: ForcedVibration, error: Spread) ->
     if any(own.kind == "compliance" for own in found):
         return found
     # A plant's chain is its maker's throughout, the line behind the flywheel too.
-    given = forced.kind == "torsional" and PLANT in engine_file.shaft_lines
-    return (replace(error, places=None if given else elements), *found)
+    whole_plant = forced.kind == "torsional" and PLANT in engine_file.shaft_lines
+    return (replace(error, places=None if whole_plant else elements), *found)
 
 
 def _peak(engine_file: EngineFile, forced: ForcedVibration, chain: Chain) -> float:
