@@ -49,6 +49,7 @@ def test_summary_names_the_mode_of_the_crankshaft(run):
         "engine": _engine_record(run.engine_file),
         "vibration": run_record(run),
         "inputs": [],
+        "checks": [],
         "throw": {
             "error_estimate": 0.0,
             "supports": {"pinned": {"axial_compliance": 1e-9}},
