@@ -40,6 +40,11 @@ def quoted(value: object) -> str:
         return "a number of thousands of digits"
 
 
+def named(name: str) -> str:
+    """Write the name of a field as it is, between quotes if nothing or a space is at either end."""
+    return name if name and name.strip() == name else repr(name)
+
+
 def with_short_quotes(message: str) -> str:
     """Return a message in which every quoted text, list and word is cut to what a message quotes."""
     if len(message) <= LONGEST_QUOTE:

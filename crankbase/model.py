@@ -10,7 +10,7 @@ from pydantic.fields import FieldInfo
 
 from crankbase.checks.choices import allowed_names
 from crankbase.checks.scalars import is_number
-from crankbase.errors import InputError, InputErrors, quoted
+from crankbase.errors import InputError, InputErrors, named, quoted
 from crankbase.units.quantity import format_quantity, parse_quantity
 from crankbase.units.units import DISPLAY_UNITS
 
@@ -228,7 +228,7 @@ class InputModel(BaseModel, metaclass=_ShowsFields):
         errors = InputErrors()
         for key, text in values.items():
             with errors.noted():
-                converted[key] = _value_from_text(cls, key, text, f"{prefix}{key}")
+                converted[key] = _value_from_text(cls, key, text, f"{prefix}{named(key)}")
         if errors.found:
             unread = set(values) - set(converted)
             raise InputError.of_all([*errors.found, *_field_errors(cls, converted, unread, prefix)])
@@ -325,7 +325,7 @@ def _sentence(model: type[InputModel], first: "ErrorDetails") -> str:
             return text if text.startswith(prefix) else prefix + text
         return prefix + ".".join(location) + ": " + text
     name = location[0] if location else ""
-    field = prefix + ".".join(location)
+    field = prefix + ".".join(map(named, location))
     if first["type"] == "missing":
         info = model.model_fields[name]
         return f"{field}: missing; {_describe(info)} must be given{_allowed_range(info)}."

@@ -1,5 +1,7 @@
 """Which speeds lie in a range, and how long a motion is followed."""
 
+from collections.abc import Callable
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -10,6 +12,9 @@ from crankbase.errors import InputError
 AT_END = 8.0 * float(np.finfo(np.float64).eps)
 # Longest time that is followed, a day [s], and the most turns of a shaft: each takes milliseconds.
 LONGEST_RUN, MOST_TURNS = 86_400.0, 20_000
+# Most evaluations in one calculation of a chain's equations, and of the moments on one shaft: some ten
+# seconds each.
+MOST_EVALUATIONS, MOST_MOMENTS = 150_000, 500_000
 
 
 def within(speeds: float | FloatArray, low: float, high: float) -> NDArray[np.bool_]:
@@ -54,6 +59,49 @@ def turns_followed(field: str, turns: float) -> float:
             "itself."
         )
     return number
+
+
+def evaluation_counter(
+    refusal: Callable[[float], InputError], most: int
+) -> Callable[[float], None]:
+    """Return what an integration calls at each evaluation, and what ends it after too many.
+
+    Parameters
+    ----------
+    refusal : callable
+        Returns the error for the time or angle at which the last evaluation is.
+    most : int
+        Evaluations that are allowed.
+    """
+    left = iter(range(most))
+
+    def evaluated(reached: float) -> None:
+        if next(left, None) is None:
+            raise refusal(reached)
+
+    return evaluated
+
+
+def work_counter(field: str, given: float, unit: str, most: int) -> Callable[[float], None]:
+    """Return an `evaluation_counter` whose error is that a motion is followed too far.
+
+    Parameters
+    ----------
+    field : str
+        How far it is followed; the counter is called with how far it has come.
+    given : float
+    unit : str
+    most : int
+    """
+
+    def refusal(reached: float) -> InputError:
+        allowed = f"{0.99 * reached:.4g} {unit}".strip()
+        return InputError(
+            f"{field}: given {f'{given:g} {unit}'.strip()}; allowed is {allowed} or less here, because a "
+            "calculation has a limit of evaluations; another one can continue from there."
+        )
+
+    return evaluation_counter(refusal, most)
 
 
 def too_many_turns(field: str, time: float, turns: float) -> InputError:

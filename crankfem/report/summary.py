@@ -164,7 +164,7 @@ def _frequency(vibration: Mapping[str, Any], kind: str) -> Record:
         lower = ", ".join(_hertz(mode["frequency"]) for mode in elastic[:beside])
         details.append(f"lower modes of coupling, damper or line: {lower} Hz")
     return {
-        "label": f"First {kind} frequency",
+        "label": f"First {kind} frequency{' of the crankshaft' if beside else ''}",
         "symbol": None,
         "value": "none" if first is None else _hertz(first),
         "unit": "" if first is None else "Hz",

@@ -24,7 +24,12 @@ from crankfem.analyses.record import Record
 from crankfem.analyses.shaft.motion import MOTION
 
 # What the sources of compliances are called in results.json, and in words.
-SOURCE_WORDS = {"fe": "finite elements", "fe pinned": "finite elements, pinned", "law": "the law"}
+SOURCE_WORDS = {
+    "fe": "finite elements",
+    "fe pinned": "finite elements, pinned",
+    "given": "the engine file",
+    "law": "the law",
+}
 UNIT_BEHIND = re.compile(r"(?<=\d) (?=(?:1/min|[MG]?Pa|kN|N|mm|m/N|Hz|%|µm|mrad|deg)(?![\w]))")
 FIELD = re.compile(r"\w+(?:\.\w+|_\w)")
 TABLE_DIGITS = 3

@@ -69,8 +69,8 @@ class JobStore:
             self._base.execute(f"PRAGMA user_version = {VERSION}")
         except (OSError, sqlite3.Error) as error:
             raise InputError(
-                f"--folder: given {folder}, which cannot be used ({error}); allowed is a folder to write to, "
-                "which no other service uses."
+                f"--folder: given {folder}, which cannot be used ({getattr(error, 'strerror', error)}); "
+                "allowed is a folder to write to, which no other service uses."
             ) from None
 
     def _take_for_itself(self) -> None:

@@ -38,7 +38,8 @@ def serve(settings: Settings, tell: Callable[[str], None]) -> None:
     """
     app, runner = make_app(settings)
     bounds = settings.bounds
-    late = _late(bounds.seconds)
+    late = _refusal(LATE, f"The request took longer than {bounds.seconds:g} s to arrive.")
+    unread = _refusal(HTTPStatus.BAD_REQUEST, "The request is not HTTP/1.1.")
     full = Guard(_refuse_for_now, settings)
 
     class Protocol(AutoHTTPProtocol):  # type: ignore[misc, valid-type]
@@ -50,6 +51,10 @@ def serve(settings: Settings, tell: Callable[[str], None]) -> None:
                 self.app = full
             self._asked_before: Any = None
             self._look_later()
+
+        def send_400_response(self, _: str) -> None:
+            self.transport.write(unread)
+            self.transport.close()
 
         def _look_later(self) -> None:
             asyncio.get_running_loop().call_later(bounds.seconds, self._look)
@@ -97,10 +102,10 @@ async def _refuse_for_now(scope: Scope, receive: Receive, send: Send) -> None:
     await response(scope, receive, send)
 
 
-def _late(seconds: float) -> bytes:
-    """The answer to a request that does not arrive."""
-    told = to_json(problem(LATE, f"The request took longer than {seconds:g} s to arrive."))
-    head = f"HTTP/1.1 {LATE} {HTTPStatus(LATE).phrase}\r\nContent-Type: {MEDIA_TYPE}\r\n"
+def _refusal(status: int, detail: str) -> bytes:
+    """The answer to what does not arrive, or cannot be read, as a request."""
+    told = to_json(problem(status, detail))
+    head = f"HTTP/1.1 {status:d} {HTTPStatus(status).phrase}\r\nContent-Type: {MEDIA_TYPE}\r\n"
     return f"{head}Content-Length: {len(told)}\r\nConnection: close\r\n\r\n".encode() + told
 
 

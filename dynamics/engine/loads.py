@@ -18,6 +18,7 @@ from crankbase.errors import InputError
 from crankbase.library_types import Axes, DataFrame
 from crankbase.summaries import summarized
 from crankbase.tables.frames import table
+from crankbase.units.number_formats import format_number
 from dynamics.cycle import check_even_cycle, cycle_degrees, has_closing_sample
 from dynamics.engine.forces import MechanismForces, pin_groups, summed
 from dynamics.engine.layout import check_distinct_positions
@@ -142,7 +143,8 @@ class LoadDiagram:
             draw_developed_loads(axes, [(self.name, self)])
             write_title(
                 axes,
-                f"{self.name}: mean {KILO * self.mean:.4g} kN, maximum {KILO * self.maximum:.4g} kN",
+                f"{self.name}: mean {format_number(KILO * self.mean, 4)} kN, maximum "
+                f"{format_number(KILO * self.maximum, 4)} kN",
             )
             return axes
         axes = new_axes(axes, width=6.4, height=6.4)

@@ -12,6 +12,7 @@ from crankbase.drawing.diagram_style import COLORS, GRAY
 from crankbase.drawing.legends import legend_inside
 from crankbase.errors import InputError
 from crankbase.library_types import Axes
+from crankbase.units.number_formats import format_number
 from dynamics.plots.quantities import KILO
 
 # Half width and half height of an angle's label as shares of the diagram's width, on a small screen.
@@ -137,7 +138,7 @@ def draw_developed_loads(axes: Axes, loads: Sequence[tuple[str, Load]]) -> None:
             KILO * np.append(load.magnitude, load.magnitude[0]),
             color=color,
             linewidth=1.3,
-            label=f"{name}: mean {mean:.4g} kN, maximum {most:.4g} kN",
+            label=f"{name}: mean {format_number(mean, 4)} kN, maximum {format_number(most, 4)} kN",
         )
         axes.axhline(mean, color=color, linewidth=0.9, linestyle="--")
         axes.plot(load.maximum_angle_deg, most, "o", color=color, markersize=5)

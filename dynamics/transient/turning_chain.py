@@ -7,7 +7,7 @@ from typing import Unpack
 import numpy as np
 from numpy.typing import ArrayLike
 
-from crankbase.checks.arrays import FloatArray, check_shape, turning_speeds
+from crankbase.checks.arrays import FloatArray, check_shape, finite_array, turning_speeds
 from crankbase.errors import InputError
 from crankbase.summaries import summarized
 from dynamics.chains.engine_chains import EngineChain
@@ -64,7 +64,7 @@ class TurningChain:
         return diagonal and bool(np.all((self.throws == 0.0) | (self.throws == 1.0)))
 
     @cached_property
-    def _momentum(self) -> FloatArray:
+    def momentum(self) -> FloatArray:
         """Share of each unknown's speed in the mean speed, (q,)."""
         momentum = self.mean_mass @ self.even
         return np.asarray(momentum / (self.even @ momentum))
@@ -89,8 +89,20 @@ class TurningChain:
         return replace(self, curves=self.curves.with_constant_inertia())
 
     def mean_speed(self, speeds: FloatArray) -> FloatArray:
-        """Return the shaft speed of even turning with the same angular momentum, (...) of (..., q)."""
-        return np.asarray(speeds @ self._momentum)
+        """Return the shaft speed of even turning with the same angular momentum, (...) of (..., q).
+
+        Raises
+        ------
+        InputError
+            If a speed is not finite, or there is not one for each unknown.
+        """
+        given = finite_array("speeds", speeds)
+        if given.shape[-1:] != self.even.shape:
+            raise InputError(
+                f"speeds: given an array of shape {given.shape}; allowed are {self.even.size} in its last "
+                "dimension, because each unknown has its own."
+            )
+        return np.asarray(given @ self.momentum)
 
     def torques(
         self, twist: FloatArray, speeds: FloatArray, even_turning: FloatArray, reference: FloatArray

@@ -1,9 +1,12 @@
 """Steady running of a turning chain with variable inertia at a mean speed."""
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from crankbase.checks.arrays import FloatArray, positive_number
 from crankbase.checks.scalars import whole_number
@@ -12,6 +15,7 @@ from crankbase.library_types import Dataset
 from crankbase.summaries import summarized
 from dynamics.chains.chain import Chain
 from dynamics.cycle import even_angles
+from dynamics.running_limits import MOST_EVALUATIONS, evaluation_counter
 from dynamics.transient.cycle_motion import CycleMotion
 from dynamics.transient.order_forces import cycle_turns
 from dynamics.transient.steady import spring_torques
@@ -126,7 +130,8 @@ def steady_cycle(
     Raises
     ------
     InputError
-        If the speed is not above zero, no steady running is found, or the method is unknown.
+        If the speed is not above zero, no steady running is found, the search takes more than 150,000
+        evaluations of the equations, or the method is unknown.
 
     Notes
     -----
@@ -144,7 +149,9 @@ def steady_cycle(
         if samples is None
         else whole_number("samples", samples, 4, "they show the cycle")
     )
-    shooting = _Shooting(chain, speed, 2.0 * np.pi * turns / speed, method)
+    period = 2.0 * np.pi * turns / speed
+    evaluated = evaluation_counter(lambda _: _too_slow(chain, speed, period), MOST_EVALUATIONS)
+    shooting = _Shooting(chain, speed, period, method, evaluated)
     unknowns, missed = shooting.solved()
     return _sampled_cycle(shooting, unknowns, missed, turns, count)
 
@@ -157,6 +164,7 @@ class _Shooting:
     speed: float
     period: float
     method: IntegrationMethod
+    evaluated: Callable[[float], None]
 
     @property
     def count(self) -> int:
@@ -178,18 +186,21 @@ class _Shooting:
     def residual(self, unknowns: FloatArray) -> FloatArray:
         """Return the residual (c, 2 q + 1) of unknowns (c, 2 q + 1)."""
         state, states = self.starts(unknowns)
-        found = state.integrate(states, (0.0, self.period), self.method, t_eval=[self.period])
-        self.check(found.success)
+        found = self.integrate(state, states, [self.period])
         ends = found.y[:, -1].reshape(states.shape)
         missed = (ends - states)[:, [*range(self.count), -1]]
         missed[:, :-1] /= state.sizes[: self.count]
         missed[:, -1] /= state.sizes[0] * self.period
         return np.asarray(missed)
 
-    def check(self, success: bool) -> None:
-        """Refuse a cycle that the integration did not get through."""
-        if not success:
+    def integrate(self, state: TurningState, states: FloatArray, times: ArrayLike) -> Any:
+        """Integrate over the cycle; refuse one that the integration did not get through."""
+        found = state.integrate(
+            states, (0.0, self.period), self.method, self.evaluated, t_eval=times
+        )
+        if not found.success:
             raise InputError(self.unsteady())
+        return found
 
     def solved(self) -> tuple[FloatArray, float]:
         """Return the unknowns (2 q + 1,) of the cycle that closes, and what it still misses."""
@@ -223,6 +234,15 @@ class _Shooting:
         )
 
 
+def _too_slow(chain: TurningChain, speed: float, period: float) -> InputError:
+    periods = period * float(chain.system.system.natural[-1]) / (2.0 * np.pi)
+    return InputError(
+        f"mean_speed: given {speed:g} rad/s; allowed is a speed whose cycle takes fewer steps, because a "
+        f"search has a limit of {MOST_EVALUATIONS} evaluations; in this cycle the highest mode has "
+        f"{periods:.3g} periods."
+    )
+
+
 def _sampled_cycle(
     shooting: _Shooting, unknowns: FloatArray, missed: float, turns: int, samples: int
 ) -> TurningCycle:
@@ -231,8 +251,7 @@ def _sampled_cycle(
     state, states = shooting.starts(unknowns[np.newaxis])
     angles = even_angles(2.0 * np.pi * turns, samples)
     times = np.append(angles / speed, shooting.period)
-    found = state.integrate(states, (0.0, shooting.period), shooting.method, t_eval=times)
-    shooting.check(found.success)
+    found = shooting.integrate(state, states, times)
     count = chain.even.size
     values = found.y.T
     works = values[-1, 2 * count : 2 * count + WORKS]

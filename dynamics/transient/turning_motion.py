@@ -73,7 +73,7 @@ class TurningState:
         chain, count = self.chain, self.chain.even.size
         twist, vibration = states[:, :count], states[:, count : 2 * count]
         speeds = vibration + self.frame * chain.even
-        mean = chain.mean_speed(speeds)
+        mean = speeds @ chain.momentum
         reference = np.full(mean.shape, self.frame) if self.holds else mean
         angles = np.full(mean.shape, self.frame * time)
         springs, dampers, gas, inertia = chain.torques(twist, speeds, angles, reference)
@@ -83,7 +83,7 @@ class TurningState:
         found[:, count : 2 * count] = chain.accelerations(springs + dampers + gas + load, inertia)
         for place, torques in enumerate((gas, load, dampers), start=2 * count):
             found[:, place] = np.sum(torques * speeds, axis=1)
-        found[:, -1] = chain.mean_speed(twist)
+        found[:, -1] = twist @ chain.momentum
         return found
 
     def integrate(
@@ -91,9 +91,13 @@ class TurningState:
         states: FloatArray,
         span: tuple[float, float],
         method: IntegrationMethod,
+        evaluated: Callable[[float], None],
         **options: Any,
     ) -> Any:
-        """Integrate states (c, 2 q + 4) over a span of time [s] and return what `solve_ivp` does."""
+        """Integrate states (c, 2 q + 4) over a span of time [s] and return what `solve_ivp` does.
+
+        At each evaluation `evaluated` is called with the time.
+        """
         from scipy.integrate import solve_ivp
 
         shape = states.shape
@@ -101,6 +105,7 @@ class TurningState:
         first = FIRST_STEP / float(self.chain.system.system.natural[-1])
 
         def flat(time: float, values: FloatArray) -> FloatArray:
+            evaluated(time)
             return self.slope(time, values.reshape(shape)).reshape(-1)
 
         return solve_ivp(

@@ -12,7 +12,13 @@ from crankbase.checks.scalars import whole_number
 from crankbase.errors import InputError
 from crankbase.library_types import Dataset
 from crankbase.summaries import summarized
-from dynamics.running_limits import MOST_TURNS, run_time, too_many_turns
+from dynamics.running_limits import (
+    MOST_EVALUATIONS,
+    MOST_TURNS,
+    evaluation_counter,
+    run_time,
+    too_many_turns,
+)
 from dynamics.transient.order_forces import cycle_turns
 from dynamics.transient.shaft_run import ShaftRun
 from dynamics.transient.steady import spring_torques
@@ -22,6 +28,7 @@ from dynamics.transient.viscous import ViscousSystem
 
 # The shaft stops where its speed has fallen to this share within about a turn.
 STOPPED = 1e-3
+MANY_STEPS = f"a revolution takes more than {MOST_EVALUATIONS:,} evaluations of the equations"
 ENERGIES = ("kinetic_energy", "strain_energy", "gas_work", "load_work", "damping_work")
 # Moment that brakes [N m], of shaft speed [rad/s] and time [s].
 Load = Callable[[float, float], float]
@@ -196,7 +203,7 @@ def _turn(
 ) -> tuple[float, FloatArray, FloatArray, bool]:
     """Follow about one turn; return its end, times (m,), states there (m, ...), whether it stops."""
     chain, count = state.chain, state.chain.even.size
-    speed = float(chain.mean_speed(now[count : 2 * count]))
+    speed = float(now[count : 2 * count] @ chain.momentum)
     span = 2.0 * np.pi / speed
     # What is left of the time in even parts, so that no sliver remains at the end.
     until = time + (last - time) / max(1, math.ceil((last - time) / span * (1.0 - 1e-9)))
@@ -204,16 +211,18 @@ def _turn(
         until = last
 
     def stops(_time: float, values: FloatArray) -> float:
-        return float(chain.mean_speed(values[count : 2 * count])) - STOPPED * speed
+        return float(values[count : 2 * count] @ chain.momentum) - STOPPED * speed
 
     stops.terminal = True  # type: ignore[attr-defined]  # scipy reads this of the function itself
     times = np.linspace(time, until, told + 1)[1:]
-    found = state.integrate(now[np.newaxis], (time, until), method, t_eval=times, events=[stops])
+    evaluated = evaluation_counter(
+        lambda now: _not_followed(last, now, MANY_STEPS), MOST_EVALUATIONS
+    )
+    found = state.integrate(
+        now[np.newaxis], (time, until), method, evaluated, t_eval=times, events=[stops]
+    )
     if found.status < 0:
-        raise InputError(
-            f"duration: given times up to {last:g} s; allowed is {time:.6g} s or less, because the motion "
-            f"cannot be followed any longer ({str(found.message).rstrip('.')})."
-        )
+        raise _not_followed(last, time, str(found.message).rstrip("."))
     passed, rows = np.asarray(found.t), np.asarray(found.y).reshape(now.size, -1).T
     if found.status == 1:
         ended = float(found.t_events[0][0])
@@ -221,6 +230,13 @@ def _turn(
             passed, rows = np.append(passed, ended), np.vstack((rows, found.y_events[0][0]))
         return ended, passed, rows, True
     return until, passed, rows, False
+
+
+def _not_followed(given: float, reached: float, why: str) -> InputError:
+    return InputError(
+        f"duration: given times up to {given:g} s; allowed is {reached:.6g} s or less, because the motion "
+        f"cannot be followed any longer ({why})."
+    )
 
 
 def _assembled(
@@ -234,7 +250,7 @@ def _assembled(
     chain = in_turn[0][1]
     count = chain.even.size
     absolute, speeds = states[:, :count], states[:, count : 2 * count]
-    angle = chain.mean_speed(absolute)
+    angle = absolute @ chain.momentum
     # Strain from what is left beside the even turning: of hundreds of turns it would lose its digits.
     twist = absolute - angle[:, np.newaxis] * chain.even
     kinetic, strain = chain.energies(twist, speeds, angle)
@@ -243,7 +259,7 @@ def _assembled(
     return TurningRun(
         time=times,
         shaft_angle_deg=np.degrees(angle),
-        shaft_speed=chain.mean_speed(speeds),
+        shaft_speed=speeds @ chain.momentum,
         motion=motion,
         speed=speeds @ chain.expand.T,
         torque=spring_torques(chain.system.chain, motion),

@@ -1,6 +1,7 @@
 """An engine left to itself: its crank angle over time under gas, load, friction and weight."""
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any, Literal
 
@@ -28,7 +29,7 @@ from dynamics.gas.pressure import ATMOSPHERE
 from dynamics.mechanism.rod_model_names import RodModelName
 from dynamics.plots.angle_curves import draw_over_time
 from dynamics.plots.quantities import KILO
-from dynamics.running_limits import MOST_TURNS, run_time, too_many_turns
+from dynamics.running_limits import MOST_MOMENTS, MOST_TURNS, run_time, too_many_turns, work_counter
 from dynamics.turning.piston_gas import Gas
 from dynamics.turning.shaft_moments import Resistance, ShaftMoments, shaft_moments
 
@@ -191,7 +192,7 @@ def turn_freely(
     start_speed : float
         Zero or above [rad/s].
     duration : float
-        At most a day [s], and 20,000 turns.
+        At most a day [s], 20,000 turns, and 500,000 evaluations of the moments.
     gas : GasPressure, sequence of n GasPressure, or callable, optional
         Pressures as `gas_forces` takes them, or a callable (number, position, direction, angle) ->
         force on that cylinder's piston towards the shaft [N]: number from 1, position from 0 at the
@@ -229,8 +230,8 @@ def turn_freely(
     inertia enter as their Fourier series over a turn, exact to round-off. The works are integrated
     beside the speed, which does not know of them, so that `energy_error` compares two results.
     Runge-Kutta of order 8 (scipy's DOP853), stroke by stroke where the gas forces depend on the
-    direction. Pressures from tables bend at every sample; that limits the accuracy of the speed to
-    about 1e-6 of itself, which the energies, all integrated in the same steps, do not show.
+    direction. Pressures from tables bend at every sample, which limits the accuracy of the speed to
+    about 1e-6. The energies do not show that, for they are integrated in the same steps.
 
     Examples
     --------
@@ -271,16 +272,15 @@ def _integrated(
     scales = np.array([1.0, speed, *[energy] * len(SHARES)])
     last = start[0] + 2.0 * math.pi * MOST_TURNS
     ends = moments.stroke_ends() if moments.gas.turns_at_ends else np.zeros(0)
+    evaluated = work_counter("duration", end, "s", MOST_MOMENTS)
     kept = [state[:, np.newaxis][:, : int(told[0] == 0.0)]]
     while True:
         angle = float(state[0])
         limit = _next_end(ends, angle)
-        middle = angle + 0.5 * (min(limit, angle + 2.0 * math.pi) - angle)
-        ways = moments.directions(middle)
-        found = _stroke(moments, ways, (time, end), state, limit, last, scales)
+        ways = moments.directions(0.5 * (angle + min(limit, angle + 2.0 * math.pi)))
+        found = _stroke(moments, ways, (time, end), state, limit, last, scales, evaluated)
         reached = float(found.t[-1])
-        # Closed at the end: the next stroke begins after it.
-        asked = told[(told > time) & (told <= reached)]
+        asked = told[(told > time) & (told <= reached)]  # the next stroke begins after its end
         if asked.size:
             kept.append(found.sol(asked))
         if found.t_events[0].size:
@@ -313,11 +313,13 @@ def _stroke(
     limit: float,
     last: float,
     scales: FloatArray,
+    evaluated: Callable[[float], None],
 ) -> Any:
     """Integrate angle, speed and the four works until the time is over or an angle reached; to `last`."""
     from scipy.integrate import solve_ivp
 
-    def slope(_: float, state: FloatArray) -> list[float]:
+    def slope(now: float, state: FloatArray) -> list[float]:
+        evaluated(now)
         angle, speed = float(state[0]), float(state[1])
         if not angle <= last:
             raise too_many_turns("duration", span[1], MOST_TURNS)

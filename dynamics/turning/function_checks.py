@@ -5,7 +5,9 @@ import math
 from crankbase.errors import InputError, quoted
 
 
-def checked_moment(field: str, given: float, speed: float, angle: float) -> float:
+def checked_moment(
+    field: str, given: float, speed: float, angle: float, largest: float = math.inf
+) -> float:
     """Return a moment [N m] that a given function has returned.
 
     Cheap enough for every step of an integration, which a value that is not finite keeps from ever
@@ -19,18 +21,21 @@ def checked_moment(field: str, given: float, speed: float, angle: float) -> floa
         [N m]
     speed, angle : float
         Where the function was asked [rad/s, rad].
+    largest : float, optional
+        [N m]
 
     Raises
     ------
     InputError
-        If it is not a finite number.
+        If it is not a finite number, or larger than that.
     """
     moment = _number(given)
-    if not math.isfinite(moment):
+    if not (math.isfinite(moment) and abs(moment) <= largest):
         raise InputError(
             f"{field}: given a moment of {quoted(given)} N m at {speed:.6g} rad/s and a shaft angle of "
-            f"{math.degrees(angle):.6g} deg; allowed are finite numbers, because the speed follows from "
-            "the moments."
+            f"{math.degrees(angle):.6g} deg; allowed are finite numbers"
+            f"{'' if largest == math.inf else f' of up to {largest:g}'}, because the speed follows from the "
+            "moments."
         )
     return moment
 

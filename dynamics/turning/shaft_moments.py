@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from crankbase.checks.arrays import FloatArray, finite_array
+from crankbase.checks.arrays import LARGEST, FloatArray, finite_array
 from dynamics.engine.forces import rod_models
 from dynamics.engine.layout import EngineLayout
 from dynamics.mechanism.rod_model_names import RodModelName
@@ -76,9 +76,9 @@ class ShaftMoments:
         # value there, and what they were does not matter.
         forward = max(speed, 0.0)
         moments = (
-            -checked_moment("gas", gas, speed, angle),
-            -checked_moment("load", self.load(forward, angle), speed, angle),
-            -checked_moment("friction", self.friction(forward, angle), speed, angle),
+            -checked_moment("gas", gas, speed, angle, LARGEST),
+            -checked_moment("load", self.load(forward, angle), speed, angle, LARGEST),
+            -checked_moment("friction", self.friction(forward, angle), speed, angle, LARGEST),
             -self.gravity * float(slopes[-1]),
         )
         return moments, self._checked_inertia(values, angle), float(slopes[-2])

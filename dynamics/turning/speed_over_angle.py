@@ -21,9 +21,10 @@ from crankbase.summaries import summarized
 from crankbase.tables.frames import table
 from crankbase.units.units import RPM
 from dynamics.plots.angle_curves import draw_over_angle
-from dynamics.running_limits import turns_followed
+from dynamics.running_limits import turns_followed, work_counter
 from dynamics.turning.function_checks import checked_inertia, checked_moment
 
+TURN = 2.0 * math.pi
 # Inertia [kg m^2] at an angle [rad].
 Inertia = Callable[[float], float]
 # Moment [N m] at a speed [rad/s] and an angle [rad], positive when it drives.
@@ -37,6 +38,8 @@ LONGEST_STEP = math.radians(1.0)
 ROUNDS, SETTLED, ROUGH = 25, 1e-15, 1e-11
 # A step whose speeds do not settle, or in which no energy is left, is halved so often at most.
 HALVINGS = 8
+# Most evaluations of the moment, which takes a microsecond: some ten seconds.
+MOST_CALLS = 2_000_000
 # Gauss's collocation with three stages, of order 6: places in the step, weights of the stages for
 # the energy at the stages and at the end.
 _ROOT = math.sqrt(15.0)
@@ -79,6 +82,8 @@ class SpeedOverAngle:
     @property
     def mean_speed(self) -> float:
         """Angle turned divided by the time that it took [rad/s]."""
+        if self.time[-1] == 0.0:  # stopped within the first step
+            return float(self.speed[0])
         return float(math.radians(self.angle_deg[-1] - self.angle_deg[0]) / self.time[-1])
 
     @property
@@ -169,8 +174,8 @@ def speed_over_angle(
     ------
     InputError
         If a number is not finite or not above zero, the moment is not finite, the inertia is not
-        above zero, or the moment changes so steeply with the speed that steps of 1/256 deg are too
-        long.
+        above zero, the moment changes so steeply with the speed that steps of 1/256 deg are too
+        long, or it is evaluated more than 2 million times, as in some 900 turns.
 
     Notes
     -----
@@ -206,11 +211,13 @@ class _Shaft:
     inertia: Inertia
     moment: Moment
     least: float
+    evaluated: Callable[[float], None]
 
     def speed(self, energy: float, angle: float) -> float:
         return math.sqrt(2.0 * energy / checked_inertia(self.inertia(angle), angle))
 
     def moment_at(self, speed: float, angle: float) -> float:
+        self.evaluated(angle)
         return checked_moment("moment", self.moment(speed, angle), speed, angle)
 
     def stays_at_rest(self, angles: list[float]) -> bool:
@@ -236,7 +243,10 @@ def _integrate_speed(
     """Return speed, time and energy at the angles, and where the shaft stopped."""
     first = float(angles[0])
     energy, time = 0.5 * checked_inertia(inertia(first), first) * start_speed**2, 0.0
-    shaft = _Shaft(inertia, moment, STOPPED_SHARE * energy)
+    count = work_counter("turns", float(angles[-1] - first) / TURN, "", MOST_CALLS)
+    shaft = _Shaft(
+        inertia, moment, STOPPED_SHARE * energy, lambda angle: count((angle - first) / TURN)
+    )
     states = [(start_speed, time, energy)]
     step = float(angles[1] - angles[0])
     parts = math.ceil(step / LONGEST_STEP * (1.0 - 1e-12))

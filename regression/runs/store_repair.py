@@ -133,6 +133,9 @@ def _copy_sound_rows(old: Path, new: Path) -> dict[str, int]:
     }
     wanted = wanted_columns()
     with closing(connect_readonly(old)) as source:
+        source.text_factory = lambda raw: raw.decode(
+            "utf-8", "replace"
+        )  # what is written must be text
         # Also where the file is shorter than its header says.
         source.execute("PRAGMA writable_schema=ON")
         with suppress(*UNREADABLE):
@@ -163,11 +166,8 @@ def _copy_sound_rows(old: Path, new: Path) -> dict[str, int]:
 
 def _is_sound(test: Callable[[Mapping[str, Any]], object], row: Mapping[str, Any]) -> bool:
     try:
-        for value in row.values():
-            if isinstance(value, str):
-                value.encode()  # bytes that are no text cannot be
         return bool(test(row))
-    except (DamagedRowError, UnicodeEncodeError):
+    except DamagedRowError:
         return False
 
 

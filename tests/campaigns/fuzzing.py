@@ -171,7 +171,7 @@ def recorded_calls(path: Path) -> tuple[dict[str, list[Call]], dict[str, list[Ca
     for name, calls in loaded(path.read_bytes()).items():
         for call in calls if is_asked(name) else ():
             start = time.process_time()
-            if outcome_of(partial(made, call)).kind == ACCEPTED:
+            if outcome_of(partial(made, call)).kind in (ACCEPTED, NOT_FINITE):
                 kind = quick if time.process_time() - start < QUICK else slow
                 kind.setdefault(name, []).append(call)
     print(f"{len(quick.keys() | slow.keys())} functions, {len(slow)} of them slow", file=sys.stderr)

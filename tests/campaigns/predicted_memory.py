@@ -1,7 +1,8 @@
 """Memory of throws' analyses, each in a fresh process, beside what is predicted before they are meshed.
 
 Run by hand: python tests/campaigns/predicted_memory.py (some minutes). Prints unknowns and resident memory,
-predicted and found, of engines' throws and of random ones; exit code 1 if one is off by more than 30 %.
+predicted and found, of engines' throws and of random ones; exit code 1 if memory is off by more than 30 %,
+or unknowns are predicted 30 % too few or twice too many.
 """
 
 import json
@@ -20,6 +21,8 @@ from fem.memory import solving_memory
 from geometry.mesher import Throw
 
 ALLOWED = 0.30
+# Unknowns are predicted for throws whose errors fall slowly: others take fewer.
+SPARE = 1.0
 # What is computed, of which throw (an engine's, or a random one's seed), at which accuracy.
 CASES = [
     ("superelement", "6chn25-34", 0.01),
@@ -67,7 +70,7 @@ def main() -> int:
             f"{task}, throw {name} ({throw.symmetry}), {accuracy:g}: {unknowns:,} unknowns, "
             f"{taken / 1e6:.0f} MB; predicted: unknowns {100.0 * (mesh - 1.0):+.0f} %, "
             f"memory {100.0 * (memory - 1.0):+.0f} %",
-            good=abs(memory - 1.0) < ALLOWED and abs(mesh - 1.0) < ALLOWED,
+            good=abs(memory - 1.0) < ALLOWED and -ALLOWED < mesh - 1.0 < SPARE,
         )
     return 0 if good else 1
 

@@ -3,6 +3,7 @@
 import contextlib
 import dataclasses
 import inspect
+import time
 from collections.abc import Callable, Mapping
 from functools import partial
 from pathlib import Path
@@ -18,6 +19,8 @@ from strategies.recording import Call, public_callables
 
 DEEPEST = 4
 HUGE = 200_000
+# Seconds of processor time after which a run that reports its progress is interrupted, and must end.
+INTERRUPTED = 4.0
 FLOATS = (
     0.0,
     -0.0,
@@ -245,28 +248,34 @@ def wrong_calls(draw: st.DrawFn, calls: dict[str, list[Call]]) -> Callable[[], C
 
     # Drawn here, for later no more can be drawn; the outcome is that of the whole.
     outcome = outcome_of(lambda: made.append(change()))
-    return Attempted(name, made[0] if made else None, outcome)
+    return Attempted(name, made[0] if made else None, outcome, one)
 
 
 @dataclasses.dataclass(frozen=True)
 class Attempted:
-    """A wrong call, or what came of making its arguments."""
+    """A wrong call, or what came of making its arguments; and the call as it was recorded."""
 
     name: str
     call: Call | None
     before: Outcome
+    recorded: Call
 
     def outcome(self) -> Outcome:
         """Make the call, and tell what came of it."""
         if self.call is None:
             return dataclasses.replace(self.before, text=f"{self.name}: {self.before.text}")
-        found = outcome_of(lambda: made(self.call), lambda _: self.name.startswith(ENDLESS))
+        call = _interrupted(self.call)
+        found = outcome_of(lambda: made(call), self._is_documented)
         if found.kind == NOT_FINITE and list(not_finite((self.call.arguments, self.call.options))):
             # What was no number in went in and out again, in a record that checks nothing.
             return Outcome(NOT_FINITE, f"{self.name}: {found.text}, as given")
         return (
             found if found.good else dataclasses.replace(found, text=f"{self.name}: {found.text}")
         )
+
+    def _is_documented(self, field: str) -> bool:
+        """Whether a field may be infinite or no number: so it is in the result of the recorded call, too."""
+        return self.name.startswith(ENDLESS) or field in not_finite(made(self.recorded))
 
     def __repr__(self) -> str:
         return f"{self.name}: {_shown(self.call)}"
@@ -275,6 +284,19 @@ class Attempted:
 def made(call: Call) -> Any:
     """Make a call."""
     return public_callables()[call.name](*call.arguments, **call.options)
+
+
+def _interrupted(call: Call) -> Call:
+    """Interrupt a run as its user can, where it reports its progress."""
+    if "progress" not in inspect.signature(public_callables()[call.name]).parameters:
+        return call
+    begin = time.process_time()
+
+    def progress(*_: Any) -> None:
+        if time.process_time() - begin > INTERRUPTED:
+            raise KeyboardInterrupt
+
+    return dataclasses.replace(call, options={"progress": progress} | call.options)
 
 
 def _shown(call: Call | None) -> str:

@@ -274,7 +274,7 @@ def parsers() -> dict[str, Parser]:
     """Return all parsers by name."""
     return {
         "engine file": Parser(_toml(*ENGINES), cf.load_engine),
-        "mechanism file": Parser(_toml(*ENGINES), cf.load_mechanism, share=0.1),
+        "mechanism file": Parser(_toml(*ENGINES), cf.load_mechanism),
         "throw file": Parser(_toml(*ENGINES, more=(THROW,)), _throw),
         "crankshaft of a file": Parser(_toml(*ENGINES), cf.load_crankshaft),
         "chain file": Parser(_toml(*CHAINS), partial(_chain, cf.load_chain)),

@@ -1,5 +1,6 @@
 """Wrong command lines and requests to the service, tried in this process; nothing is meshed or started."""
 
+import asyncio
 import contextlib
 import io
 import json
@@ -10,6 +11,7 @@ import shutil
 import sys
 import warnings
 from collections.abc import Callable, Iterator
+from functools import cache
 from pathlib import Path
 from typing import Any
 from unittest import mock
@@ -59,6 +61,14 @@ def nothing_started() -> Iterator[None]:
         put.enter_context(mock.patch.object(crankbase.processes.subprocess, "Popen", _no_process))
         put.enter_context(mock.patch.object(crankfem.service.server, "serve"))
         yield
+
+
+@cache
+def _commands() -> Any:
+    """Return the commands, which typer otherwise makes anew for each line."""
+    import typer
+
+    return typer.main.get_command(cli.app)
 
 
 # Command lines.
@@ -123,9 +133,6 @@ def _examples() -> list[list[str]]:
 
 def _options() -> dict[str, list[str]]:
     """Return the options of each command."""
-    import typer
-
-    made: Any = typer.main.get_command(cli.app)
     return {
         name: [
             option
@@ -133,7 +140,7 @@ def _options() -> dict[str, list[str]]:
             for option in (*one.opts, *one.secondary_opts)
             if option.startswith("-")
         ]
-        for name, command in made.commands.items()
+        for name, command in _commands().commands.items()
     }
 
 
@@ -182,6 +189,7 @@ def run_command(line: list[str], folder: Path) -> Outcome:
             patience(),
             nothing_started(),
             mock.patch.object(sys, "argv", ["crankfem", *line]),
+            mock.patch("typer.main.get_command", return_value=_commands()),
             contextlib.redirect_stdout(said),
             contextlib.redirect_stderr(told),
             warnings.catch_warnings(),
@@ -303,14 +311,15 @@ def asking(folder: Path) -> Callable[[Request], Outcome]:
     """Return what gives a request to a service in this process, whose jobs wait for ever."""
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
-        from starlette.testclient import TestClient
+        from starlette.testclient import httpx  # or its successor, if that is installed
 
     (folder / "models").mkdir(exist_ok=True)
     (folder / "models" / "small.json").write_text(models()[0], encoding="utf-8")
     settings = Settings(folder / "jobs", folder / "models", key=None, bounds=Bounds(waiting=10**9))
-    client = TestClient(
-        make_app(settings)[0], base_url="http://127.0.0.1", raise_server_exceptions=False
-    )
+    transport = httpx.ASGITransport(make_app(settings)[0], raise_app_exceptions=False)
+    client = httpx.AsyncClient(transport=transport, base_url="http://127.0.0.1")
+    # One loop for all requests.
+    loop = asyncio.Runner()
     checked = folder / "checked"
 
     @contextlib.contextmanager
@@ -332,7 +341,7 @@ def asking(folder: Path) -> Callable[[Request], Outcome]:
             ):
                 warnings.simplefilter("ignore")
                 warnings.simplefilter("error", RuntimeWarning)
-                answer = client.request(method, path, content=body, headers=headers)
+                answer = loop.run(client.request(method, path, content=body, headers=headers))
         except HangError:
             return Outcome(HANG, path)
         except Exception as error:

@@ -337,6 +337,26 @@ def test_an_order_without_a_peak_is_not_called_unbounded(results):
     assert not any("unbounded" in text for text in row)
 
 
+def test_a_mode_that_makes_no_peak_has_no_critical_speed_outside(results):
+    """Nor a margin to one, of an order beyond the speeds calculated."""
+    vibration = results["vibration"]
+    peaks = vibration["forced"]["axial"]["resonances"]
+    damped = {"mode": 7, "order": 12.0, "speed_rpm": None, "severity": 0.0}
+    peaks.append({**peaks[0], **damped, "in_running_range": False})
+    bounds = {"mode": 7, "order": 11.0, "margin": 0.0, "speed_rpm": 650.0}
+    critical = vibration["assessment"]["uncertainty"]["axial"]["critical"]
+    critical.append(bounds | {"low_rpm": 30.0, "high_rpm": 660.0})
+
+    def modes():
+        table = speed_table(vibration, most=99)
+        place = [column.name for column in table.columns].index("mode")
+        return {texts[place] for texts in table.texts() if texts[0] == "axial"}
+
+    assert "7" not in modes()
+    peaks[-1]["in_running_range"] = True
+    assert "7" in modes()
+
+
 def test_above_the_running_range_is_told_where_it_is_worse_and_of_which_place():
     def check(place, running, above):
         one = {"limit": "stress", "place": place, "passed": False, "speed_rpm": 500.0}

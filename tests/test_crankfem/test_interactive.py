@@ -22,6 +22,7 @@ from crankbase.errors import InputError
 from crankfem.analyses.study.fitting import fit_study
 from crankfem.analyses.study.response_fits import predicted
 from crankfem.analyses.throw.formula_diagrams import formulas_over_angle
+from crankfem.report.interactive import vibration as vibration_plots
 from crankfem.report.interactive.campbell import campbell
 from crankfem.report.interactive.curve_decimation import visible_points
 from crankfem.report.interactive.curves import UNSEEN, figure_of
@@ -803,3 +804,37 @@ def test_paper_and_screen_draw_the_same_curves(series):
         assert line.get_linestyle() == ON_PAPER[trace["line"]["dash"]]
         assert np.nanmax(line.get_ydata()) == close(np.nanmax(floats(trace["y"])), rel=FIVE_DIGITS)
     assert len(axes.patches) == len(barred)
+
+
+def test_the_stress_drawn_is_the_one_closest_to_its_limit(monkeypatch):
+    """Of a plant, whose propeller shaft may be worse than the crankshaft."""
+
+    def check(limit, place):
+        return SimpleNamespace(limit=SimpleNamespace(name=limit), curve=SimpleNamespace(name=place))
+
+    def limited(key, *_):
+        return SimpleNamespace(names=("first", "second") if key == "shaft: line" else ("cylinder",))
+
+    monkeypatch.setattr(vibration_plots, "limited_series", limited)
+    named = {
+        "axial_amplitude": "axial amplitude",
+        "crankshaft_stress": "stress of crankshaft",
+        "shaft: line": "stress of line",
+    }
+    limits = {key: SimpleNamespace(name=name) for key, name in named.items()}
+    worst_first = [
+        check("axial amplitude", "free end"),
+        check("stress of line", "second"),
+        check("stress of crankshaft", "cylinder"),
+    ]
+    run = SimpleNamespace(
+        assessment=SimpleNamespace(limits=limits, verdict=SimpleNamespace(checks=worst_first)),
+        forced_axial=0,
+        forced_torsional=0,
+        engine_file=0,
+    )
+    series, place, limit = vibration_plots._judged_stress(run)
+    assert (series.names[place], limit.name) == ("second", "stress of line")
+    del worst_first[1]
+    series, place, limit = vibration_plots._judged_stress(run)
+    assert (series.names[place], limit.name) == ("cylinder", "stress of crankshaft")

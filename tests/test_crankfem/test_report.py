@@ -494,7 +494,7 @@ AS_STORED = [
     ),
     ("reactions", "guided left 0.000 209 107 -11.4 0.000 0.000"),
     ("fillets", "at most 2.7 % (requested: 10 %): sufficient"),
-    ("fillets", "left journal -0.913 0.807 0.774 1.18 0 117 66 pin, left web"),
+    ("fillets", "left journal -0.913 0.807 0.774 1.18 0.0 117 66.4 pin, left web"),
     ("fillets", "left journal 1.35 1.84 0.478 2.83 77.0 87.5 66.2 pin, left web"),
     (
         "formulas",
@@ -734,3 +734,26 @@ def test_fillets_of_a_throw_that_is_its_mirror_image_stand_once(results, page):
     assert "right journal" not in page(results).section("fillets")
     results["fillets"]["solved_part"] = "half"
     assert "right journal" in page(results).section("fillets")
+
+
+def test_balanced_forces_are_told_in_a_sentence_beside_a_table_of_moments(results, page):
+    orders = results["mechanism"]["balance"]["orders"]
+    for one in orders:
+        one |= {"force_balanced": True, "moment_balanced": False}
+    found = page(results).section("balance")
+    assert "The inertia forces of all calculated orders are balanced." in found
+    assert "Inertia moments on the engine" in found
+    assert "Inertia forces on the engine" not in found
+    orders[0]["force_balanced"] = False
+    assert "Inertia forces on the engine" in page(results).section("balance")
+
+
+def test_crankpins_that_are_loaded_alike_are_not_named(results, page):
+    pins = results["mechanism"]["crankpins"]
+    one = pins[0]
+    pins[:] = [{**one, "name": f"crankpin, cylinder {number}"} for number in (1, 2, 3)]
+    assert "Each crankpin: mean" in page(results).section("loads")
+    pins[2] |= {"largest": 0.5 * one["largest"], "mean": 0.5 * one["mean"]}
+    pins[2] |= {"largest_specific_pressure": 0.5 * one["largest_specific_pressure"]}
+    told = "The most heavily loaded crankpin (crankpin, cylinder 1, and 1 alike): mean"
+    assert told in page(results).section("loads")

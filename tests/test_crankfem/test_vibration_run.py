@@ -14,6 +14,7 @@ from crankfem.analyses.vibration.chain_answers import nominal_section_modulus
 from crankfem.analyses.vibration.engine_excitation import engine_harmonics
 from crankfem.analyses.vibration.engine_limits import engine_verdict, limit_findings
 from crankfem.analyses.vibration.forced import forced_vibrations
+from crankfem.analyses.vibration.misfiring import _ranges
 from crankfem.analyses.vibration.records import (
     forced_columns,
     forced_record,
@@ -364,6 +365,14 @@ def test_uncertain_values_widen_the_critical_speeds(coarse, tmp_path):
     assert torsional.amplitudes.values.shape == (4,)
     assert found.axial.amplitudes is not None
     assert all(own.low <= own.nominal <= own.high for own in torsional.critical)
+
+
+def test_ranges_exceeded_while_misfiring_with_next_to_nothing_between_them_are_one():
+    speeds = np.array([1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 8.01, 9.0])
+    flags = np.array([0, 1, 0, 1, 0, 0, 1, 0, 0, 1], dtype=bool)
+    assert _ranges(speeds, flags) == ((1.0, 5.0), (6.0, 9.0))
+    assert _ranges(speeds[:1], flags[1:2]) == ((1.0, 1.0),)
+    assert _ranges(speeds[:2], flags[:2]) == ((1.0, 2.0),)
 
 
 @pytest.mark.slow

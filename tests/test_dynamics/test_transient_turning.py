@@ -219,6 +219,8 @@ def bad(message):
     fewer = EngineChain(ends.chain, "torsional", throw_nodes=(0,))
     return {
         "mean_speed: given 0": lambda: steady_cycle(chain, 0.0),
+        "speeds[1]: given inf": lambda: chain.mean_speed(np.array([1.0, np.inf, 1.0])),
+        "speeds: given an array of shape (2,)": lambda: chain.mean_speed(np.ones(2)),
         "method: given 'Euler'": lambda: steady_cycle(chain, SPEED, method="Euler"),
         "start_speed: given -1": lambda: turn_under_gas(chain, -1.0, 1.0),
         "duration: given 0": lambda: turn_under_gas(chain, 1.0, 0.0),
@@ -242,6 +244,8 @@ def bad(message):
     "message",
     [
         "mean_speed: given 0",
+        "speeds[1]: given inf",
+        "speeds: given an array of shape (2,)",
         "method: given 'Euler'",
         "start_speed: given -1",
         "duration: given 0",
@@ -262,3 +266,15 @@ def test_bad_input_is_refused_in_one_sentence(message):
     assert text.startswith(message)
     assert "allowed" in text
     assert "because" in text
+
+
+def test_a_cycle_that_takes_too_many_evaluations_is_given_up(monkeypatch):
+    chain, _ = turning(gas=pressure(), damping=30.0)
+    monkeypatch.setattr("dynamics.transient.turning_cycle.MOST_EVALUATIONS", 500)
+    with pytest.raises(
+        InputError, match=r"given 1e-06 rad/s; allowed is .* limit of 500 .* periods"
+    ):
+        steady_cycle(chain, 1e-6)
+    monkeypatch.setattr("dynamics.transient.turning_run.MOST_EVALUATIONS", 500)
+    with pytest.raises(InputError, match=r"duration: given .* \(a revolution takes more than"):
+        turn_under_gas(chain, 1e-3, 1e4)

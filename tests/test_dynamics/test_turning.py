@@ -496,6 +496,7 @@ def test_steady_engine_has_the_speed_of_its_energy():
         ({"friction": constant(math.inf)}, "friction: given a moment of inf N m at 10 rad/s"),
         ({"gas": constant(math.nan)}, "gas: given a moment of nan"),
         ({"gas": constant(math.inf)}, "gas: given a moment of"),
+        ({"gas": constant(1e300)}, "gas: given a moment of .* numbers of up to 1e.60, because"),
         ({"gas": BrokenPressure()}, "gas: given a moment of nan"),
         ({"load": float("nan")}, "load: given nan"),
         ({"gas": [SmoothPressure()]}, "pressure: given 1 for 2 cylinders"),
@@ -519,6 +520,30 @@ def test_a_shaft_that_turns_faster_and_faster_is_given_up(monkeypatch):
     monkeypatch.setattr("dynamics.turning.free_turning.MOST_TURNS", 20)
     with pytest.raises(InputError, match="allowed are 20000 turns"):
         turn_freely(hinged_pair(), start_angle_deg=0.0, start_speed=1.0, duration=100.0, load=-1e3)
+
+
+def test_a_motion_that_takes_too_many_evaluations_is_given_up(monkeypatch):
+    """And what is allowed then is followed."""
+    monkeypatch.setattr("dynamics.turning.speed_over_angle.MOST_CALLS", 20_000)
+    start = {"start_angle_deg": 0.0, "start_speed": 10.0, "samples": 90}
+    with pytest.raises(
+        InputError, match=r"turns: given 100; allowed is .* or less here"
+    ) as refused:
+        speed_over_angle(constant(2.0), constant(0.0), turns=100.0, **start)
+    allowed = float(str(refused.value).split()[5])
+    assert 1.0 < allowed < 100.0
+    speed_over_angle(constant(2.0), constant(0.0), turns=allowed, **start)
+
+    monkeypatch.setattr("dynamics.turning.free_turning.MOST_MOMENTS", 100)
+    with pytest.raises(InputError, match=r"duration: given 100 s; allowed is .* s or less here"):
+        turn_freely(hinged_pair(), start_angle_deg=0.0, start_speed=1.0, duration=100.0)
+
+
+def test_the_mean_speed_of_a_shaft_that_stops_at_once_is_its_first():
+    found = speed_over_angle(
+        constant(2.0), constant(-1e9), start_angle_deg=0.0, start_speed=10.0, turns=1.0
+    )
+    assert (found.mean_speed, found.fluctuation) == (10.0, 0.0)
 
 
 def test_more_turns_than_can_be_followed_are_refused():

@@ -173,10 +173,12 @@ def test_rows_are_kept_under_names_of_columns_that_cannot_be_read(store):
     assert check_store(store).sound
 
 
-def test_text_of_a_row_that_is_no_text_is_damaged(store):
-    """A study's list has no checksum of its own."""
-    execute(store, "UPDATE study_designs SET role = CAST(x'F572756E' AS TEXT) WHERE place = 3")
-    rebuild_store(store)
+def test_text_that_is_no_text_damages_no_more_than_itself(store):
+    """The list of a study has no checksum, nor has the moment at which a design was finished."""
+    noise = "CAST(x'F572756E' AS TEXT)"
+    execute(store, f"UPDATE study_designs SET role = {noise} WHERE place = 3")
+    execute(store, f"UPDATE designs SET finished_at = {noise} WHERE rowid = 5")
+    assert rebuild_store(store).designs == 40
     assert run_plan(PLAN, store).computed == 0
     assert check_store(store).sound
 

@@ -174,7 +174,11 @@ def test_connections_beyond_the_limit_are_refused_until_others_close(serve, tmp_
 
 
 def test_nonsense_on_the_line_is_refused(service):
-    assert raw(service, b"\x16\x03\x01\x02\x00\x01\r\n\r\n").startswith((b"HTTP/1.1 400", b""))
+    head, _, told = raw(service, b"\x16\x03\x01\x02\x00\x01\r\n\r\n").partition(b"\r\n\r\n")
+    assert head.startswith(
+        b"HTTP/1.1 400 Bad Request\r\nContent-Type: application/problem+json\r\n"
+    )
+    assert json.loads(told)["detail"] == "The request is not HTTP/1.1."
     assert service.ask("/api/jobs")[0] == 200
 
 

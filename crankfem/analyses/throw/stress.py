@@ -124,5 +124,5 @@ def _stress_per_load(unit: str, units: OutputUnits) -> OutputUnit:
 
 def _place(place: list[float], length: OutputUnit) -> str:
     values = [value / length.size for value in place]
-    digits = 2 if length.wished else 1 if max(map(abs, values)) < 100.0 else 0
+    digits = 2 if length.wished else 1
     return " ".join(f"{round(value, digits) + 0.0:.{digits}f}" for value in values)

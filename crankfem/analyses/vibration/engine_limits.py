@@ -295,6 +295,11 @@ def check_limited_elements(limits: LimitsInput, elements: Sequence[str]) -> None
             )
 
 
+def of_stress(name: str) -> bool:
+    """Whether a limit of `engine_limits` is on a stress: of the crankshaft, or of a shaft."""
+    return name == "crankshaft_stress" or name.startswith("shaft: ")
+
+
 def limited_series(
     name: str, engine_file: EngineFile, axial: Limited, torsional: Limited
 ) -> OrderSeries:

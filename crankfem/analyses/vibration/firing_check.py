@@ -75,7 +75,7 @@ class FiringCheck:
         Cylinders that fail to the worst then.
     over_speed : tuple of three (S,) arrays, or None
         Running speeds [rad/s], and at the place of `misfiring` the amplitude with all cylinders firing
-        and in the worst case; of the crankshaft's stress alone.
+        and in the worst case; of the stress that uses its limit most alone.
     """
 
     quantity: str

@@ -20,6 +20,7 @@ from crankfem.analyses.vibration.engine_excitation import (
 from crankfem.analyses.vibration.engine_limits import (
     compared_quantities,
     compared_series,
+    of_stress,
 )
 from crankfem.analyses.vibration.firing_check import (
     Cylinders,
@@ -39,9 +40,10 @@ from dynamics.excitation.cylinders import CylinderForces, forces_at_speeds
 from dynamics.response.series import OrderSeries
 from dynamics.running_limits import within
 
-STRESS = "crankshaft_stress"
 # What adds up of the forces of cylinders.
 SUMMED = ("tangential", "radial", "mean_tangential", "mean_radial")
+# Speeds that leave a smaller share of the speed between them leave none to run at.
+NARROW = 5e-3
 # By the key of `compared_quantities`.
 Series = dict[str, OrderSeries]
 Found = dict[str, dict[Cylinders, Reached]]
@@ -80,7 +82,7 @@ class Misfiring:
 
     @property
     def of_stress(self) -> FiringCheck | None:
-        """That of the crankshaft's stress."""
+        """That of the stress, of crankshaft or shaft line, of whose limit most is used."""
         return next((one for one in self.checks if one.over_speed is not None), None)
 
     @property
@@ -240,6 +242,7 @@ def _misfiring(added: Superposition, speeds: FloatArray) -> Misfiring:
                 exceeded = speeds_above(series, weights(limit, speeds), exceeded)
     _refine(added, speeds, each)
     worst = {key: max(cases, key=lambda case: own[case].severity) for key, own in each.items()}
+    drawn = max(filter(of_stress, each), key=lambda key: each[key][worst[key]].used, default=None)
     checks = [
         FiringCheck(
             quantity=quantities[key].name,
@@ -250,7 +253,7 @@ def _misfiring(added: Superposition, speeds: FloatArray) -> Misfiring:
             misfiring=own[worst[key]],
             each=own,
             over_speed=_over_speed(added, speeds, key, worst[key], own[worst[key]].place)
-            if key == STRESS
+            if key == drawn
             else None,
         )
         for key, own in each.items()
@@ -278,18 +281,18 @@ def _over_speed(
 def _ranges(speeds: FloatArray, flags: NDArray[np.bool_]) -> tuple[tuple[float, float], ...]:
     """Return the ranges of flagged speeds, each widened to the next speeds that are not.
 
-    Ranges with one speed between them are one: both reach to it.
+    Ranges between which no engine can run, as they leave less than `NARROW`, are one.
     """
-    between = (
-        np.concatenate(([False], flags[:-2] & flags[2:], [False])) if flags.size > 2 else False
-    )
-    edges = np.diff(np.concatenate(([0], (flags | between).astype(int), [0])))
+    edges = np.diff(np.concatenate(([0], flags.astype(int), [0])))
     last = speeds.size - 1
     starts, stops = np.flatnonzero(edges == 1), np.flatnonzero(edges == -1)
-    return tuple(
-        (float(speeds[max(start - 1, 0)]), float(speeds[min(stop, last)]))
-        for start, stop in zip(starts.tolist(), stops.tolist(), strict=True)
-    )
+    found: list[tuple[float, float]] = []
+    for start, stop in zip(starts.tolist(), stops.tolist(), strict=True):
+        low, high = float(speeds[max(start - 1, 0)]), float(speeds[min(stop, last)])
+        if found and low <= found[-1][1] * (1.0 + NARROW):
+            low = found.pop()[0]
+        found.append((low, high))
+    return tuple(found)
 
 
 def _refine(added: Superposition, speeds: FloatArray, each: Found) -> None:

@@ -82,10 +82,15 @@ def _absent(column: Column) -> Column:
 def _speeds(vibration: Record, kind: str) -> list[Record]:
     """Return what is known of each critical speed of one kind, put together by its mode and order.
 
-    One order may have several peaks by one mode, each a critical speed of its own.
+    One order may have several peaks by one mode, each a critical speed of its own. Orders that damping
+    leaves without a peak count at running speeds alone, and modes that no order brings to a peak have no
+    margin.
     """
     forced, assessment = vibration["forced"], vibration["assessment"]
-    peaks = [] if forced is None else forced[kind]["resonances"]
+    calculated = [] if forced is None else forced[kind]["resonances"]
+    peaks = [one for one in calculated if one["speed_rpm"] is not None or one["in_running_range"]]
+    damped = {one["mode"] for one in calculated}
+    damped -= {one["mode"] for one in calculated if one["speed_rpm"] is not None}
     met = {_meeting(one): one for one in vibration[kind]["criticals"]}
     found: list[Record] = [{"resonance": one} for one in peaks]
     found += [{"critical": met[key]} for key in met.keys() - {_meeting(one) for one in peaks}]
@@ -95,11 +100,11 @@ def _speeds(vibration: Record, kind: str) -> list[Record]:
     margins = [] if assessment is None else assessment["uncertainty"][kind]["critical"]
     for margin in margins:
         same = [own for own in found if _meeting(_known(own)) == _meeting(margin)]
-        if not same:
+        if same:
+            nearest = min(same, key=lambda own: _distance(own, margin))
+            nearest["margin"] = margin
+        elif margin["mode"] not in damped:
             found.append({"kind of motion": kind, "margin": margin})
-            continue
-        nearest = min(same, key=lambda own: _distance(own, margin))
-        nearest["margin"] = margin
     return found
 
 
@@ -114,9 +119,8 @@ def _distance(record: Record, margin: Record) -> float:
 
 def _strength(record: Record) -> float:
     """How much a critical speed matters beside others of its kind."""
-    if "resonance" in record:
-        return float(record["resonance"]["severity"])
-    return float(record.get("critical", {}).get("phase_sum", 0.0)) * 1e-9
+    severity = float(record.get("resonance", {}).get("severity", 0.0))
+    return severity + float(record.get("critical", {}).get("phase_sum", 0.0)) * 1e-9
 
 
 def _shown(records: list[Record], most: int) -> list[Record]:
@@ -147,8 +151,8 @@ def _row(
     speed = _speed_rpm(record)
     known = _known(record)
     outside = not known.get("in_running_range", True) or bool(margin.get("margin"))
-    if running is not None and speed is not None and "in_running_range" not in known:
-        outside = outside or not running[0] <= speed <= running[1]
+    if running is not None and speed is not None and not peak:
+        outside = not running[0] <= speed <= running[1]
     named = peak.get("kind", "")
     if not named and major is not None:
         named = "major" if known["order"] in major else "minor"

@@ -230,7 +230,7 @@ def limit_table(
         ],
         [
             [
-                one["limit"],
+                one["limit"].removesuffix(f" of {one['place']}"),
                 one["place"],
                 own["speed_rpm"] / RPM,
                 quantity(own["value"], one["unit"]),

@@ -50,16 +50,17 @@ def run(
         source = read_inputs(engine, model)
         if strict:
             check_has_limits(source.engine_file)
-    with console.RunProgress(out.quiet) as progress:
-        try:
+    progress = console.RunProgress(out.quiet)
+    try:
+        with progress:
             made = run_engine(source, output, workers=workers, progress=progress)
-        except KeyboardInterrupt:
-            if not progress.total:  # there is no study, or nothing of it is known yet
-                raise
-            console.exit_interrupted(
-                f"Stopped. {progress.finished_designs} are finished and kept; the same command reuses them."
-            )
-        progress.finish()
+            progress.finish()
+    except KeyboardInterrupt:
+        if not progress.total:  # there is no study, or nothing of it is known yet
+            raise
+        console.exit_interrupted(
+            f"Stopped. {progress.finished_designs} are finished and kept; the same command reuses them."
+        )
     if out.json:
         print_json(made.results)
     elif out.quiet:

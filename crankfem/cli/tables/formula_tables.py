@@ -7,6 +7,7 @@ from rich.table import Table as RichTable
 
 from crankbase.tables.output_units import SI, OutputUnit, OutputUnits
 from crankbase.tables.table import Column, Table
+from crankbase.units.number_formats import significant
 from crankfem.analyses.throw.formula_spread import (
     EngineSpread,
     FormulaSpread,
@@ -206,7 +207,7 @@ def _wide_table(columns: Sequence[str]) -> RichTable:
 
 def _four_digits(value: float, unit: OutputUnit) -> str:
     """Write a value with four digits, zeros at the end among them."""
-    return unit.number(value) if unit.wished else f"{value / unit.size:#.4g}"
+    return unit.number(value) if unit.wished else significant(value / unit.size)
 
 
 def _compliance(value: float, unit: OutputUnit) -> str:

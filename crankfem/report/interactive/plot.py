@@ -86,8 +86,8 @@ def plot_of_curves(
 def picture(
     draw: Callable[["Axes", Run], object],
     title: Callable[[Run], str],
-    width: float = 7.2,
-    height: float = 4.4,
+    width: float = 6.0,
+    height: float = 4.2,
 ) -> Callable[[Path, Run], None]:
     """Return what draws a picture of a run into a file, with a title above all."""
 

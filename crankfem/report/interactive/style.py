@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from crankbase.drawing.curves import order_line_style
 from crankbase.drawing.diagram_style import GRAY, STYLE
+from crankbase.units.number_formats import format_number
 from crankfem.report.interactive.rounding import rounded
 
 # Plain JSON content in plotly's form.
@@ -230,8 +231,14 @@ def literal(text: str) -> str:
 
 
 def number(value: float, digits: int = 4) -> str:
-    """Write a number for a hover text or a legend; minus zero as zero."""
-    return f"{value + 0.0:.{digits}g}"
+    """Write a number for a hover text or a legend; minus zero as zero.
+
+    Examples
+    --------
+    >>> number(1949.2, 3)
+    '1949'
+    """
+    return format_number(value + 0.0, digits)
 
 
 def degrees_of(radians: ArrayLike) -> NDArray[np.float64]:

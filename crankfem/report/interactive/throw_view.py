@@ -22,7 +22,6 @@ from crankfem.report.interactive.style import (
     Part,
     choice,
     note,
-    number,
     plain_layout,
 )
 from crankfem.report.interactive.triangles import TriangleSurface, polylines
@@ -149,7 +148,7 @@ def throw_figure(analysis: ThrowAnalysis, stresses: FilletStresses | None = None
         _View(
             "deformed by an axial force",
             (1, len(traces) - 1),
-            f"ends pinned; displacements under 1 kN drawn {float(number(factor, 2)):,.0f} times their size, "
+            f"ends pinned; displacements under 1 kN drawn {float(f'{factor:.2g}'):,.0f} times their size, "
             "the lines show the throw without load",
             rounded(shown, 4),
             float(shown.max()),

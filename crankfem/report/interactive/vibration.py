@@ -10,6 +10,7 @@ from crankbase.units.units import RPM
 from crankfem.analyses.shaft.motion import MOTION
 from crankfem.analyses.shaft.plots.shaft_mode_plots import plot_shaft_modes
 from crankfem.analyses.titles import at_speed
+from crankfem.analyses.vibration.engine_limits import limited_series, of_stress
 from crankfem.analyses.vibration.firing_check import FiringCheck, named
 from crankfem.analyses.vibration.modes import Vibration
 from crankfem.analyses.vibration.run import EngineVibration, Kind
@@ -93,43 +94,36 @@ def _free_end(run: EngineVibration, kind: str) -> Curves:
 
 
 def _stress(run: EngineVibration) -> Curves:
-    """Show the crankshaft's element that uses its limit most, or is stressed most if none is judged."""
+    """Show the element, of crankshaft or shaft line, that uses its limit most."""
     forced, assessment = run.forced_torsional, run.assessment
     assert forced is not None
     assert assessment is not None
-    assert forced.stress is not None
+    stress, place, limit = _judged_stress(run)
     return amplitudes_over_speed(
-        forced.stress,
-        _judged_element(run),
-        "stress",
-        assessment.limits.get("crankshaft_stress"),
-        assessment.verdict.ranges_to_bar,
-        forced.running_range,
+        stress, place, "stress", limit, assessment.verdict.ranges_to_bar, forced.running_range
     )
 
 
-def _judged_element(run: EngineVibration) -> int:
-    """Return the place of the element that the verdict is about."""
-    forced, assessment = run.forced_torsional, run.assessment
-    assert forced is not None
+def _judged_stress(run: EngineVibration) -> tuple[OrderSeries, int, VibrationLimit]:
+    """Return stresses, the place among them that uses its limit most, and the limit."""
+    assessment, axial, torsional = run.assessment, run.forced_axial, run.forced_torsional
     assert assessment is not None
-    assert forced.stress is not None
-    limit = assessment.limits.get("crankshaft_stress")
-    for check in assessment.verdict.checks:
-        if limit is not None and check.limit.name == limit.name:
-            return forced.stress.names.index(check.curve.name)
-    return forced.stress.largest_place
+    assert axial is not None
+    assert torsional is not None
+    stresses = {own.name: key for key, own in assessment.limits.items() if of_stress(key)}
+    # The worst comes first; the crankshaft's stress always has a limit.
+    worst = next(one for one in assessment.verdict.checks if one.limit.name in stresses)
+    found = limited_series(stresses[worst.limit.name], run.engine_file, axial, torsional)
+    return found, found.names.index(worst.curve.name), worst.limit
 
 
 def _stress_title(run: EngineVibration) -> str:
-    assert run.forced_torsional is not None
-    stress = run.forced_torsional.stress
-    assert stress is not None
-    return _title(f"nominal torsional stress, {stress.names[_judged_element(run)]}")(run)
+    stress, place, _ = _judged_stress(run)
+    return _title(f"nominal torsional stress, {stress.names[place]}")(run)
 
 
 def _misfiring_stress(run: EngineVibration) -> Curves:
-    """Describe the crankshaft's stress over the running speeds, all cylinders firing and one misfiring."""
+    """Describe a shaft's stress over the running speeds, all cylinders firing and one misfiring."""
     check = _stress_check(run)
     assert check.over_speed is not None
     assert check.limit is not None
@@ -266,7 +260,7 @@ VIBRATION: Plots[EngineVibration] = Plots(
             "misfiring_stress",
             "Nominal torsional stress over the speed, all cylinders firing and one misfiring",
             "Nominal torsional stress at running speeds, all orders over the cycle: all cylinders firing and "
-            "the worst case of misfiring, at its worst location.",
+            "the worst case of misfiring, in the element that is then closest to its limit.",
             _misfiring_stress,
             lambda run: _title(f"misfiring, {_stress_check(run).misfiring.place}")(run),
             needs="misfiring",
