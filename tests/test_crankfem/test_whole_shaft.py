@@ -30,6 +30,7 @@ from crankfem.analyses.vibration.run import engine_vibration
 from crankfem.files.engine.mechanism_file import load_mechanism
 from dynamics.chains.chain import Chain
 from dynamics.crankshaft.chain_comparison import ResponseMatch, chain_verdict
+from dynamics.crankshaft.chain_difference import FlywheelTilt
 from dynamics.crankshaft.mode_matches import ModeMatch
 from dynamics.crankshaft.shaft_system import crankshaft_system
 from dynamics.crankshaft.surroundings import MainBearings
@@ -239,6 +240,8 @@ def test_difference_of_the_whole_shaft_is_told_beside_the_verdict():
     mixed = verdict("torsional", 1e-2, 1e-2, share=0.48)
     (said,) = whole_shaft_remark(ShaftComparison(None, other, mixed))
     assert "Hz is only 48 % torsional; axial mode 1 at 115.0 instead of" in said
+    divided = FlywheelTilt("axial", 1, 259.8, 303.5, 225.9)
+    assert divided.sentence == "axial mode 1 from 259.8 Hz without to 225.9 and 303.5 Hz with it"
     (match,) = other.modes
     two = replace(match, further_frequency=80.0, further_share=0.4)
     (said,) = whole_shaft_remark(ShaftComparison(None, chain_verdict([two])))
