@@ -164,7 +164,7 @@ def test_causes_sum_to_the_difference(case, figure):
         "Hz",
     )
     assert found.chain - found.rigid_chain == close(found.causes["bearings"])
-    told = f"{case.mode}: whole crankshaft {found.shaft:.1f} Hz, chain {found.chain:.1f} Hz"
+    told = f"{case.mode}: {found.shaft:.1f} Hz by the whole crankshaft, {found.chain:.1f} Hz by the chain"
     assert told in found.sentence
     for name, by in found.causes.items():
         shown = name != "bearings" and abs(by) >= 0.05
