@@ -223,7 +223,7 @@ def _axial_amplitude(results: Record) -> str:
     found = (results["vibration"]["forced"] or {}).get("axial")
     if found is None:
         return ""
-    low, high = results["vibration"]["assessment"]["running_rpm"]
+    low, high = (results["engine"][f"{end}_speed_rpm"] for end in ("lowest", "highest"))
     reached = [
         (math.inf if value is None else value, rpm)
         for value, rpm in zip(found["free_end"]["synthesis"], found["speeds_rpm"], strict=True)

@@ -47,6 +47,11 @@ def test_summary_names_the_mode_of_the_crankshaft(run):
     results = {
         "vibration": run_record(run),
         "inputs": [],
+        "checks": [],
+        "engine": {
+            "lowest_speed_rpm": run.engine_file.engine.lowest_speed * 30.0 / math.pi,
+            "highest_speed_rpm": run.engine_file.engine.highest_speed * 30.0 / math.pi,
+        },
         "throw": {
             "error_estimate": 0.0,
             "supports": {"pinned": {"axial_compliance": 1e-9}},
