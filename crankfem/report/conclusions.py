@@ -187,7 +187,7 @@ def _ranges(assessment: Record) -> list[str]:
 
 
 def _assumed(results: Record) -> str:
-    """Say what decides by assumption, which limits are assumed, what is not judged, and the load."""
+    """State what decides by assumption, which limits are assumed, what is not judged, and the load."""
     vibration, inputs = results["vibration"], results["inputs"]
     assessment = vibration["assessment"]
     limits = assessment["limits"]
@@ -238,7 +238,7 @@ def _axial_amplitude(results: Record) -> str:
 
 
 def _misfiring(vibration: Record) -> str:
-    """Say what misfiring does; nothing of older runs, which have not calculated it."""
+    """State what misfiring does; nothing of older runs, which have not calculated it."""
     found = vibration.get("misfiring")
     said = vibration.get("misfiring_note") if found is None else found["sentence"]
     return with_three_digits(sentence(said)) if said else ""
@@ -270,7 +270,7 @@ def failed_checks(checks: Sequence[dict[str, Any]]) -> str:
 
 
 def _other_models(vibration: Record) -> str:
-    """Say how the whole crankshaft differs, and whether the verdict hangs on its bearings."""
+    """State how the whole crankshaft differs, and whether the verdict hangs on its bearings."""
     bearings = vibration.get("bearings") or {}
     found = [*vibration["assessment"].get("beside", ())]
     found += bearings.get("sentences", ()) if bearings.get("flips") else ()
@@ -278,7 +278,7 @@ def _other_models(vibration: Record) -> str:
 
 
 def _advice(results: Record) -> str:
-    """Say whether more damping can help at the worst place, where a limit is exceeded.
+    """Return whether more damping can help at the worst place, where a limit is exceeded.
 
     What the orders away from resonance make at the instant of the peak, their sum reaches at least; so where
     that alone exceeds the limit, no damping keeps it.
@@ -291,10 +291,7 @@ def _advice(results: Record) -> str:
     made = sum(one["contribution"] for one in resonant)
     left = {**worst, "value": worst["value"] - made}
     rest, permitted = reached_and_permitted(left)
-    without = (
-        f"Without the orders at or near resonance, at least {rest} remains there (the sum of all other "
-        f"orders, small ones included), "
-    )
+    without = f"All orders away from resonance leave at least {rest}, "
     if left["value"] > worst["permitted"]:
         return (
             f"{without}more than the permitted {permitted}: more damping alone is not sufficient. Reduce "
@@ -326,7 +323,7 @@ def _warned(results: Record) -> list[str]:
     if not fields:
         return []
     noun = "1 warning" if len(warnings) == 1 else f"{len(warnings)} warnings"
-    return [f"Check the input: {noun} about {', '.join(fields)}; see the report's inputs."]
+    return [f"Check the input: {noun} about {', '.join(fields)} (report: Inputs and assumptions)."]
 
 
 def _without_forces(results: Record) -> list[str]:

@@ -1,7 +1,7 @@
-"""Stiffness, mass and damping of a whole crankshaft, and the motions that nothing resists.
+"""Stiffness, mass and damping of a whole crankshaft, and its rigid motions.
 
-The frame turns with the shaft and its bearings are alike in all directions, so that the matrices are
-constant. Coriolis' and the centrifugal forces of vibration in this frame are left out: see
+The frame rotates with the shaft and its bearings are alike in all directions, so the matrices are
+constant. Coriolis and centrifugal forces of vibration in this frame are neglected: see
 `rotation_ratio`.
 """
 
@@ -30,8 +30,8 @@ class AssembledShaft:
     """A crankshaft by its matrices.
 
     The u unknowns are the motions of the n + 1 sections in the shaft's frame, six each, the amplitudes
-    of what the sections do beside these, those of the throws' shapes, and the rotations of damper ring and
-    driven machine; those that supports hold are left out.
+    of the sections' bending, those of the throws' shapes, and the rotations of damper ring and
+    driven machine; those held by supports are left out.
 
     Attributes
     ----------
@@ -43,12 +43,11 @@ class AssembledShaft:
     sections : (6 (n + 1), u) array
         Motions of the sections per unknown, zero where they are held.
     pins : (3 p, u) array
-        Mean motion of each pin along the force that turns the shaft, towards the shaft axis and along
-        it.
+        Mean motion of each pin along the tangential force, along the radial force and along the shaft.
     stations : Stations
-        Slices of the shaft that classify the energy of its motion.
+        Slices of the shaft for the classification of its energy of motion.
     added : (a, u) array
-        Rotation of damper ring and driven machine, as far as they are there.
+        Rotation of damper ring and driven machine, if present.
     added_inertia : (a,) array
         [kg m^2]
     added_springs : (a, u) array
@@ -56,11 +55,16 @@ class AssembledShaft:
     dashpots : (d, u) array
         Directions in which dashpots act.
     positions : (n + 1,) array
-        Places of the sections along the shaft, from main bearing 1 [m].
+        Positions of the sections along the shaft, from main bearing 1 [m].
     pin_throws : (p,) array of int
         Throw of each pin.
     names : tuple of str
         Of `sections`, `pins` and `added`, row by row.
+    momenta : (n + 1, u) array
+        Angular momentum about the shaft axis of all that lies between the free end and each section, per
+        velocity of the unknowns.
+    moments : (n + 1, 3 p) array
+        Moment about the shaft axis of unit forces along the motions of `pins` that lie there [m].
     """
 
     mass: FloatArray
@@ -79,6 +83,8 @@ class AssembledShaft:
     positions: FloatArray
     pin_throws: tuple[int, ...]
     names: tuple[str, ...]
+    momenta: FloatArray = field(repr=False)
+    moments: FloatArray = field(repr=False)
 
     @property
     def expand(self) -> FloatArray:
@@ -97,14 +103,14 @@ def assemble_crankshaft(
     *,
     turning_sense: int = 1,
 ) -> AssembledShaft:
-    """Put throws, bearings, end bodies and dampers together.
+    """Assemble throws, bearings, end bodies and dampers.
 
     Parameters
     ----------
     throws : sequence of n ShaftThrow
         From the free end to the flywheel.
     around : ShaftSurroundings, optional
-        By default nothing: the shaft is free in space.
+        By default none: the shaft is free in space.
     turning_sense : {1, -1}
         1 if the shaft turns about +z, else -1: tangential forces act in the sense of rotation.
 
@@ -115,7 +121,7 @@ def assemble_crankshaft(
     Raises
     ------
     InputError
-        If there is no throw, their sections move in other ways, or a support or a pin's mass has no place.
+        If there is no throw, their sections move differently, or a support or a pin's mass has no position.
     """
     if not throws or not all(isinstance(throw, ShaftThrow) for throw in throws):
         raise InputError(
@@ -144,6 +150,8 @@ def assemble_crankshaft(
     size = first_shape + sum(throw.shapes for throw in throws) + len(rings)
     mass, stiffness, damping, loss = np.zeros((4, size, size))
     pin_rows, pin_slices, pin_frames = [], [], []
+    # Each throw turned by itself about the shaft axis, and what that moves.
+    about, momenta = np.zeros((2, len(throws), size))
     place = first_shape
     for number, throw in enumerate(throws):
         beyond = 6 * count + bending * number
@@ -155,6 +163,8 @@ def assemble_crankshaft(
         place += throw.shapes
         turn = throw.turn
         mass[np.ix_(own, own)] += turn @ throw.mass @ turn.T
+        about[number, [6 * number + RZ, 6 * number + 6 + RZ]] = 1.0
+        momenta[number, own] = turn @ throw.mass @ turn.T @ about[number, own]
         stiffness[np.ix_(own, own)] += turn @ throw.stiffness @ turn.T
         for pin, center in zip(throw.pin_loads, throw.pins, strict=True):
             motion = np.zeros((6, size))
@@ -167,11 +177,16 @@ def assemble_crankshaft(
     masses = one_for_each(
         "pin_masses", pin_masses, len(pin_rows), "pins", "kg", "rods add to the shaft's inertia"
     )
-    for value, rows in zip(masses.tolist(), pin_frames, strict=True):
+    pin_throws = [number for number, throw in enumerate(throws) for _ in throw.pins]
+    for value, rows, number in zip(masses.tolist(), pin_frames, pin_throws, strict=True):
         mass += value * rows.T @ rows
+        momenta[number] += value * rows.T @ (rows @ about[number])
+    beyond_first = np.zeros(size)
     for body, section, outward in around.bodies(count):
         own = np.r_[6 * section : 6 * section + 6]
         mass[np.ix_(own, own)] += body.mass_matrix(outward)
+        if outward < 0.0:
+            beyond_first[own] += body.mass_matrix(outward)[RZ]
 
     unit = np.eye(size)
     held, dashpots = [], []
@@ -193,6 +208,7 @@ def assemble_crankshaft(
     for number, (_, ring, section) in enumerate(rings):
         row = size - len(rings) + number
         mass[row, row] += ring.inertia
+        beyond_first[row] += ring.inertia if section == 0 else 0.0
         twist = unit[row] - unit[6 * section + RZ]
         join(twist, ring.stiffness, ring.damping, ring.loss_factor)
         added_springs[number] = math.sqrt(ring.stiffness) * twist
@@ -223,11 +239,20 @@ def assemble_crankshaft(
         added_springs=added_springs[:, kept],
         dashpots=np.array(dashpots).reshape(-1, size)[:, kept],
         positions=starts,
-        pin_throws=tuple(
-            number for number, throw in enumerate(throws) for _ in range(len(throw.pins))
-        ),
+        pin_throws=tuple(pin_throws),
         names=(*section_names, *pin_names, *(name for name, _, _ in rings)),
+        momenta=np.cumsum(np.vstack((beyond_first, momenta)), axis=0)[:, kept],
+        moments=_pin_moments(np.vstack(pin_rows), about[pin_throws], pin_throws, count),
     )
+
+
+def _pin_moments(
+    pins: FloatArray, about: FloatArray, throws: Sequence[int], count: int
+) -> FloatArray:
+    """Return the moments about the shaft axis of unit forces on pins before each section, (n + 1, 3 p)."""
+    levers = np.einsum("pku,pu->pk", pins.reshape(len(throws), 3, -1), about)
+    before = np.arange(count)[:, np.newaxis] > np.array(throws)
+    return np.asarray((before[:, :, np.newaxis] * levers).reshape(count, -1))
 
 
 def _supports(around: ShaftSurroundings, count: int) -> list[tuple[int, float, float]]:

@@ -1,4 +1,4 @@
-"""Coupled forced vibration of a whole crankshaft, and what tangential and radial forces do apart."""
+"""Coupled forced vibration of a whole crankshaft, with separate effects of tangential and radial forces."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -23,13 +23,14 @@ from dynamics.plots.coordinates import infinite_where_unbounded, name_axis, orde
 from dynamics.plots.quantities import SPEED_LABEL, in_unit
 from dynamics.response.forced import ForcedResponse, forced_response
 from dynamics.response.linear_system import DEFAULT_MAGNIFIER
+from dynamics.response.series import OrderSeries
 from dynamics.response.synthesis import synthesis
 
 
 @summarized("orders", "speeds [rad/s]")
 @dataclass(frozen=True, eq=False)
 class CoupledResponse:
-    """Steady vibration of a whole crankshaft by orders, with both kinds of force kept apart.
+    """Steady vibration of a whole crankshaft by orders, separately for both kinds of force.
 
     Attributes
     ----------
@@ -54,7 +55,7 @@ class CoupledResponse:
 
     @property
     def unbounded(self) -> NDArray[np.bool_]:
-        """Where either answer has no bounds, (K, S)."""
+        """Where either response is unbounded, (K, S)."""
         return self.tangential.unbounded | self.radial.unbounded
 
     def motion(self, point: str) -> ComplexArray:
@@ -69,9 +70,9 @@ class CoupledResponse:
         return np.asarray(self.tangential.motion[:, :, row] + self.radial.motion[:, :, row])
 
     def split(self, point: str) -> "SplitMotion":
-        """Return what both kinds of force do at a point, order by order and summed over a cycle.
+        """Return the motion of a point under both kinds of force, by order and synthesized.
 
-        The motion of the shaft as a rigid body, which strains nothing, is left out.
+        Rigid-body motion of the shaft, which causes no strain, is left out.
 
         Raises
         ------
@@ -81,6 +82,24 @@ class CoupledResponse:
         if point not in self._splits:
             self._splits[point] = self._split(point)
         return self._splits[point]
+
+    @cached_property
+    def torque(self) -> OrderSeries:
+        """Alternating torque in the shaft at each main bearing, under both kinds of force [N m].
+
+        It balances what lies between the free end and the bearing: minus its angular momentum's rate of
+        change and the moment of its pins' forces. The small part of modal damping there is left out.
+        """
+        shaft = self.crankshaft.shaft
+        first = 6 * shaft.section_count
+        pins = slice(first, first + len(shaft.pins))
+        acting = self.tangential.excitation.forces + self.radial.excitation.forces
+        moved = (self.tangential.unknowns + self.radial.unknowns) @ self.crankshaft.momenta.T
+        squared = (self.orders[:, np.newaxis] * self.speeds) ** 2
+        values = -squared[:, :, np.newaxis] * moved - acting[:, :, pins] @ shaft.moments.T
+        names = tuple(f"main bearing {place}" for place in range(1, shaft.section_count + 1))
+        values = np.where(self.unbounded[:, :, np.newaxis], 0.0, values)
+        return OrderSeries(self.orders, self.speeds, values, self.unbounded, names)
 
     @cached_property
     def _splits(self) -> "dict[str, SplitMotion]":
@@ -103,12 +122,12 @@ class CoupledResponse:
         return SplitMotion(point=point, orders=self.orders, speeds=self.speeds, **found)
 
     def plot(self, axes: Axes | None = None, point: str = "main bearing 1 uz") -> Axes:
-        """Draw the amplitude of a point over the speed by tangential forces, by radial ones, by all.
+        """Draw the amplitude of a point over the speed by tangential, by radial and by all forces.
 
         Parameters
         ----------
         axes : matplotlib.axes.Axes, optional
-            Where to draw; those of a new figure if not given.
+            Where to draw; new axes by default.
         point : str, optional
             Such as "main bearing 1 uz", the free end along the shaft.
 
@@ -135,7 +154,7 @@ class CoupledResponse:
         ------
         MissingLibraryError
             If xarray is not installed.
-            Motions are infinite where unbounded; points that turn are in rad.
+            Motions are infinite where unbounded; rotations are in rad.
         """
         over = ("order", "speed", "point")
         names = self.crankshaft.names
@@ -164,7 +183,7 @@ class CoupledResponse:
 @summarized("point", "both", "orders", "speeds [rad/s]")
 @dataclass(frozen=True, eq=False)
 class SplitMotion:
-    """Motion of a point [m or rad], by tangential forces, by radial forces, by both.
+    """Motion of a point [m or rad] by tangential forces, by radial forces, by both.
 
     Attributes
     ----------
@@ -172,7 +191,7 @@ class SplitMotion:
     tangential, radial, both : (K, S) array
         Amplitude by order and speed; inf where unbounded.
     tangential_sum, radial_sum, both_sum : (S,) array
-        Half of the range that the sum of all orders covers over the working cycle; inf where one is
+        Half of the range of the sum of all orders over the working cycle; inf where one is
         unbounded.
     orders : (K,) array
         In cycles per revolution.
@@ -191,12 +210,12 @@ class SplitMotion:
     speeds: FloatArray
 
     def plot(self, axes: Axes | None = None) -> Axes:
-        """Draw the amplitude of all orders together over the speed, by tangential, radial, all forces.
+        """Draw the synthesized amplitude over the speed, by tangential, radial and all forces.
 
         Parameters
         ----------
         axes : matplotlib.axes.Axes, optional
-            Where to draw; those of a new figure if not given.
+            Where to draw; new axes by default.
 
         Returns
         -------
@@ -238,7 +257,7 @@ class SplitMotion:
 
 
 def point_unit(point: str) -> str:
-    """Return the unit of a point's motion: displacements are in m, bodies and sections turn in rad."""
+    """Return the unit of a point's motion: displacements are in m, rotations in rad."""
     turns = point.endswith((" rx", " ry", " rz", "damper ring", "driven machine"))
     return "rad" if turns else "m"
 
@@ -262,10 +281,10 @@ def coupled_response(
     pins : sequence of int, optional
         Pin of each cylinder, as for `shaft_excitation`.
     magnifier : float or None
-        Magnifier of every elastic mode, beside the damping that the system has; by default the measured
+        Magnifier of every elastic mode, added to the damping of the system; by default the measured
         one of `DEFAULT_MAGNIFIER`. None adds nothing.
     modal_damping : float or array_like, optional
-        In its place, share of critical damping of every elastic mode.
+        Alternatively, share of critical damping of every elastic mode.
 
     Returns
     -------
@@ -303,7 +322,7 @@ def split_curves(
     sums : three (S,) arrays
         In SI.
     factor : float
-        By which they are multiplied to be shown.
+        Factor for display.
     label : str
         Of the upright axis, with its unit.
     """

@@ -115,6 +115,14 @@ def test_whole_shaft_of_an_engine(engine, coupled_vibration, tmp_path):
     assert split.both_sum.max() > 1e-6
     # Torsion shows in axial motion: tangential forces alone move the free end along the shaft.
     assert split.tangential_sum.max() > 0.1 * split.both_sum.max()
+    # Torque by equilibrium is near that of the chain's elements, whose modes are near the shaft's.
+    by_chain = coupled_vibration(engine_file.path.stem).forced_torsional.crank_elements
+    whole_torque = found.coupled.torque.synthesis.amplitude
+    chain_torque = by_chain.synthesis.amplitude[:, -whole_torque.shape[1] :]
+    slow = (
+        by_chain.speeds < 1.1 * by_chain.speeds[0]
+    )  # below resonances that differ by some per cent
+    assert np.max(whole_torque[slow]) == close(np.max(chain_torque[slow]), rel=0.1)
     for verdict in (found.axial, found.torsional):
         assert verdict.suffices == (not verdict.reasons)
         assert verdict.response is not None

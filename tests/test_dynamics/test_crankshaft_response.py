@@ -245,3 +245,27 @@ def test_pins_of_cylinders():
     for arguments in (((0, 0), (0, 0)), ((0, 1), (0, 2)), ((0, 1), (0, 1), (0,))):
         with pytest.raises(InputError, match=r"^pins: given .*; allowed .*because"):
             pins_of_cylinders(*arguments)
+
+
+def test_torque_at_the_last_bearing_is_what_turns_the_flywheel(forces):
+    free_end = EndBody(20.0, 2.0)
+    around = replace(AROUND, free_end=free_end, pin_masses=(12.0, 8.0, 5.0))
+    throws = [spring_throw(angle, 0.3) for angle in ANGLES]
+    for sense in (1, -1):
+        shaft = crankshaft_system(assemble_crankshaft(throws, around, turning_sense=sense))
+        found = coupled_response(shaft, forces, magnifier=1e9)
+        torque = found.torque.values
+        w = (forces.orders[:, np.newaxis] * forces.speeds) ** 2
+        turned = w * found.motion("main bearing 4 rz")
+        largest = np.max(np.abs(torque))
+        assert torque[:, :, -1] == close(50.0 * turned, abs=1e-6 * largest)
+        # Beyond the first bearing there is the free end alone.
+        first = -w * free_end.polar_inertia * found.motion("main bearing 1 rz")
+        assert torque[:, :, 0] == close(first, abs=1e-6 * largest)
+        # Between two bearings torque changes by the forces on the pin, and by what turns there.
+        pins = forces.tangential[:, :, 1] * sense * RADIUS
+        turning = sum(0.5 * INERTIA * w * found.motion(f"main bearing {n} rz") for n in (2, 3))
+        rod = 8.0 * RADIUS * w * sense * found.motion("pin 2 tangential")
+        assert torque[:, :, 2] - torque[:, :, 1] == close(
+            -(pins + turning + rod), abs=1e-6 * largest
+        )

@@ -1,4 +1,4 @@
-"""What was assumed where the strength of a crankshaft is judged by UR M53."""
+"""Assumptions of the assessment of a crankshaft's strength by UR M53."""
 
 from collections.abc import Iterator, Sequence
 
@@ -20,7 +20,7 @@ def strength_remarks(
     judged: Sequence[CrankWeb],
     elements: Sequence[ElementFactors],
 ) -> Iterator[str]:
-    """Say what was assumed, a sentence each.
+    """State the assumptions, a sentence each.
 
     Parameters
     ----------

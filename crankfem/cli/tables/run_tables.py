@@ -1,4 +1,4 @@
-"""What `crankfem run` prints: the verdict, what follows from it, limits and the worst critical speeds."""
+"""Output of `crankfem run`: the verdict, its consequences, limits and the worst critical speeds."""
 
 from collections.abc import Mapping
 from typing import Any
@@ -10,14 +10,14 @@ from crankbase.units.units import RPM
 from crankfem.analyses.vibration.speed_table import speed_table
 from crankfem.cli.console import print_line, print_table
 from crankfem.report.conclusions import conclusions, reached_and_permitted, verdict_line
-from crankfem.report.summary import worst_of_each
+from crankfem.report.summary import engine_facts, worst_of_each
 
 # Critical speeds of each kind; --verbose and the report show more.
 SPEEDS_SHOWN = 2
 
 
 def print_conclusions(results: Mapping[str, Any], units: OutputUnits = SI) -> None:
-    """Print the verdict of a run, and what it rests on and leads to.
+    """Print the verdict of a run, its basis and its consequences.
 
     Parameters
     ----------
@@ -30,8 +30,13 @@ def print_conclusions(results: Mapping[str, Any], units: OutputUnits = SI) -> No
         print_line(units.text(f"- {line}"))
 
 
+def print_engine(results: Mapping[str, Any], units: OutputUnits = SI) -> None:
+    """Print what the engine is, in one line."""
+    print_line(units.text(f"{results['engine']['name']}: {'; '.join(engine_facts(results))}."))
+
+
 def print_worst(results: Mapping[str, Any], units: OutputUnits = SI) -> None:
-    """Print limits, each at its worst place, and the worst critical speeds.
+    """Print limits, each at its worst location, and the worst critical speeds.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""What the command line prints of an engine's vibration, from the plain records of a run."""
+"""Tables of an engine's vibration on the command line, from the plain records of a run."""
 
 from crankbase.tables.output_units import SI, OutputUnits
 from crankfem.analyses.record import Record
@@ -22,6 +22,11 @@ from crankfem.cli.console import print_line, print_notes, print_table
 
 NOT_FORCED = (
     "Amplitudes are not calculated, because the engine file gives no gas pressure: add [gas]."
+)
+
+CHAINS_ALONE = (
+    "the verdict uses lumped models (chains); --coupled also holds the whole crankshaft against the limits "
+    "where they are inadequate"
 )
 
 
@@ -61,6 +66,8 @@ def print_run(record: Record, units: OutputUnits = SI) -> None:
         print_notes(
             filter(None, found["remarks"] if found else [record.get("misfiring_note")]), units
         )
+        if record["whole"] is None:
+            print_notes([CHAINS_ALONE], units)
         print_judgment(record["assessment"], units)
         if found is not None:
             print_line(units.text(f"Misfiring: {found['sentence']}"))
@@ -73,7 +80,7 @@ def print_run_up(record: Record, units: OutputUnits = SI) -> None:
 
 
 def print_load(record: Record, units: OutputUnits = SI) -> None:
-    """Print power, how the load goes with the speed, and the load of some speeds if it does."""
+    """Print power, the load as a function of the speed, and the load at some speeds if it varies."""
     for text in (record["rated"]["sentence"], record["sentence"]):
         print_line(units.text(f"{text[0].upper()}{text[1:]}."))
     if record["law"] != "constant":
@@ -179,7 +186,7 @@ def _print_uncertainty(kind: str, record: Record, units: OutputUnits) -> None:
     if found is not None:
         print_line(
             f"{kind.capitalize()} amplitude of the free end at running speeds: nominal "
-            f"{motion.number(found['nominal'])}, 5 to 95 % of {found['samples']} samples "
-            f"{motion.number(found['percentile_5'])} to {motion.number(found['percentile_95'])} "
-            f"{motion.name}"
+            f"{motion.number(found['nominal'])} {motion.name}; of {found['samples']} random choices of the "
+            f"uncertain values, 90 % give {motion.number(found['percentile_5'])} to "
+            f"{motion.number(found['percentile_95'])} {motion.name}"
         )
