@@ -257,16 +257,20 @@ def failed_checks(checks: Sequence[dict[str, Any]]) -> str:
     if not failed:
         return ""
     named = [
-        f"{one['name'][0].lower()}{one['name'][1:]}, {check_value_text(one)}"
-        + ("" if one["allowed"] is None else f" (allowed: {check_limit_text(one)})")
+        f"{one['name'][0].lower()}{one['name'][1:]}"
+        + (
+            ""
+            if one["allowed"] is None
+            else f", {check_value_text(one)} (allowed: {check_limit_text(one)})"
+        )
         for one in failed
     ]
     told = f"{len(failed)} of {len(judged)} checks {'fails' if len(failed) == 1 else 'fail'}: "
     told += f"{'; '.join(named)}."
-    # What has no allowed figure compares two models.
+    # What has no allowed figure compares two models, by several criteria.
     if any(one["allowed"] is not None for one in failed):
         return told
-    return f"{told} These compare two models by their first frequency; the calculation passes all others."
+    return f"{told} These compare two models; the calculation passes all others."
 
 
 def _other_models(vibration: Record) -> str:
