@@ -97,8 +97,8 @@ _PLACES = {
     "W": "dampers.* power.largest",
     "s": "seconds.*",
     "Hz": "bearings.chains.* bearings.shaft.* causes.* differences.chain differences.rigid_chain "
-    "differences.shaft flywheel_tilt.modes.shaft flywheel_tilt.modes.without frequencies.high "
-    "frequencies.low frequencies.nominal",
+    "differences.shaft flywheel_tilt.modes.further flywheel_tilt.modes.shaft flywheel_tilt.modes.without "
+    "frequencies.high frequencies.low frequencies.nominal",
     "m/N": "errors.axial_compliance errors.influence_coefficient "
     "angle_law.fe angle_law.formulas.* fe.axial regression.axial.value shaft.axial",
     "rad/(N m)": "errors.torsional_compliance "

@@ -120,7 +120,7 @@ def conclusions(results: Record) -> list[str]:
     found = [
         *_warned(results),
         _reached(assessment),
-        " ".join(filter(None, ("" if cause is None else _cause(assessment), _advice(assessment)))),
+        " ".join(filter(None, ("" if cause is None else _cause(assessment), _advice(results)))),
         " ".join(_ranges(assessment)),
         _misfiring(results["vibration"]),
         _assumed(results),
@@ -263,8 +263,12 @@ def failed_checks(checks: Sequence[dict[str, Any]]) -> str:
         what = "it compares a chain" if one_fails else "they compare the chains"
         return f"{told} {what} with the whole crankshaft; the calculation passes all others."
     named = [
-        f"{one['name'][0].lower()}{one['name'][1:]}, {check_value_text(one)}"
-        + ("" if one["allowed"] is None else f" (allowed: {check_limit_text(one)})")
+        f"{one['name'][0].lower()}{one['name'][1:]}"
+        + (
+            ""
+            if one["allowed"] is None
+            else f", {check_value_text(one)} (allowed: {check_limit_text(one)})"
+        )
         for one in failed
     ]
     return f"{told} {'; '.join(named)}."
@@ -278,13 +282,13 @@ def _other_models(vibration: Record) -> str:
     return " ".join(dict.fromkeys(found))  # the range of the bearings stands in both
 
 
-def _advice(assessment: Record) -> str:
+def _advice(results: Record) -> str:
     """Return whether more damping can help at the worst place, where a limit is exceeded.
 
     What the orders away from resonance make at the instant of the peak, their sum reaches at least; so where
     that alone exceeds the limit, no damping keeps it.
     """
-    worst = assessment["checks"][0]
+    worst = results["vibration"]["assessment"]["checks"][0]
     cause = worst.get("cause")
     if worst["passed"] or cause is None or worst["value"] is None or not cause.get("orders"):
         return ""
@@ -302,8 +306,18 @@ def _advice(assessment: Record) -> str:
     modes = sorted({(one["kind"], one["mode"]) for one in resonant if one["contribution"] > least})
     named = " and ".join(f"{kind} mode {mode}" for kind, mode in modes)
     return (
-        f"{without}less than the permitted {permitted}: more damping, or another frequency of {named}, "
-        "may be sufficient at this speed."
+        f"{without}less than the permitted {permitted}: more damping{_undamped(modes, results)}, or "
+        f"another frequency of {named}, may be sufficient at this speed."
+    )
+
+
+def _undamped(modes: Sequence[tuple[str, int]], results: Record) -> str:
+    """Remark that there is no torsional damper, where a torsional mode is at resonance."""
+    fields = [one["field"].partition(".")[0] for one in results["inputs"]]
+    if "torsional_damper" in fields or "shaft_line" in fields:
+        return ""
+    return (
+        " (the file has no torsional damper)" if any(one[0] == "torsional" for one in modes) else ""
     )
 
 

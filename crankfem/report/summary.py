@@ -213,7 +213,8 @@ def _frequency(vibration: Mapping[str, Any], kind: str) -> Record:
         alike = (mode["shaft_frequency"], mode.get("further_frequency"))
         shaft = " and ".join(_hertz(one) for one in sorted(filter(None, alike)))
         shaft = f"{shaft} Hz" if shaft else "no mode like it"
-        swept = _swept(vibration, kind)
+        # The range over the bearings is that of one mode, the one most alike.
+        swept = "" if mode.get("further_frequency") else _swept(vibration, kind)
         details.append(f"whole crankshaft in its bearings: {shaft}{f' ({swept})' if swept else ''}")
     beside = elastic.index(shown) if shown is not None else len(elastic)
     if beside:

@@ -9,7 +9,7 @@ from crankbase.errors import InputError
 from crankbase.summaries import summarized
 from dynamics.chains.engine_chains import EngineChain
 from dynamics.crankshaft.assembly import AssembledShaft
-from dynamics.crankshaft.mode_matches import match_modes
+from dynamics.crankshaft.mode_matches import ModeMatch, match_modes
 from dynamics.crankshaft.shaft_modes import crankshaft_modes
 from dynamics.crankshaft.shaft_throw import RX, RY
 from dynamics.crankshaft.stations import Stations
@@ -136,12 +136,15 @@ class FlywheelTilt:
         Elastic mode of the chain, from 1, that matches the mode.
     without, shaft : float
         Frequency without this inertia, and with that of the shaft [Hz].
+    further : float or None
+        Second frequency with it, where it divides the mode between two [Hz].
     """
 
     kind: str
     mode: int
     without: float
     shaft: float
+    further: float | None = None
 
     @property
     def shown(self) -> bool:
@@ -152,7 +155,10 @@ class FlywheelTilt:
     def sentence(self) -> str:
         """For example "torsional mode 1 from 75.0 Hz without to 84.0 Hz with it"."""
         name = f"{self.kind} mode {self.mode}"
-        return f"{name} from {self.without:.1f} Hz without to {self.shaft:.1f} Hz with it"
+        found = " and ".join(
+            f"{one:.1f}" for one in sorted(filter(None, (self.shaft, self.further)))
+        )
+        return f"{name} from {self.without:.1f} Hz without to {found} Hz with it"
 
 
 def flywheel_tilt(shaft: AssembledShaft, chain: EngineChain, mode: int = 1) -> FlywheelTilt:
@@ -178,8 +184,9 @@ def flywheel_tilt(shaft: AssembledShaft, chain: EngineChain, mode: int = 1) -> F
     stations = shaft.stations
     tilts = stations.motions[-1, [RX, RY]]
     light = replace(shaft, mass=shaft.mass - stations.diametral[-1] * tilts.T @ tilts)
+    own = _match(shaft, chain, mode)
     return FlywheelTilt(
-        chain.kind, mode, _matched(light, chain, mode), _matched(shaft, chain, mode)
+        chain.kind, mode, _matched(light, chain, mode), _found(own), own.further_frequency
     )
 
 
@@ -193,12 +200,19 @@ def _elastic(chain: EngineChain, mode: int) -> float:
 
 
 def _matched(shaft: AssembledShaft, chain: EngineChain, mode: int) -> float:
-    modes = chain.chain.modes()
-    number = modes.rigid + mode - 1
-    match = match_modes(shaft, crankshaft_modes(shaft), chain, [number])[0]
+    return _found(_match(shaft, chain, mode))
+
+
+def _match(shaft: AssembledShaft, chain: EngineChain, mode: int) -> ModeMatch:
+    number = chain.chain.modes().rigid + mode - 1
+    return match_modes(shaft, crankshaft_modes(shaft), chain, [number])[0]
+
+
+def _found(match: ModeMatch) -> float:
     if match.shaft_frequency is None:
+        number = match.chain_mode - match.chain_rigid + 1
         raise InputError(
-            f"mode: given {mode}, {match.chain_frequency:.1f} Hz; allowed is one that the whole crankshaft "
+            f"mode: given {number}, {match.chain_frequency:.1f} Hz; allowed is one that the whole crankshaft "
             "has too, and none of its modes is like it."
         )
     return match.shaft_frequency

@@ -332,8 +332,8 @@ def split_curves(
         # Dashes over a line: where all cranks are in one plane, radial forces alone do all of it.
         series=(
             Series("all forces", both, "total"),
-            Series("tangential forces alone", tangential, color=ORANGE),
-            Series("radial forces alone", radial, color=BLUE, dash="dash"),
+            Series("tangential forces alone", tangential, color=BLUE),
+            Series("radial forces alone", radial, color=ORANGE, dash="dash"),
         ),
         x_label=SPEED_LABEL,
         y_label=label,

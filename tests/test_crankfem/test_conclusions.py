@@ -10,7 +10,7 @@ from rich.console import Console
 
 from comparing import close
 from crankfem.analyses.vibration.mode_table import mode_table
-from crankfem.analyses.vibration.tables import factor_range
+from crankfem.analyses.vibration.tables import factor_range, misfiring_table
 from crankfem.cli import console
 from crankfem.cli.commands.run import _print
 from crankfem.cli.tables.run_tables import print_verdict
@@ -132,6 +132,11 @@ def test_damping_is_advised_only_where_it_can_help(results):
     text = " ".join(conclusions(help_))
     assert "leave at least 15 MPa" in text
     assert "less than the permitted 20 MPa" in text
+    assert (
+        "more damping (the file has no torsional damper), or another frequency of torsional" in text
+    )
+    help_["inputs"].append({"field": "torsional_damper.kind", "assumed": False})
+    text = " ".join(conclusions(help_))
     assert "more damping, or another frequency of torsional mode 1, may be sufficient" in text
     # Here 22 MPa are left whatever the damping.
     none = with_parts(
@@ -208,6 +213,32 @@ def test_a_crankshaft_too_weak_is_in_the_headline(results):
     results["strength"]["passed"] = True
     assert "UR M53" not in headline(results)
     assert summary(results)["status"] == "fine"
+
+
+def test_a_mode_divided_between_two_is_on_its_card_by_both(results):
+    results["vibration"]["bearings"] = {"shaft": {"axial": [80.0, 90.0]}, "stiffness": [1e9, 2e9]}
+    mode = results["vibration"]["whole"]["chains"]["axial"]["modes"][0]
+    shown = "whole crankshaft in its bearings: 81.1 Hz (80.0 to 90.0 Hz)"
+    assert shown in summary(results)["figures"][1]["details"]
+    mode["further_frequency"] = 60.0
+    shown = "whole crankshaft in its bearings: 60.0 and 81.1 Hz"
+    assert shown in summary(results)["figures"][1]["details"]
+
+
+def test_what_normal_firing_exceeds_stands_out_like_what_misfiring_does():
+    def check(normal, misfiring):
+        held = {
+            "place": "cylinder 4 - flywheel",
+            "speed_rpm": 900.0,
+            "value": 1.0,
+            "permitted": 1.0,
+        }
+        firing = {"normal": held | {"used": normal}, "misfiring": held | {"used": misfiring}}
+        return {"quantity": "stress", "unit": "Pa", "cylinders": [4], **firing}
+
+    record = {"checks": [check(2.6, 0.9), check(0.9, None)]}
+    record["checks"][0]["normal"]["value"] = 2.6
+    assert list(misfiring_table(record).marks) == ["over", "", "", "over"]
 
 
 def test_a_steel_that_keeps_the_limits_of_normal_firing_is_not_said_to_keep_those_of_misfiring(

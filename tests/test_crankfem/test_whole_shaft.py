@@ -30,6 +30,7 @@ from crankfem.analyses.vibration.run import engine_vibration
 from crankfem.files.engine.mechanism_file import load_mechanism
 from dynamics.chains.chain import Chain
 from dynamics.crankshaft.chain_comparison import ResponseMatch, chain_verdict
+from dynamics.crankshaft.chain_difference import FlywheelTilt
 from dynamics.crankshaft.mode_matches import ModeMatch
 from dynamics.crankshaft.shaft_system import crankshaft_system
 from dynamics.crankshaft.surroundings import MainBearings
@@ -250,6 +251,8 @@ def test_difference_of_the_whole_shaft_is_told_beside_the_verdict():
     assert said.startswith(
         "The verdict uses lumped models (chains), which are inadequate here; the"
     )
+    divided = FlywheelTilt("axial", 1, 259.8, 303.5, 225.9)
+    assert divided.sentence == "axial mode 1 from 259.8 Hz without to 225.9 and 303.5 Hz with it"
     (match,) = other.modes
     two = replace(match, further_frequency=80.0, further_share=0.4)
     (said,) = whole_shaft_remark(ShaftComparison(None, chain_verdict([two])))

@@ -164,7 +164,7 @@ def test_causes_sum_to_the_difference(case, figure):
         "Hz",
     )
     assert found.chain - found.rigid_chain == close(found.causes["bearings"])
-    told = f"{case.mode}: whole crankshaft {found.shaft:.1f} Hz, chain {found.chain:.1f} Hz"
+    told = f"{case.mode}: {found.shaft:.1f} Hz by the whole crankshaft, {found.chain:.1f} Hz by the chain"
     assert told in found.sentence
     for name, by in found.causes.items():
         shown = name != "bearings" and abs(by) >= 0.05
@@ -188,7 +188,8 @@ def test_flywheel_without_inertia_about_a_diameter(case, figure):
     )
     found = flywheel_tilt(case.whole.crankshaft.shaft, case.chain, case.mode)
     figure("frequency without tilt", found.without, match.shaft_frequency, 1e-8, "Hz")
-    assert f"from {found.without:.1f} Hz without to {found.shaft:.1f} Hz with it" in found.sentence
+    both = " and ".join(f"{one:.1f}" for one in sorted(filter(None, (found.shaft, found.further))))
+    assert f"from {found.without:.1f} Hz without to {both} Hz with it" in found.sentence
 
 
 def test_sweep_is_that_of_chains_and_shafts_one_by_one(case, figure):

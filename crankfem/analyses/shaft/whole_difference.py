@@ -35,8 +35,8 @@ def with_differences(
     Returns
     -------
     ShaftComparison
-        Without a chain whose first mode has no counterpart at every step; unchanged if no
-        chain is compared.
+        Without a chain whose first mode has no counterpart at every step, or is divided between two;
+        unchanged if no chain is compared.
     """
     if not comparison.verdicts:
         return comparison
@@ -48,10 +48,13 @@ def with_differences(
             continue
         number = first - modes.rigid + 1
         try:
-            differences.append(frequency_difference(shaft, chain, rigid, number))
+            difference = frequency_difference(shaft, chain, rigid, number)
             tilts.append(flywheel_tilt(shaft, chain, number))
         except InputError:
             continue
+        # Steps lead to one frequency, not to two.
+        if tilts[-1].further is None:
+            differences.append(difference)
     return replace(comparison, differences=tuple(differences), tilts=tuple(tilts))
 
 

@@ -66,7 +66,10 @@ def _tilts(whole: WholeShaft, comparison: ShaftComparison) -> Record | None:
     moved = ", ".join(one.sentence for one in comparison.tilts if one.shown)
     return {
         "inertia": inertia,
-        "modes": [attributes(one, "kind", "mode", "without", "shaft") for one in comparison.tilts],
+        "modes": [
+            attributes(one, "kind", "mode", "without", "shaft", "further")
+            for one in comparison.tilts
+        ],
         "sentence": f"The flywheel's inertia about a diameter ({significant(inertia, 3)} kg m^2{half}) moves "
         f"{moved or 'the first frequencies by less than 0.05 Hz'}.",
     }

@@ -292,11 +292,16 @@ def misfiring_table(record: Record, units: OutputUnits = SI) -> Table:
         ],
         [each for one in record["checks"] for each in rows(one)],
         marks=[
-            mark
+            "over" if _exceeded(one[firing]) else ""
             for one in record["checks"]
-            for mark in ("", "over" if one["passed"] is False else "")
+            for firing in ("normal", "misfiring")
         ],
     )
+
+
+def _exceeded(found: Record) -> bool:
+    """Whether more is reached than permitted, where anything is."""
+    return found["permitted"] is not None and (found["used"] is None or found["used"] > 1.0)
 
 
 def margin_table(record: Record, kind: str) -> Table:
