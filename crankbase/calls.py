@@ -1,7 +1,7 @@
-"""Calls in a process of its own, which may crash or hang there: only the call is lost.
+"""Calls in a separate process, which may crash or hang: only the call is lost.
 
-A request names a function and gives its arguments; the answer is its result, or the error it raised.
-Both are pickled, through pipes that a thread reads, so that whoever waits can look at time and memory.
+A request names a function and gives its arguments; the response is its result, or the error it raised.
+Both are pickled, through pipes read by a thread, so that the caller can check time and memory.
 """
 
 import contextlib
@@ -43,16 +43,16 @@ Messages = SimpleQueue[tuple[Any, Message]]
 
 @dataclass(frozen=True)
 class Limits:
-    """What one call may take before its process is ended.
+    """Limits of one call, after which its process is ended.
 
     Attributes
     ----------
     seconds : float
-        Until the next remark or the answer.
+        Time to the next remark or the response [s].
     memory : float or None
         Resident memory of the process [byte], its libraries included; None for no limit.
     tree : bool
-        Whether the memory of all processes that it has started counts too.
+        Whether to include the memory of all processes started by it.
     """
 
     seconds: float
@@ -61,7 +61,7 @@ class Limits:
 
 
 class ProcessLostError(Exception):
-    """The process died, or had to be ended; the text says why, `seconds` after what time."""
+    """The process died, or had to be ended; the text states why, `seconds` the time until then."""
 
     def __init__(self, reason: str, seconds: float = 0.0) -> None:
         super().__init__(reason)
@@ -69,7 +69,7 @@ class ProcessLostError(Exception):
 
 
 class CallProcess:
-    """A process that answers calls by `serve`, one at a time, until it is lost or ended.
+    """A process that handles calls by `serve`, one at a time, until it is lost or ended.
 
     Parameters
     ----------
@@ -78,7 +78,7 @@ class CallProcess:
     what : str
         Its name in reasons, such as "the worker process".
     messages : SimpleQueue, optional
-        Where this process and its messages go, if one queue is to serve several processes.
+        Queue for its messages, if one is to be used for several processes.
     """
 
     def __init__(
@@ -99,7 +99,7 @@ class CallProcess:
         self._messages.put((self, None))
 
     def give(self, function: str, *arguments: Any, remarks: bool = False) -> None:
-        """Give it a call of ``"module:name"``; with remarks, the function gets an ``on_remark``."""
+        """Send it a call of ``"module:name"``; with remarks, the function gets an ``on_remark``."""
         request = pickle.dumps((function, arguments, remarks))
         self._started, self._peak = time.monotonic(), 0.0
         assert self._process.stdin is not None
@@ -121,12 +121,12 @@ class CallProcess:
         return message
 
     def watch(self, limits: Limits) -> None:
-        """Look at time and memory.
+        """Check time and memory.
 
         Raises
         ------
         ProcessLostError
-            If one is beyond its limit, and the process had to be ended.
+            If one exceeds its limit, and the process had to be ended.
         """
         if self.seconds > limits.seconds:
             self.lose(f"took longer than the limit of {limits.seconds:g} s")
@@ -142,7 +142,7 @@ class CallProcess:
     def wait(
         self, limits: Limits, on_remark: Callable[[Any], None] | None = None
     ) -> tuple[str, Any]:
-        """Wait for the answer, for `answered`, within limits; call `on_remark` with each remark.
+        """Wait for the response, for `answered`, within limits; call `on_remark` with each remark.
 
         Raises
         ------
@@ -165,7 +165,7 @@ class CallProcess:
 
     @property
     def seconds(self) -> float:
-        """Seconds since the last call was given, the wait began or the last remark was made."""
+        """Seconds since the last call, the start of the wait or the last remark."""
         return time.monotonic() - self._started
 
     @property
@@ -174,7 +174,7 @@ class CallProcess:
         return self._process.poll() is None
 
     def kill(self) -> None:
-        """Kill the process; whoever waits for its answer finds it gone."""
+        """Kill the process; a wait for its response then ends."""
         self._process.kill()
 
     def end(self) -> None:
@@ -184,14 +184,14 @@ class CallProcess:
         end_child(self._process)
 
     def lose(self, reason: str) -> NoReturn:
-        """End the process and raise why it is lost."""
+        """End the process and raise the reason of its loss."""
         seconds = self.seconds
         self.end()
         raise ProcessLostError(reason, seconds)
 
 
 def _memory(number: int, tree: bool) -> float:
-    """Resident memory of a process, perhaps with its descendants [byte]; of those that are gone, none."""
+    """Resident memory of a process, optionally with its descendants [byte]; zero for ended ones."""
     import psutil
 
     total = 0.0
@@ -212,7 +212,7 @@ def _ending(code: int) -> str:
 
 
 def answered(kind: str, content: Any) -> Any:
-    """Return the result that an answer brings, or raise the error.
+    """Return the result in a response, or raise its error.
 
     Raises
     ------
@@ -227,7 +227,7 @@ def answered(kind: str, content: Any) -> Any:
 
 
 def serve(requests: BinaryIO, answers: BinaryIO) -> None:
-    """Answer calls until there are no more."""
+    """Handle calls until there are no more."""
 
     def send(kind: str, content: Any) -> None:
         pickle.dump((kind, content), answers)
@@ -256,7 +256,7 @@ def _named(function: str) -> Callable[..., Any]:
 
 
 def main() -> None:
-    """Serve on standard input and output, whatever libraries may print, once what is named is loaded."""
+    """Serve on standard input and output, protected from prints of libraries, after loading given modules."""
     answers = os.fdopen(os.dup(1), "wb")
     os.dup2(2, 1)
     for load in sys.argv[1:]:

@@ -33,7 +33,7 @@ def shortened(text: str, most: int = LONGEST_QUOTE) -> str:
 
 
 def quoted(value: object) -> str:
-    """Write a value as Python does, cut to what a message quotes; a number of any size can be written."""
+    """Write a value as Python does, shortened for a message; a number of any size can be written."""
     try:
         return shortened(repr(value))
     except ValueError:  # Python writes no integers of thousands of digits
@@ -46,7 +46,7 @@ def named(name: str) -> str:
 
 
 def with_short_quotes(message: str) -> str:
-    """Return a message in which every quoted text, list and word is cut to what a message quotes."""
+    """Return a message in which every quoted text, list and word is shortened."""
     if len(message) <= LONGEST_QUOTE:
         return message
     pieces, place = [], 0
@@ -62,7 +62,7 @@ def with_short_quotes(message: str) -> str:
 
 
 def _closing(message: str, place: int) -> int:
-    """Return where the list ends that begins before `place`."""
+    """Return the end of the list that begins before `place`."""
     depth = 1
     for found in _NESTED.finditer(message, place):
         depth += {"[": 1, "(": 1, "{": 1, "]": -1, ")": -1, "}": -1}.get(found[0], 0)
@@ -77,7 +77,7 @@ class InputError(ValueError):
     Parameters
     ----------
     message : str
-        What it quotes is cut to 80 characters, however long what was given is.
+        Quoted input is cut to 80 characters.
     """
 
     def __init__(self, message: str = "") -> None:
@@ -85,21 +85,21 @@ class InputError(ValueError):
 
     @property
     def sentences(self) -> list[str]:
-        """What is wrong, each thing by a sentence: a file may have several errors, one on each line."""
+        """The errors, one sentence each: a file may have several errors, one on each line."""
         return str(self).split("\n")
 
     @classmethod
     def of_all(cls, errors: Iterable["InputError"]) -> "InputError":
-        """Return one error that says what all say, each sentence once."""
+        """Return one error with the sentences of all, each once."""
         return cls("\n".join(dict.fromkeys(line for error in errors for line in error.sentences)))
 
 
 class NotEnoughMemoryError(InputError):
-    """Work that needs more memory than the machine has free; the message has both figures."""
+    """Work that needs more memory than is free; the message has both figures."""
 
 
 class InputErrors:
-    """Errors of parts of an input, each part read for itself, to be told together.
+    """Errors of parts of an input that are read independently, reported together.
 
     Attributes
     ----------
@@ -111,14 +111,14 @@ class InputErrors:
 
     @contextmanager
     def noted(self) -> Iterator[None]:
-        """Read one part in this context: its error waits for those of the others."""
+        """Read one part in this context: its error is reported together with those of the others."""
         try:
             yield
         except InputError as error:
             self.found.append(error)
 
     def tell(self) -> None:
-        """Raise what was noted, if anything was.
+        """Raise the collected errors, if any.
 
         Raises
         ------
@@ -134,12 +134,12 @@ class MissingLibraryError(ImportError):
 
 
 class MeshError(RuntimeError):
-    """A throw could not be meshed, although its dimensions are valid; the message says why."""
+    """A throw could not be meshed, although its dimensions are valid; the message states why."""
 
 
 class SolveError(RuntimeError):
-    """Equations could not be solved, or a result fails a check of itself; the message has the figure."""
+    """Equations could not be solved, or a result fails a self-check; the message has the figure."""
 
 
 class RenderError(RuntimeError):
-    """A picture could not be rendered, although everything that is needed is there; the message says why."""
+    """A picture could not be rendered, although all requirements are met; the message states why."""

@@ -1,4 +1,4 @@
-"""Types of the libraries that are loaded when something is asked of them: axes, tables and grids."""
+"""Types of libraries that are loaded on demand: axes, tables and grids."""
 
 from typing import TYPE_CHECKING, Any
 

@@ -1,4 +1,4 @@
-"""The memory that is free, and a refusal of work that is predicted to take more."""
+"""The free memory, and a refusal of work that is predicted to need more."""
 
 import contextlib
 from pathlib import Path
@@ -21,7 +21,7 @@ LITTLE = 0.1 * GIGABYTE
 
 
 def free_memory() -> float:
-    """Return the memory that is free [byte]: of the machine, or of its container if that is less."""
+    """Return the free memory [byte]: of the machine, or of its container if that is less."""
     free = float(psutil.virtual_memory().available)
     for limit, use, statistics in CONTROL_GROUPS:
         # No such files, or no limit, which version 2 calls "max".
@@ -43,9 +43,9 @@ def check_memory(needed: float, given: str, advice: str) -> None:
     needed : float
         Predicted [byte].
     given : str
-        What was asked for, such as "accuracy: given 0.001, whose mesh takes".
+        The request, such as "accuracy: given 0.001, whose mesh takes".
     advice : str
-        What to change, after "so".
+        The remedy, after "so".
 
     Raises
     ------

@@ -9,14 +9,13 @@ from pydantic import BaseModel, ConfigDict, Field, ValidationError
 from pydantic.fields import FieldInfo
 
 from crankbase.checks.choices import allowed_names
-from crankbase.checks.scalars import is_number
 from crankbase.errors import InputError, InputErrors, named, quoted
-from crankbase.units.quantity import format_quantity, parse_quantity
-from crankbase.units.units import DISPLAY_UNITS
+from crankbase.model_sentences import field_extra as field_extra
+from crankbase.model_sentences import limits_of, range_text, sentence, sentences
+from crankbase.units.quantity import other_unit, parse_quantity
 
 if TYPE_CHECKING:
     from pydantic._internal._model_construction import ModelMetaclass
-    from pydantic_core import ErrorDetails
 else:
     ModelMetaclass = type(BaseModel)
 
@@ -33,8 +32,8 @@ def quantity_field(
 ) -> Any:
     """Declare a field of a physical quantity: SI unit, allowed range, meaning, the papers' symbol.
 
-    File format, error texts, help and docs all read this one declaration. A `feature` is something
-    that is not there unless it is given: its default is no assumption.
+    File format, error texts, help and docs all use this one declaration. A `feature` is something
+    that is absent unless given: its default is no assumption.
     """
     return Field(
         default,
@@ -77,7 +76,7 @@ def part_kind(info: FieldInfo) -> type["InputModel"] | None:
 
 
 def _fields_and_methods(names: Iterable[str]) -> list[str]:
-    """Leave out what all models of pydantic have: it is of no use to those who describe an engine."""
+    """Hide the methods of all pydantic models: users who describe an engine do not need them."""
     usual, pydantics = dir(object), {*dir(BaseModel)}
     return [
         name for name in names if name in usual or not (name in pydantics or name.startswith("__"))
@@ -85,14 +84,14 @@ def _fields_and_methods(names: Iterable[str]) -> list[str]:
 
 
 class _ShowsFields(ModelMetaclass):
-    """Leaves pydantic's own names out of what `help` and completion show of a class."""
+    """Hides pydantic's own names in `help` and completion of a class."""
 
     def __dir__(self) -> list[str]:
         return _fields_and_methods(super().__dir__())
 
 
 class _Kind:
-    """What a field holds, in the words in which a signature shows it: ``float [m]``."""
+    """The type of a field as shown in a signature: ``float [m]``."""
 
     def __init__(self, info: FieldInfo) -> None:
         kind = re.sub(r"\b(?:\w+\.)+(?=[A-Z])", "", inspect.formatannotation(info.annotation))
@@ -111,7 +110,7 @@ class InputModel(BaseModel, metaclass=_ShowsFields):
     Raises
     ------
     InputError
-        On construction, with a sentence for each wrong field: its name, the value and what is allowed.
+        On construction, with a sentence for each wrong field: its name, the value and the allowed values.
     """
 
     model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
@@ -119,8 +118,14 @@ class InputModel(BaseModel, metaclass=_ShowsFields):
     # Fields that choose how to calculate: their defaults assume nothing of what is calculated.
     choices: ClassVar[frozenset[str]] = frozenset()
 
-    def __init__(self, **values: Any) -> None:
+    def __init__(self, *unnamed: Any, **values: Any) -> None:
         """Take and check the values of the fields, by name, in SI units."""
+        if unnamed:
+            name = next(iter(type(self).model_fields))
+            raise InputError(
+                f"{type(self).__name__}: given values without names; allowed are fields by name, such as "
+                f"{name}=..., because positions say nothing of what a value is."
+            )
         for name, value in values.items():
             if not isinstance(value, str | bool):
                 continue
@@ -136,7 +141,7 @@ class InputModel(BaseModel, metaclass=_ShowsFields):
         try:
             super().__init__(**values)
         except ValidationError as error:
-            raise InputError("\n".join(_sentences(type(self), error))) from None
+            raise InputError("\n".join(sentences(type(self), error))) from None
 
     @classmethod
     def __pydantic_init_subclass__(cls, **_: Any) -> None:
@@ -154,16 +159,23 @@ class InputModel(BaseModel, metaclass=_ShowsFields):
             ]
         )
 
+    def __setattr__(self, name: str, value: object) -> None:
+        """Refuse a new value: records stay as they were checked."""
+        raise InputError(
+            f"{type(self).__name__}.{name}: given a new value; allowed is another record, by "
+            f"changed({name}=...), because records stay as they were checked."
+        )
+
     def __dir__(self) -> Iterable[str]:
         return _fields_and_methods(super().__dir__())
 
     def _given(self) -> dict[str, Any]:
-        """Return what was given, not left to its default, in the fields' order."""
+        """Return the given values, without defaults, in the fields' order."""
         given = self.model_fields_set
         return {name: getattr(self, name) for name in type(self).model_fields if name in given}
 
     def __repr__(self) -> str:
-        """Show what was given, as much of it as a few lines hold."""
+        """Show the given values, as many as a few lines hold."""
         from crankbase.summaries import summary_text
 
         parts = [f"{name}={value!r}" for name, value in self._given().items()]
@@ -172,7 +184,7 @@ class InputModel(BaseModel, metaclass=_ShowsFields):
     __str__ = __repr__
 
     def _repr_html_(self) -> str:
-        """Show what was given as a table."""
+        """Show the given values as a table."""
         from crankbase.summaries import summary_html
 
         fields = type(self).model_fields
@@ -188,12 +200,12 @@ class InputModel(BaseModel, metaclass=_ShowsFields):
         Parameters
         ----------
         **values
-            New values by field [SI]; None takes an optional one away.
+            New values by field [SI]; None removes an optional one.
 
         Returns
         -------
         Self
-            Fields that were left to their defaults follow the defaults again.
+            Fields that were defaults follow the defaults again.
 
         Raises
         ------
@@ -208,14 +220,14 @@ class InputModel(BaseModel, metaclass=_ShowsFields):
 
     @classmethod
     def from_text(cls, values: Mapping[str, object], section: str | None = None) -> Self:
-        """Build the record from text with units, as it stands in a file.
+        """Build the record from text with units, as in a file.
 
         Parameters
         ----------
         values : mapping
             Field name to text, such as ``{"crank_radius": "170 mm"}``.
         section : str, optional
-            What to call the record in messages; the class's own section otherwise.
+            Name of the record in messages; by default the class's own section.
 
         Raises
         ------
@@ -243,7 +255,7 @@ class InputModel(BaseModel, metaclass=_ShowsFields):
 def _field_errors(
     kind: type[InputModel], converted: Mapping[str, Any], unread: Collection[str], prefix: str
 ) -> list[InputError]:
-    """What is wrong with single fields beside those that could not be read, which are not missing."""
+    """Errors of single fields in addition to unreadable ones, which are not missing."""
     try:
         kind.__pydantic_validator__.validate_python(
             dict(converted), self_instance=kind.__new__(kind)
@@ -251,7 +263,7 @@ def _field_errors(
     except ValidationError as error:
         own = f"{kind.section}." if kind.section else ""
         return [
-            InputError(prefix + _sentence(kind, one).removeprefix(own))
+            InputError(prefix + sentence(kind, one).removeprefix(own))
             for one in error.errors()
             if one["loc"] and one["loc"][0] not in unread
         ]
@@ -259,7 +271,7 @@ def _field_errors(
 
 
 def _value_from_text(kind: type[InputModel], key: str, text: object, name: str) -> Any:
-    """Convert what stands in a file for one field."""
+    """Convert the file's value of one field."""
     if key not in kind.model_fields:
         raise InputError(f"{name}: unknown field; {allowed_names(key, kind.model_fields)}.")
     info = kind.model_fields[key]
@@ -268,22 +280,27 @@ def _value_from_text(kind: type[InputModel], key: str, text: object, name: str) 
         return _parts_from_text(part, info, text, name)
     if unit is None:
         return text
-    limits = _limits(info)
+    limits = limits_of(info)
     if isinstance(text, list) and _holds_several(info):
         return tuple(
-            parse_quantity(item, unit, f"{name}[{number}]", _range(info), limits)
+            parse_quantity(item, unit, f"{name}[{number}]", range_text(info), limits)
             for number, item in enumerate(text)
         )
-    return parse_quantity(text, unit, name, _range(info), limits)
+    value = parse_quantity(text, unit, name, range_text(info), limits)
+    if meant := other_unit(text, unit, value, limits):
+        raise InputError(
+            f"{name}: given {text!r}; did you mean {meant}? allowed is {range_text(info)}."
+        )
+    return value
 
 
 def _holds_several(info: FieldInfo) -> bool:
-    """Tell whether a field holds a tuple, perhaps an optional one."""
+    """Return whether a field is a tuple, possibly an optional one."""
     return tuple in (get_origin(kind) for kind in (info.annotation, *get_args(info.annotation)))
 
 
 def _parts_from_text(kind: type[InputModel], info: FieldInfo, value: object, name: str) -> Any:
-    """Build the record, or the tuple of records, that stands in a table of its own."""
+    """Build the record, or the tuple of records, from a nested table."""
     if field_extra(info, "many"):
         if not isinstance(value, list) or not all(isinstance(item, Mapping) for item in value):
             raise InputError(
@@ -298,98 +315,3 @@ def _parts_from_text(kind: type[InputModel], info: FieldInfo, value: object, nam
     if not isinstance(value, Mapping):
         raise InputError(f"{name}: given {quoted(value)}; allowed is a table [{name}].")
     return kind.from_text(value, name)
-
-
-def field_extra(info: FieldInfo, key: str) -> Any:
-    """Return one entry of a field's declaration (unit, symbol, range), or None."""
-    extra = info.json_schema_extra
-    return extra.get(key) if isinstance(extra, dict) else None
-
-
-def _sentences(model: type[InputModel], error: ValidationError) -> list[str]:
-    """Turn what pydantic found into sentences for people, one for each field."""
-    found: dict[str, str] = {}
-    for one in error.errors():
-        found.setdefault(str(one["loc"][0]) if one["loc"] else "", _sentence(model, one))
-    return list(found.values())
-
-
-def _sentence(model: type[InputModel], first: "ErrorDetails") -> str:
-    """Turn one finding of pydantic into a sentence."""
-    location = [str(part) for part in first["loc"]]
-    prefix = f"{model.section}." if model.section else ""
-    given = first.get("input")
-    if first["type"] == "value_error":
-        text = str(first["ctx"]["error"])
-        if not location:
-            return text if text.startswith(prefix) else prefix + text
-        return prefix + ".".join(location) + ": " + text
-    name = location[0] if location else ""
-    field = prefix + ".".join(map(named, location))
-    if first["type"] == "missing":
-        info = model.model_fields[name]
-        return f"{field}: missing; {_describe(info)} must be given{_allowed_range(info)}."
-    if first["type"] == "extra_forbidden":
-        return f"{field}: unknown field; {allowed_names(name, model.model_fields)}."
-    known = model.model_fields.get(name)
-    if known is None:
-        return f"{field}: given {quoted(given)}; {first['msg']}."
-    unit = field_extra(known, "unit")
-    shown = quoted(given)
-    if unit is not None and is_number(given):
-        shown = format_quantity(float(given), unit)
-    if first["type"] == "literal_error":
-        expected = str(first["ctx"]["expected"]).replace("'", "")
-        return f"{field}: given {quoted(given)}; allowed is {expected}."
-    allowed = _range(known) if unit is not None else ""
-    bound = _BOUNDS.get(first["type"])
-    if unit is None and bound is not None:
-        allowed = bound.format(**first.get("ctx", {}))
-    if first["type"] in _KINDS:
-        allowed = f"{_KINDS[first['type']]}, {allowed}".removesuffix(", ")
-    return f"{field}: given {shown}; allowed is {allowed} for {_describe(known)}."
-
-
-# What pydantic's findings about fields without a unit mean to people.
-_KINDS = {
-    "int_from_float": "a whole number",
-    "int_parsing": "a whole number",
-    "int_type": "a whole number",
-    "string_type": "text",
-    "tuple_type": "a list",
-    "dict_type": "a table",
-    "bool_type": "true or false",
-    "bool_parsing": "true or false",
-}
-# And about the numbers in them; a field with a unit tells its range.
-_BOUNDS = {
-    "finite_number": "a finite number",
-    "greater_than_equal": "a number of {ge:g} or more",
-    "less_than_equal": "a number of {le:g} or less",
-}
-
-
-def _describe(info: FieldInfo) -> str:
-    symbol = field_extra(info, "symbol")
-    meaning = info.description or "this value"
-    return f"{meaning} ({symbol})" if symbol else meaning
-
-
-def _allowed_range(info: FieldInfo) -> str:
-    return f", allowed is {_range(info)}" if field_extra(info, "unit") is not None else ""
-
-
-def _limits(info: FieldInfo) -> tuple[float | None, float | None]:
-    return field_extra(info, "minimum_si"), field_extra(info, "maximum_si")
-
-
-def _range(info: FieldInfo) -> str:
-    unit = field_extra(info, "unit")
-    low, high = _limits(info)
-    if low is not None and high is not None:
-        return f"{format_quantity(low, unit)} to {format_quantity(high, unit)}"
-    if low is not None:
-        return f"{format_quantity(low, unit)} or more"
-    if high is not None:
-        return f"{format_quantity(high, unit)} or less"
-    return f"any number in {DISPLAY_UNITS.get(unit, (unit,))[0]}" if unit else "any number"

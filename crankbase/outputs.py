@@ -1,10 +1,10 @@
-"""The files that crankfem writes: each in one step, and none in the place of somebody else's.
+"""Output files: each written in one step, without replacing files of others.
 
-A hidden file in each folder lists what was written there, of which kind and with which checksum; only
-what says itself whose it is, as a model does, needs no list. A file gives way to a new one of its kind if
-it is still what was written, or if it is empty; any other belongs to the user. What is written gets its
+A hidden file in each folder lists the files written there, with kind and checksum; only files
+that identify themselves, like models, need no list. A file is replaced by a new one of its kind if
+it is unchanged since it was written, or empty; any other belongs to the user. An output gets its
 name when it is complete, and is listed before that, so that an interrupt at any moment leaves a file that
-the next run knows.
+the next run recognizes.
 """
 
 import hashlib
@@ -35,7 +35,7 @@ Kind = Literal[
 
 @dataclass(frozen=True)
 class _Rules:
-    """Under which files are written now."""
+    """The rules for writing files at present."""
 
     force: bool = False
     run: bool = False
@@ -51,14 +51,14 @@ _RULES = ContextVar("_RULES", default=_USUAL)
 
 @contextmanager
 def replacing_files(force: bool = True) -> Iterator[None]:
-    """Let what is written inside this context take the place of files that crankfem has not made.
+    """Allow outputs inside this context to replace files that crankfem has not made.
 
-    Files that are read stay what they are all the same, and so do stores of studies.
+    Input files and stores of studies are protected nevertheless.
 
     Parameters
     ----------
     force : bool
-        Whether to let it.
+        Whether to allow it.
 
     Examples
     --------
@@ -70,7 +70,7 @@ def replacing_files(force: bool = True) -> Iterator[None]:
 
 
 def protect(*inputs: Path) -> None:
-    """Let nothing that is written until the end of the context take the place of these files."""
+    """Protect these files from outputs until the end of the context."""
     known = _RULES.get().inputs
     if known is not None:
         known.extend(inputs)
@@ -78,7 +78,7 @@ def protect(*inputs: Path) -> None:
 
 @contextmanager
 def protected(*inputs: Path) -> Iterator[None]:
-    """Let nothing that is written inside this context take the place of these files."""
+    """Protect these files from outputs inside this context."""
     with _rules(_RULES.get()):
         protect(*inputs)
         yield
@@ -86,7 +86,7 @@ def protected(*inputs: Path) -> Iterator[None]:
 
 @contextmanager
 def recording_run_files() -> Iterator[None]:
-    """Record what is written inside this context as a run's files, and let it replace only such."""
+    """Record outputs inside this context as a run's files, and let them replace only such."""
     with _rules(replace(_RULES.get(), run=True)):
         yield
 
@@ -106,24 +106,24 @@ def _rules(rules: _Rules) -> Iterator[None]:
 def check_output(
     path: Path, kind: Kind, *, recognized: Recognized | None = None, name: str = ""
 ) -> None:
-    """Refuse to write a file that is somebody else's, or that is read.
+    """Refuse to overwrite a file of the user, or an input file.
 
     Parameters
     ----------
     path : Path
-        The file; nothing is refused where there is none yet.
+        The file; a new one is always allowed.
     kind : str
-        What would be written.
+        Kind of the output.
     recognized : callable, optional
-        Tells by its content that a file is one of this kind as crankfem wrote it; with it only the files
+        Recognizes from the content that crankfem wrote a file of this kind; with it only the files
         of runs are listed.
     name : str, optional
-        What the message calls the file; its path by default.
+        Name of the file in the message; its path by default.
 
     Raises
     ------
     InputError
-        That names the file and why it may not be written.
+        Naming the file and the reason.
     """
     shown, rules = name or str(path), _RULES.get()
     if path.is_dir():
@@ -154,7 +154,7 @@ def check_output(
 def _replacement_refusal(
     path: Path, kind: Kind, recognized: Recognized | None, run: bool
 ) -> str | None:
-    """Say why a file may not be replaced by one of a kind; None if it may."""
+    """State why a file may not be replaced by one of a kind; None if it may."""
     if path.is_symlink():
         return "it is a link that crankfem has not made"
     if path.stat().st_size == 0:
@@ -191,9 +191,9 @@ def _starts_with(path: Path, content: bytes) -> bool:
 
 @contextmanager
 def atomic_file(path: Path, kind: Kind, *, recognized: Recognized | None = None) -> Iterator[Path]:
-    """Write a file atomically: yield a private file to write, which gets its own name when complete.
+    """Write a file atomically: yield a private file to write, which gets its final name when complete.
 
-    It lies in the same folder and has the same ending. Where writing fails, what was there stays.
+    It is in the same folder and has the same ending. If writing fails, the former file stays.
 
     Parameters
     ----------
@@ -225,7 +225,7 @@ def atomic_file(path: Path, kind: Kind, *, recognized: Recognized | None = None)
 
 @contextmanager
 def _atomic_replacement(path: Path, enter: Callable[[Path], None]) -> Iterator[Path]:
-    """Yield a private file that replaces `path` in the end, once `enter` has let it."""
+    """Yield a private file that replaces `path` in the end, once `enter` permits it."""
     if path.exists() and not path.is_file():
         yield path
         return
@@ -249,7 +249,7 @@ def _atomic_replacement(path: Path, enter: Callable[[Path], None]) -> Iterator[P
 
 
 def remove_unfinished() -> None:
-    """Take away the private files that are being written; for who ends the process at once."""
+    """Remove the private files being written; for a process that ends at once."""
     for part in list(_UNFINISHED):
         with suppress(OSError):
             part.unlink(missing_ok=True)
@@ -271,7 +271,7 @@ def copy_file(source: Path, path: Path, kind: Kind) -> Path:
 
 @contextmanager
 def write_errors(path: Path) -> Iterator[None]:
-    """Turn what the system says against writing a file into an InputError that names `path`."""
+    """Turn the system's error on writing a file into an InputError that names `path`."""
     try:
         yield
     except OSError as error:
@@ -323,7 +323,7 @@ def _checksum(path: Path) -> str:
 
 
 def _read_list(folder: Path) -> dict[str, dict[str, Any]]:
-    """Read what is listed in a folder; a list that is none lists nothing."""
+    """Read the list of a folder; an invalid list counts as empty."""
     path = folder / LISTED
     if not is_regular_file(path):
         return {}
@@ -346,7 +346,7 @@ def _read_list(folder: Path) -> dict[str, dict[str, Any]]:
 
 
 def _list_file(path: Path, kind: Kind, checksum: str) -> None:
-    """List a file that is to be put in its place; what is gone from the folder is listed no more."""
+    """List a file before it gets its name; files that no longer exist are removed from the list."""
     listed = {
         name: entry
         for name, entry in _read_list(path.parent).items()

@@ -1,10 +1,10 @@
-"""Child processes and scratch folders, which end with the process that made them.
+"""Child processes and scratch folders that end with the process that made them.
 
-A child is told of its owner's end by a pipe that only the owner holds open: the system closes it, so this
-needs no handler in the owner, which may be killed. On Linux the pipe's end is a signal to the child, which
-also ends it where a library keeps Python's threads from running; elsewhere a thread waits for it.
+A child detects the end of its owner by a pipe that only the owner holds open: the system closes it, so this
+needs no handler in the owner, which may be killed. On Linux the end of the pipe is a signal to the child,
+which also ends it if a library blocks Python's threads; elsewhere a thread waits for it.
 
-This file is also run by its path as the child's first program, so it takes the standard library alone.
+This file is also run by its path as the child's first program, so it uses only the standard library.
 """
 
 import contextlib
@@ -39,7 +39,7 @@ TRIES, PAUSE = 20, 0.05
 
 
 def package_environment() -> dict[str, str]:
-    """Environment in which a new Python finds our packages, however this one did."""
+    """Environment in which a new Python finds our packages, however this one found them."""
     home = str(Path(__file__).resolve().parent.parent)
     paths = [home, *filter(None, os.environ.get("PYTHONPATH", "").split(os.pathsep))]
     return os.environ | {"PYTHONPATH": os.pathsep.join(paths)}
@@ -53,13 +53,13 @@ def start_child(
 ) -> subprocess.Popen[bytes]:
     """Run a module of ours as ``python -m module`` in a process that ends with this one.
 
-    The child ignores interrupts, for its owner decides what they mean.
+    The child ignores interrupts; its owner handles them.
 
     Parameters
     ----------
     module : str
     *arguments : str
-        What the module finds in ``sys.argv``.
+        Its ``sys.argv``.
     environment : mapping, optional
         Added to that of this process.
     **streams
@@ -93,7 +93,7 @@ def start_child(
 
 
 def end_child(process: subprocess.Popen[bytes]) -> None:
-    """End a process, whatever it does, and close the pipes to it."""
+    """End a process in any state, and close the pipes to it."""
     process.kill()
     process.wait()
     for pipe in (process.stdin, process.stdout):
@@ -112,7 +112,7 @@ def signal_name(code: int) -> str | None:
 
 @contextlib.contextmanager
 def scratch_folder() -> Iterator[Path]:
-    """Make a folder that is removed at the end of the block, or with this process, however it ends.
+    """Create a folder that is removed at the end of the block, or with this process, however it ends.
 
     Raises
     ------
@@ -154,7 +154,7 @@ def _remove_at_the_end(folder: str) -> None:
 
 
 def _end_with_owner(pipe: int) -> None:
-    """Let this process end as soon as its owner is gone, whatever it does then."""
+    """Let this process end as soon as its owner does, in any state."""
     owner = os.getppid()
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     if pipe != NO_PIPE and hasattr(os, "O_ASYNC"):

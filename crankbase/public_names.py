@@ -1,4 +1,4 @@
-"""Public names of a package: declared once in its stub, loaded from their modules when first used."""
+"""Public names of a package: declared once in its stub, loaded from their modules on first use."""
 
 import sys
 from collections.abc import Callable
@@ -9,9 +9,9 @@ from typing import Any
 
 
 def lazy_exports(package: str, file: str) -> tuple[Callable[[str], Any], Callable[[], list[str]]]:
-    """Return a package's `__getattr__` and `__dir__`, which load lazily what its stub imports.
+    """Return a package's `__getattr__` and `__dir__`, which load the imports of its stub lazily.
 
-    A stub is for type checkers; that the names at work are read from it keeps the two the same.
+    A stub is for type checkers; reading the names from it at run time keeps the two the same.
 
     Parameters
     ----------

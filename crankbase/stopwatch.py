@@ -1,4 +1,4 @@
-"""Where the time goes."""
+"""Times of the steps of a calculation."""
 
 import time
 from collections.abc import Iterator, Mapping
@@ -11,7 +11,7 @@ class Stopwatch:
     Attributes
     ----------
     seconds : dict
-        By name, in the order in which they were first met.
+        By name, in the order of first use.
     """
 
     def __init__(self) -> None:
@@ -19,7 +19,7 @@ class Stopwatch:
 
     @contextmanager
     def lap(self, name: str) -> Iterator[None]:
-        """Take the time of the block under this name, minus what is taken by name inside it."""
+        """Measure the time of the block under this name, minus the named times inside it."""
         inside = sum(self.seconds.values())
         self.seconds.setdefault(name, 0.0)
         start = time.perf_counter()
@@ -31,6 +31,6 @@ class Stopwatch:
             self.seconds[name] += max(0.0, time.perf_counter() - start - named)
 
     def add(self, seconds: Mapping[str, float]) -> None:
-        """Add times that were taken elsewhere, such as in another process."""
+        """Add times measured elsewhere, such as in another process."""
         for name, value in seconds.items():
             self.seconds[name] = self.seconds.get(name, 0.0) + value

@@ -1,4 +1,4 @@
-"""How results show themselves: a text of one to three lines, and a small table in notebooks."""
+"""Display of results: a text of one to three lines, and a small table in notebooks."""
 
 import math
 import textwrap
@@ -29,12 +29,12 @@ def summarized(*items: str, keeps_text: bool = False) -> Callable[[type[T]], typ
     Parameters
     ----------
     *items : str
-        What matters, as "attribute [unit]": where it is found, with its SI unit. An attribute of an
-        attribute is named "mesh.unknowns", and its last name is shown, or what is put before it as
-        in "left: left.force [N]"; a method is called without arguments. What is None, or nan as a
-        single number, does not exist and is left out, and all that an attribute has where that is None.
+        Main values, as "attribute [unit]": their path, with the SI unit. An attribute of an
+        attribute is named "mesh.unknowns", and its last name is shown, or a label before it as
+        in "left: left.force [N]"; a method is called without arguments. None and a single NaN
+        are left out, and so are all attributes of None.
     keeps_text : bool, optional
-        Whether the class says in a text of its own what it is.
+        Whether the class has its own text.
 
     Examples
     --------
@@ -70,7 +70,7 @@ def summarized(*items: str, keeps_text: bool = False) -> Callable[[type[T]], typ
 
 
 def summary_text(name: str, parts: list[str]) -> str:
-    """Return "name(part, part)" in few lines; what does not fit any more is counted.
+    """Return "name(part, part)" in few lines; parts that do not fit are counted.
 
     Examples
     --------
@@ -119,7 +119,7 @@ def _at(value: Any, path: str) -> Any:
 
 
 def _value(value: Any, unit: str) -> str:
-    """Write a value with its unit; "" where there is none."""
+    """Write a value with its unit; "" for none."""
     if callable(value):
         value = value()
     if value is None or (isinstance(value, float) and math.isnan(value)):
@@ -140,7 +140,7 @@ def _value(value: Any, unit: str) -> str:
 
 
 def _array_summary(values: np.ndarray[Any, Any], unit: str) -> str:
-    """Write the range of an array and how many numbers it holds, by its axes."""
+    """Write the range of an array and its number of values, by its axes."""
     size = " x ".join(str(length) for length in values.shape)
     finite = values[np.isfinite(values)] if np.issubdtype(values.dtype, np.number) else values[:0]
     if not finite.size:

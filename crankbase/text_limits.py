@@ -1,4 +1,4 @@
-"""How large what is read from outside may be: far above what people write, far below what takes minutes."""
+"""Limits of input sizes: far above ordinary input, far below what takes minutes."""
 
 from pathlib import Path
 
@@ -21,16 +21,16 @@ MOST_BITS = 63
 
 
 def check_file_size(path: Path, most: int, what: str) -> None:
-    """Refuse a file that is too large to be what it is given for, before it is read.
+    """Refuse a file that is too large for its purpose, before it is read.
 
     Parameters
     ----------
     path : Path
-        What cannot be looked at is left to the reading.
+        A file that cannot be examined is left to the reader.
     most : int
         Bytes.
     what : str
-        What the file is meant to be, for the message.
+        Purpose of the file, for the message.
 
     Raises
     ------
@@ -42,6 +42,6 @@ def check_file_size(path: Path, most: int, what: str) -> None:
         return
     if size > most:
         raise InputError(
-            f"{path}: given a file of {size / 1e6:.3g} MB; allowed are {most / 1e6:g} MB, because {what} "
-            "has far less."
+            f"{path}: given a file of {size / 1e6:.3g} MB; allowed is {most / 1e6:g} MB at most, because "
+            f"{what} has far less."
         )

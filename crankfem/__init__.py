@@ -1,8 +1,8 @@
 """crankfem: axial and torsional vibration of crankshafts, from crank-throw dimensions to a verdict.
 
-What most work begins with has a name here, all else one in a topic, such as `cf.chains.with_damper`;
-the packages behind them are internal. Names are loaded when first used, so that looking a compliance
-up does not load a mesher. The stubs, here and in the topics' folders, declare them all, once.
+The most used names are here, all others in topics, such as `cf.chains.with_damper`;
+the packages behind them are internal. Names are loaded on first use, so that a compliance
+lookup does not load a mesher. The stubs, here and in the topics' folders, declare all names.
 """
 
 from importlib.util import find_spec
@@ -12,12 +12,12 @@ PACKAGES = ("crankbase", "geometry", "fem", "regression", "dynamics")
 
 
 def _check_packages() -> None:
-    """Refuse to work beside a foreign package that has the name of one of ours.
+    """Refuse to work with a foreign package that has the name of one of ours.
 
     Raises
     ------
     ImportError
-        Naming the foreign package and where it lies.
+        Naming the foreign package and its location.
     """
     home = Path(__file__).resolve().parent.parent
     for name in PACKAGES:

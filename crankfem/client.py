@@ -1,6 +1,6 @@
-"""A client of the service that ``crankfem serve`` starts, for programs elsewhere; it needs no extra package.
+"""A client of the service that ``crankfem serve`` starts, for other programs; no extra package is needed.
 
-Quantities are numbers in SI units or texts with units; answers are in SI units.
+Quantities are numbers in SI units or texts with units; results are in SI units.
 """
 
 import json
@@ -37,14 +37,14 @@ LOOK = 0.2  # seconds between two looks at a job
 
 
 class RefusedError(RuntimeError):
-    """What the service refuses, other than input that is wrong, or that it cannot be reached.
+    """The service refuses a request for another reason than wrong input, or cannot be reached.
 
     Attributes
     ----------
     status : int
-        Of HTTP; 0 where nobody answers.
+        Of HTTP; 0 without a response.
     retry_after : float or None
-        Seconds after which to ask again.
+        Seconds after which to try again.
     """
 
     def __init__(self, detail: str, status: int = 0, retry_after: float | None = None) -> None:
@@ -61,9 +61,9 @@ class Client:
     address : str
         As printed by ``crankfem serve``.
     key : str, optional
-        Where the service asks for one.
+        If the service requires one.
     seconds : float
-        Longest wait for an answer.
+        Longest wait for a response [s].
 
     Examples
     --------
@@ -75,14 +75,14 @@ class Client:
     seconds: float = 60.0
 
     def validate(self, throw: Values, material: Values | None = None) -> ValidThrow:
-        """Check a throw, and return what its dimensions make.
+        """Check a throw, and return the quantities that follow from its dimensions.
 
         Raises
         ------
         InputError
-            With a sentence for each wrong field; so do all methods.
+            With a sentence for each wrong field; this holds for all methods.
         RefusedError
-            If the service refuses, or cannot be reached; so do all methods.
+            If the service refuses, or cannot be reached; this holds for all methods.
         """
         return self._post(ValidThrow, "throws/validate", throw=throw, material=material)
 
@@ -121,7 +121,7 @@ class Client:
         )
 
     def analyze_throw(self, throw: Values, **options: Any) -> Job:
-        """Begin to analyze a throw by finite elements.
+        """Start the analysis of a throw by finite elements.
 
         Parameters
         ----------
@@ -132,15 +132,15 @@ class Client:
         return self._post(Job, "throws/analysis", throw=throw, **options)
 
     def analyze_stress(self, throw: Values, **options: Any) -> Job:
-        """Begin to find the stresses at a throw's fillets; with ``material`` and ``accuracy``."""
+        """Start the calculation of the stresses at a throw's fillets; with ``material`` and ``accuracy``."""
         return self._post(Job, "throws/stress", throw=throw, **options)
 
     def models(self) -> list[str]:
-        """Return the names of the models that can be asked."""
+        """Return the names of the available models."""
         return self._get(ModelNames, "models").models
 
     def describe_model(self, name: str) -> ModelDescription:
-        """Tell what a model answers, and for which throws."""
+        """Describe the responses of a model, and its range of throws."""
         return self._get(ModelDescription, f"models/{quote(name, safe='')}")
 
     def lookup(
@@ -155,7 +155,7 @@ class Client:
         gamma_deg: float | None = None,
         strict: bool = False,
     ) -> Lookups:
-        """Look responses up in a model, for one throw or, where dimensions are lists, for many."""
+        """Look responses up in a model, for one throw or, if dimensions are lists, for many."""
         asked = {
             "dimensions": dict(dimensions or {}),
             "throw": throw,
@@ -172,11 +172,11 @@ class Client:
         return self._post(CheckedText, "files/check", **_upload(path, tables))
 
     def run_study(self, path: str | Path, *tables: str | Path) -> Job:
-        """Begin the study of a file."""
+        """Start the study of a file."""
         return self._post(Job, "studies", **_upload(path, tables))
 
     def run_engine(self, path: str | Path, *tables: str | Path) -> Job:
-        """Begin the run of a whole engine file."""
+        """Start the run of a whole engine file."""
         return self._post(Job, "engines", **_upload(path, tables))
 
     def jobs(self) -> list[Job]:
@@ -184,7 +184,7 @@ class Client:
         return self._get(Jobs, "jobs").jobs
 
     def job(self, name: str) -> Job:
-        """Return a job as it is now."""
+        """Return a job in its present state."""
         return self._get(Job, f"jobs/{quote(name, safe='')}")
 
     def follow(self, job: Job) -> Iterator[Job]:
@@ -205,7 +205,7 @@ class Client:
         Raises
         ------
         RefusedError
-            If it has failed or was canceled.
+            If it failed or was canceled.
         """
         *_, last = self.follow(job)
         if last.state != "done":
@@ -219,7 +219,7 @@ class Client:
         return Job.model_validate_json(self._ask(f"jobs/{job.id}/cancel", {}))
 
     def file(self, job: Job, name: str) -> bytes:
-        """Return a file of a job, by a name of its ``files``."""
+        """Return a file of a job, by one of the names in its ``files``."""
         return self._ask(f"jobs/{job.id}/files/{quote(name)}")
 
     def _get(self, kind: type[Told], path: str) -> Told:

@@ -33,8 +33,8 @@ class CriticalSpeed:
     Parameters
     ----------
     mode : int
-        Place of the frequency among those given, from 0. In a free chain, where 0 is the
-        rigid-body mode, it is the number of the mode's nodes.
+        Index of the frequency among those given, from 0. In a free chain, where 0 is the
+        rigid-body mode, it equals the number of the mode's nodes.
     frequency : float
         Natural frequency [Hz].
     order : float
@@ -54,10 +54,10 @@ class CriticalSpeed:
         return self.speed * RPM
 
     def row(self) -> Row:
-        """Return what a table of critical speeds shows, each value with its unit; see `table_of`.
+        """Return the columns of a table of critical speeds, each value with its unit; see `table_of`.
 
-        Modes are counted from 1, in the order of the frequencies that were given: those of the elastic
-        modes alone make this the number that resonances have.
+        Modes are counted from 1, in the order of the given frequencies: with those of the elastic
+        modes alone this is the number used for resonances.
         """
         return {
             "mode": (self.mode + 1, "1"),
@@ -75,7 +75,7 @@ def engine_orders(strokes: int, highest: float) -> FloatArray:
     strokes : int
         Strokes per cycle: 4 gives 0.5, 1, 1.5 ..., 2 gives 1, 2, 3 ...
     highest : float
-        Highest order wanted, in cycles per crankshaft revolution.
+        Highest order, in cycles per crankshaft revolution.
 
     Returns
     -------
@@ -85,7 +85,7 @@ def engine_orders(strokes: int, highest: float) -> FloatArray:
     Raises
     ------
     InputError
-        If strokes is neither 2 nor 4, or `highest` lies below the lowest order or above 1e5.
+        If strokes is neither 2 nor 4, or `highest` is below the lowest order or above 1e5.
     """
     step = order_step(strokes)
     limit = positive_number("highest", highest, "", "orders count cycles per revolution")
@@ -200,7 +200,7 @@ def major_orders(orders: ArrayLike, firing_angles: ArrayLike) -> FloatArray:
     Parameters
     ----------
     orders : array_like of shape (K,)
-        Orders to look among, in cycles per crankshaft revolution.
+        Orders to select from, in cycles per crankshaft revolution.
     firing_angles : array_like of shape (J,)
         Crank angle in the cycle at which each cylinder fires [rad].
 

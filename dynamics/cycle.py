@@ -69,20 +69,20 @@ def first_uneven(angles_deg: FloatArray) -> int | None:
 
 
 def has_closing_sample(angles_deg: FloatArray, cycle_deg: float) -> bool:
-    """Tell whether the last of the evenly spaced angles lies one cycle after the first."""
+    """Return whether the last of the evenly spaced angles is one cycle after the first."""
     span = float(angles_deg[-1] - angles_deg[0])
     return abs(span - cycle_deg) <= 2 * PLACE_TOLERANCE * mean_step(angles_deg)
 
 
 def covers_cycle(angles_deg: FloatArray, cycle_deg: float) -> bool:
-    """Tell whether the next evenly spaced angle would be the first one of the next cycle."""
+    """Return whether the next evenly spaced angle would be the first one of the next cycle."""
     step = mean_step(angles_deg)
     span = float(angles_deg[-1] - angles_deg[0])
     return abs(span + step - cycle_deg) <= 2 * PLACE_TOLERANCE * step
 
 
 def is_even_cycle(angles_deg: FloatArray, cycle_deg: float) -> bool:
-    """Tell whether increasing angles are even over one cycle, the closing one left out."""
+    """Return whether increasing angles are even over one cycle, the closing one left out."""
     return first_uneven(angles_deg) is None and covers_cycle(angles_deg, cycle_deg)
 
 
@@ -92,9 +92,9 @@ def check_even_cycle(field: str, angles_deg: FloatArray, cycle_deg: float) -> No
     Parameters
     ----------
     field : str
-        What to call the angles in messages.
+        Name of the angles in messages.
     angles_deg : ndarray of shape (m,)
-        Two angles or more [deg], from anywhere on.
+        Two angles or more [deg], starting anywhere.
     cycle_deg : float
         Length of the cycle [deg].
 

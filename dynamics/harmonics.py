@@ -41,11 +41,11 @@ class Harmonics:
     Parameters
     ----------
     orders : ndarray of shape (K,)
-        Orders, ascending; K is half the number of samples, rounded down, unless `up_to` cut them.
+        Orders, ascending; K is half the number of samples, rounded down, unless cut by `up_to`.
     amplitude : ndarray of shape (K,)
         M_k, in the unit of the samples.
     phase : ndarray of shape (K,)
-        a_k [rad], from 0 to below 2 pi; 0 for a harmonic that is round-off only.
+        a_k [rad], from 0 to below 2 pi; 0 for a harmonic that is only round-off.
     cosine, sine : ndarray of shape (K,)
         A_k and B_k of A_k cos(order x) + B_k sin(order x), in the unit of the samples.
     mean : float
@@ -57,10 +57,10 @@ class Harmonics:
 
     Notes
     -----
-    With an even number of samples the last order is the half sampling rate. There the samples
-    show one number only, alternating in sign: the amplitude is what the sample points show and
-    the phase is chosen so that the series meets them, but a component of this order whose zeros
-    fall on the sample points stays unseen.
+    With an even number of samples the last order is at half the sampling rate. There the samples
+    give one number only, alternating in sign: the amplitude is that at the sample points and
+    the phase is chosen so that the series matches them. A component of this order whose zeros
+    fall on the sample points is not detected.
     """
 
     orders: FloatArray
@@ -78,11 +78,11 @@ class Harmonics:
         return order_step(self.strokes) * (self.samples // 2)
 
     def resolves(self, order: float) -> bool:
-        """Tell whether the order is one of `orders`."""
+        """Return whether the order is one of `orders`."""
         return bool(np.any(np.isclose(self.orders, order, rtol=1e-9, atol=0.0)))
 
     def index_of(self, order: float) -> int:
-        """Return where the order stands in `orders`.
+        """Return the index of the order in `orders`.
 
         Raises
         ------
@@ -108,7 +108,7 @@ class Harmonics:
         Returns
         -------
         Harmonics
-            The same mean and lower orders; their sum no longer meets the samples.
+            The same mean and lower orders; their sum no longer matches the samples.
 
         Raises
         ------
@@ -154,7 +154,7 @@ class Harmonics:
         return np.asarray(self.each_at(crank_angle_deg=crank_angle_deg).sum(axis=0) + self.mean)
 
     def each_at(self, *, crank_angle_deg: ArrayLike) -> FloatArray:
-        """Return each harmonic by itself; mean and running sum of them are the partial sums.
+        """Return each harmonic separately; mean and running sum of them are the partial sums.
 
         Parameters
         ----------
@@ -190,14 +190,14 @@ class Harmonics:
         Parameters
         ----------
         axes : matplotlib.axes.Axes, optional
-            Where to draw; those of a new figure if not given.
+            Where to draw; new axes by default.
         unit : str, optional
             Of the samples, such as "N m".
         highest_order : float, optional
-            Up to which orders are drawn; all by default.
+            Highest order drawn; all by default.
         show : {"amplitudes", "curves"}
             "curves": each harmonic over the crank angle, with its amplitude and phase, the six
-            strongest where there are more.
+            largest if there are more.
 
         Returns
         -------
@@ -206,7 +206,7 @@ class Harmonics:
         Raises
         ------
         InputError
-            If no order is left, or `show` is none of these.
+            If no order is left, or `show` is unknown.
         """
         check_choice("show", show, SHOWN, "these are drawn of harmonics")
         shown = self if highest_order is None else self.up_to(highest_order)
@@ -257,8 +257,8 @@ def harmonics(
     strokes : int
         Strokes per cycle, 2 or 4.
     angles_deg : array_like of shape (m,), optional
-        Crank angles of the samples [deg], to have them checked. They may start anywhere: phases
-        count from crank angle zero. Without them the first sample stands at zero.
+        Crank angles of the samples [deg], to be checked. They may start anywhere: phases
+        count from crank angle zero. By default the first sample is at zero.
 
     Returns
     -------
@@ -275,8 +275,8 @@ def harmonics(
     -----
     The coefficients are those of the finite sums (3) to (5) in Makushev, Polyakova, Omsk
     Scientific Bulletin 2024 no. 3 (191), doi 10.25206/1813-8225-2024-191-39-47, and the phase is
-    that of its (1): M_k = sqrt(A_k^2 + B_k^2), tan a_k = A_k / B_k in the quadrant that the signs
-    give. For an even m the last term takes 1/m in place of 2/m, because there the squared cosine
+    that of its (1): M_k = sqrt(A_k^2 + B_k^2), tan a_k = A_k / B_k in the quadrant given by the
+    signs. For an even m the last term has 1/m instead of 2/m, because there the squared cosine
     sums to m and not to m/2; with it the series matches every sample.
 
     Examples

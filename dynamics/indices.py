@@ -14,7 +14,7 @@ T = TypeVar("T")
 
 
 def node_index(field: str, node: object, count: int) -> int:
-    """Return the number of a node of a chain of `count` nodes, 0 the first.
+    """Return the index of a node of a chain of `count` nodes, from 0.
 
     Raises
     ------
@@ -31,14 +31,14 @@ def values_at_nodes(
     unit: str,
     reason: str,
 ) -> FloatArray:
-    """Return one value per node, none below zero, from an array or a mapping node -> value.
+    """Return one non-negative value per node, from an array or a mapping node -> value.
 
     Parameters
     ----------
     field, unit, reason : str
-        What to call the values in messages, their unit, and why none may be negative.
+        Name of the values in messages, their unit, and why none may be negative.
     values : array_like of shape (count,), mapping or None
-        Nodes that a mapping leaves out, and all nodes for None, get zero.
+        Nodes missing in a mapping, and all nodes for None, get zero.
     count : int
         Number of nodes.
 
@@ -65,16 +65,16 @@ def values_at_nodes(
 
 
 def index_of_name(field: str, given: object, names: Sequence[str], what: str, reason: str) -> int:
-    """Return the index among names, from 0, of what is given by its name or that number.
+    """Return the index, from 0, of an item given by its name or that index.
 
     Parameters
     ----------
     field : str
-        What to call it in the message.
+        Name of the item in the message.
     given : object
     names : sequence of str
     what, reason : str
-        What the names are those of, and why it has to be one of them.
+        Owner of the names, and why it has to be one of them.
 
     Raises
     ------
@@ -92,7 +92,7 @@ def index_of_name(field: str, given: object, names: Sequence[str], what: str, re
 
 
 def grouped(items: Iterable[T], belongs: Callable[[list[T], T], bool]) -> list[list[T]]:
-    """Return items in groups, each in the first group that it belongs to, or in one of its own."""
+    """Return items in groups, each in the first group it belongs to, or in its own."""
     groups: list[list[T]] = []
     for item in items:
         home = next((group for group in groups if belongs(group, item)), None)

@@ -1,4 +1,4 @@
-"""Which speeds lie in a range, and how long a motion is followed."""
+"""Speeds within a range, and the longest duration of a motion."""
 
 from collections.abc import Callable
 
@@ -18,22 +18,22 @@ MOST_EVALUATIONS, MOST_MOMENTS = 150_000, 500_000
 
 
 def within(speeds: float | FloatArray, low: float, high: float) -> NDArray[np.bool_]:
-    """Tell which speeds lie in a range; both ends do, a few units in the last place either way."""
+    """Return which speeds are in a range, ends included within a few units in the last place."""
     return np.asarray(at_most(low, speeds) & at_most(speeds, high))
 
 
 def at_most(one: float | FloatArray, other: float | FloatArray) -> NDArray[np.bool_]:
-    """Tell whether a speed is another or less, a few units in the last place aside."""
+    """Return whether a speed is at most another, within a few units in the last place."""
     return np.asarray(one <= other * (1.0 + AT_END))
 
 
 def run_time(field: str, value: float) -> float:
-    """Return a time that a motion is followed for [s].
+    """Return the duration of a motion [s], checked.
 
     Raises
     ------
     InputError
-        If it is no finite number above zero, or more than a day.
+        If it is not a finite number above zero, or more than a day.
     """
     time = positive_number(field, value, "s", "time runs forward")
     if time > LONGEST_RUN:
@@ -45,12 +45,12 @@ def run_time(field: str, value: float) -> float:
 
 
 def turns_followed(field: str, turns: float) -> float:
-    """Return a number of turns that a motion is followed for.
+    """Return a number of revolutions of a motion, checked.
 
     Raises
     ------
     InputError
-        If it is no finite number above zero, or more than can be followed.
+        If it is not a finite number above zero, or too large.
     """
     number = positive_number(field, turns, "", "the shaft turns forward")
     if number > MOST_TURNS:
@@ -105,7 +105,7 @@ def work_counter(field: str, given: float, unit: str, most: int) -> Callable[[fl
 
 
 def too_many_turns(field: str, time: float, turns: float) -> InputError:
-    """Return the error for a time in which a shaft turns more often than can be followed."""
+    """Return the error for a duration with too many revolutions of the shaft."""
     return InputError(
         f"{field}: given {time:g} s, in which the shaft turns {turns:g} times or more; allowed are "
         f"{MOST_TURNS} turns, because each is followed by itself."

@@ -10,6 +10,7 @@ import numpy as np
 from crankbase.checks.arrays import FloatArray
 from crankbase.errors import InputError, shortened
 from crankbase.text_limits import LARGEST_TABLE_FILE, check_file_size
+from crankbase.wrong_files import CSV, LOOKED_AT, wrong_kind
 from dynamics.cycle import checked_strokes, cycle_degrees, first_not_increasing, mean_step
 
 # Fewer samples show no cycle.
@@ -18,18 +19,18 @@ FEWEST_SAMPLES = 3
 
 @dataclass(frozen=True)
 class TableKind:
-    """What a table holds, and what its messages say.
+    """Contents of a table, and words for its messages.
 
     Parameters
     ----------
     name : str
-        What the file is called, such as "torque table".
+        Name of the file, such as "torque table".
     angle_names, value_names : tuple of str
         Allowed names of the first and of the second column.
     headers : str
         The allowed headers in words.
     header_says : str
-        What a reader learns from the header alone.
+        What follows from the header alone.
     """
 
     name: str
@@ -50,7 +51,7 @@ class SampleRows:
     angle_name, value_name : str
         The two names of the header.
     angles, values : ndarray of shape (m,)
-        The two columns, in the units that their names state; angles increase strictly.
+        The two columns, in the units stated in their names; angles increase strictly.
     lines : tuple of int
         Line number of each row, counted from 1.
     comments : tuple of str
@@ -88,16 +89,16 @@ class SampleRows:
     def strokes(
         self, cycles: Mapping[int, float], fits: Callable[[FloatArray, float], bool], also: str = ""
     ) -> int:
-        """Return the strokes whose cycle the angles cover.
+        """Return the strokes of the cycle that the angles cover.
 
         Parameters
         ----------
         cycles : mapping of int to float
             Length of the cycle [deg] for each number of strokes that is possible.
         fits : callable
-            Whether angles cover a cycle, closing sample included or not.
+            Whether angles cover a cycle, with or without closing sample.
         also : str, optional
-            What else is allowed, for the message.
+            Further allowed values, for the message.
 
         Raises
         ------
@@ -131,7 +132,7 @@ class SampleRows:
 
 
 def possible_cycles(strokes: int | None) -> dict[int, float]:
-    """Return the length of the cycle [deg] for the strokes given, or for both there are."""
+    """Return the length of the cycle [deg] for the strokes given, or for both."""
     possible = (4, 2) if strokes is None else (checked_strokes(strokes),)
     return {number: cycle_degrees(number) for number in possible}
 
@@ -149,7 +150,7 @@ def read_sample_rows(path: Path, kind: TableKind) -> SampleRows:
     Returns
     -------
     SampleRows
-        The columns as they stand; the range of the values is not checked.
+        The columns as given; the range of the values is not checked.
 
     Raises
     ------
@@ -159,7 +160,11 @@ def read_sample_rows(path: Path, kind: TableKind) -> SampleRows:
     """
     check_file_size(path, LARGEST_TABLE_FILE, f"a {kind.name}")
     try:
-        text = path.read_text(encoding="utf-8-sig")
+        raw = path.read_bytes()
+        wrong = wrong_kind(raw[:LOOKED_AT])
+        if wrong is not None and wrong != CSV:
+            raise InputError(f"{path}: {wrong}; allowed is a {kind.name} (CSV).")
+        text = raw.decode("utf-8-sig")
     except (OSError, UnicodeDecodeError) as error:
         reason = getattr(error, "strerror", None) or "it is not UTF-8 text"
         raise InputError(f"{path}: the {kind.name} cannot be read, because {reason}.") from None

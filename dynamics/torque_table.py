@@ -32,7 +32,7 @@ TABLE = TableKind(
 @summarized("torque [N m]", "crank_angle_deg [deg]", "strokes", "source")
 @dataclass(frozen=True, eq=False)
 class TorqueTable:
-    """The torque of one throw, evenly sampled over one cycle, closing sample left out.
+    """The torque of one throw, evenly sampled over one cycle, without the closing sample.
 
     Parameters
     ----------
@@ -61,7 +61,7 @@ class TorqueTable:
         Parameters
         ----------
         axes : matplotlib.axes.Axes, optional
-            Where to draw; those of a new figure if not given.
+            Where to draw; new axes by default.
 
         Returns
         -------
@@ -103,8 +103,8 @@ def read_torque_table(path: str | Path, *, strokes: int | None = None) -> Torque
     path : str or Path
         The file.
     strokes : int, optional
-        Strokes per cycle, 2 or 4. Crank angles show it by themselves; for cycle angles it is 4
-        unless given.
+        Strokes per cycle, 2 or 4. Crank angles determine it; for cycle angles it is 4
+        by default.
 
     Returns
     -------

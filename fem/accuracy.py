@@ -1,4 +1,4 @@
-"""Refine a throw's mesh where its error is, until the axial compliance is accurate enough.
+"""Refine a throw's mesh where its error is large, until the axial compliance is accurate enough.
 
 Under a given axial force the compliance is twice the strain energy, and the error of the compliance is
 twice the energy of the error. That energy is estimated element by element from recovered stresses
@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy import sparse
 
-from crankbase.errors import InputError
+from crankbase.checks.choices import check_kind
 from crankbase.stopwatch import Stopwatch
 from fem.assembly import assemble_stiffness
 from fem.class_compliances import axial_motion, class_axial_compliances
@@ -56,7 +56,7 @@ Mesher = Callable[[Throw, float, str, SizeMap | None], ThrowMesh]
 
 @dataclass(frozen=True)
 class Problem:
-    """What a throw is solved with.
+    """Settings for the solution of a throw.
 
     Attributes
     ----------
@@ -88,15 +88,15 @@ class RefinementLevel:
     pins : tuple of NodalLoads
         Unit loads on each pin.
     axial_part : CondensedClass
-        The class that an axial force excites, of rigid sections.
+        The class excited by an axial force, with rigid sections.
     solved_part : CondensedClass
-        The same as the mesh gives it, with all section motions.
+        The same without correction, with all section motions.
     errors : EnergyErrors
-        Of the solution under an axial force, ends pinned, as recovered stresses tell them.
+        Of the solution under an axial force, ends pinned, from recovered stresses.
     effectivity : float
-        True energies of errors divided by these.
+        True energies of errors over these.
     solver : SharedSolver
-        Which knows the pattern of the mesh.
+        Reusable for the pattern of the mesh.
     """
 
     mesh: ThrowMesh
@@ -123,13 +123,13 @@ class RefinementLevel:
 
     @property
     def axial_correction(self) -> float:
-        """Share of the axial compliance that is correction, or would have to be."""
+        """Share of the axial compliance that is correction, or would be."""
         if self.axial_part.discrete is None:
             return self.effectivity * self.errors.relative
         return 1.0 - class_axial_compliances(self.axial_part.discrete, "pinned")[0] / self.axial
 
     def meets(self, accuracy: float) -> bool:
-        """Whether the error is small enough, and what rests on an estimate is little."""
+        """Whether the error is small enough, and the correction too."""
         return (
             self.error_estimate <= accuracy and self.axial_correction <= MOST_CORRECTED * accuracy
         )
@@ -216,15 +216,15 @@ def solve_to_accuracy(
     ----------
     throw : CrankThrow or ImportedThrow
     accuracy : float
-        Wished relative accuracy, 0.001 to 0.1.
+        Required relative accuracy, 0.001 to 0.1.
     problem : Problem
     mesher : callable
-        How to mesh, as `geometry.mesher.mesh_isolated` does.
+        Function for meshing, as `geometry.mesher.mesh_isolated`.
 
     Returns
     -------
     Level
-        The last and best; its estimate is above the accuracy if that could not be met with
+        The last and best; its estimate is above the accuracy if that was not reached with
         `MOST_UNKNOWNS` or in `MOST_REFINEMENTS` refinements.
 
     Raises
@@ -273,10 +273,6 @@ def _mesh(
 
 
 def _check(throw: Throw, accuracy: float, material: Material) -> None:
-    if not isinstance(throw, Throw):
-        raise InputError(
-            f"throw: given {throw!r}; allowed is a CrankThrow, or what import_throw returns."
-        )
-    if not isinstance(material, Material):
-        raise InputError(f"material: given {material!r}; allowed is a Material, like STEEL.")
+    check_kind("throw", throw, Throw, "a CrankThrow, or what import_throw returns")
+    check_kind("material", material, Material, "a Material, like STEEL")
     COMPLIANCE_ACCURACY.checked("accuracy", accuracy)

@@ -1,4 +1,4 @@
-"""Analyze a throw: one call from dimensions to superelement, masses and an error estimate."""
+"""Analyze a throw: from dimensions to superelement, masses and an error estimate in one call."""
 
 from crankbase.stopwatch import Stopwatch
 from fem.accuracy import Mesher, Problem, solve_to_accuracy
@@ -26,8 +26,8 @@ def analyze_throw(
 ) -> ThrowAnalysis:
     """Compute a throw's superelement, compliances, reactions and masses by finite elements.
 
-    The throw, or the part of it that its symmetry leaves, is meshed coarsely and solved under an axial
-    force; the energy of the error, estimated from recovered stresses, says where the next mesh must be
+    The throw, or the part of it required by its symmetry, is meshed coarsely and solved under an axial
+    force; the energy of the error, estimated from recovered stresses, shows where the next mesh must be
     finer, until the estimate meets `accuracy`.
 
     Parameters
@@ -37,19 +37,19 @@ def analyze_throw(
     material : Material
         Elastic constants and density.
     accuracy : float
-        Wished relative accuracy of the axial compliance, 0.001 to 0.1.
+        Required relative accuracy of the axial compliance, 0.001 to 0.1.
     solver : {"auto", "pardiso", "superlu"}
         Equation solver.
     end_sections : {"rigid", "averaged"}
-        Rigid discs, or sections of which only the mean motion is given; the two bound the truth.
+        Rigid discs, or sections with prescribed mean motions only; the true value is between both.
     sections : {"rigid", 1, 2, 4}
-        What rigid end sections become where throws meet, between `Neighbors`, in a shaft and in its
-        vibration: polynomials of this degree over the section, or rigid discs there as well. Pinned and
-        guided answers are those of rigid sections in any case; `ThrowAnalysis.section_error` says what that
-        leaves out.
+        Section motions where throws meet, between `Neighbors`, in a shaft and in its
+        vibration: polynomials of this degree, or rigid discs there as well. Pinned and
+        guided results always have rigid sections; `ThrowAnalysis.section_error` is the effect of
+        that.
     mesher : callable, optional
-        How to mesh: throw, size factor, part and size map to ThrowMesh. By default gmsh runs in a
-        process of its own, which a crash or a hang cannot leave.
+        Function for meshing: throw, size factor, part and size map to ThrowMesh. By default gmsh runs in a
+        separate process, so that a crash or a hang does not matter.
 
     Returns
     -------
@@ -101,9 +101,9 @@ def analyze_axial(
     end_sections: EndSections = "rigid",
     mesher: Mesher | None = None,
 ) -> AxialAnalysis:
-    """Compute a throw's axial compliance e_n and influence coefficient c alone, pinned and guided.
+    """Compute only a throw's axial compliance e_n and influence coefficient c, pinned and guided.
 
-    Parameters and errors as for `analyze_throw`, whose axial numbers these are.
+    Parameters and errors as for `analyze_throw`, with the same axial results.
 
     Returns
     -------

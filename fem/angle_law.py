@@ -12,9 +12,9 @@ force is that of k_t t^2 (1 + rho cot^2(gamma / 2)) with rho = k_u / k_t, and th
 The influence coefficient c follows the same law. rho = 1 makes it linear in cos gamma, as the angle
 factors of most published formulas are; throws have rho of 1.7 to 3.3.
 
-So it is with rigid sections. What sections that bend do besides turns with multiples k of gamma, each bound
-as the tilts are, a cos(k gamma / 2) and a sin(k gamma / 2): the energy has terms of several k, and no three
-numbers hold them all. The law then goes through e(0), e(90) and e(180), and leaves out up to 0.4 % between.
+This is for rigid sections. Bending of sections rotates with multiples k of gamma, each constrained
+like the tilts, a cos(k gamma / 2) and a sin(k gamma / 2): the energy has terms of several k, which no three
+numbers contain. The law then goes through e(0), e(90) and e(180), with errors up to 0.4 % between.
 """
 
 import math
@@ -62,7 +62,7 @@ class AngleLaw:
     in_line, opposite : float
         e_0 and e_180 [m/N].
     ratio : float
-        rho, stiffness against tilting across the crank plane divided by that in it, as e(90) tells it.
+        rho, stiffness against tilting across the crank plane divided by that in it, from e(90).
     influence_in_line, influence_opposite : float
         c_0 and c_180 [m/N].
 
@@ -88,7 +88,7 @@ class AngleLaw:
                 )
 
     def share(self, gamma_deg: ArrayLike) -> NDArray[np.float64]:
-        """How far the throw is from in line (0) to opposite (1) at these angles [deg].
+        """Position between in line (0) and opposite (1) at these angles [deg].
 
         Raises
         ------
@@ -114,7 +114,7 @@ class AngleLaw:
         *,
         quantity: Literal["axial_compliance", "influence_coefficient"] = "axial_compliance",
     ) -> "Axes":
-        """Draw the law over the angle to the neighbors, 0 to 180 deg, its two ends marked.
+        """Draw the law over the angle to the neighbors, 0 to 180 deg, with its two ends marked.
 
         Parameters
         ----------
@@ -129,7 +129,7 @@ class AngleLaw:
         Raises
         ------
         InputError
-            If the quantity is neither.
+            If the quantity is unknown.
         """
         laws = self._over(ANGLES_DEG)
         check_choice("quantity", quantity, laws, "the law holds for these")
@@ -160,7 +160,7 @@ class AngleLaw:
         Raises
         ------
         InputError
-            If an angle is not a finite number, or they do not stand in a row.
+            If an angle is not a finite number, or they are not one-dimensional.
         MissingLibraryError
             If pandas is not installed.
         """
@@ -198,8 +198,8 @@ def angle_law(throw: Superelement) -> AngleLaw:
     Raises
     ------
     InputError
-        If the throw is not symmetric about the crank plane and the middle of its pin: then no closed
-        form holds.
+        If the throw is not symmetric about the crank plane and the middle of its pin: then there is no
+        closed form.
     """
     if not is_symmetric(throw):
         raise InputError(
@@ -210,7 +210,7 @@ def angle_law(throw: Superelement) -> AngleLaw:
 
 
 def _row_of_angles(gamma_deg: ArrayLike) -> NDArray[Any]:
-    """Return angles in a row, one at least; `AngleLaw.share` looks at their values."""
+    """Return a row of angles, at least one; `AngleLaw.share` checks their values."""
     try:
         angles = np.atleast_1d(np.asarray(gamma_deg))
     except ValueError:  # rows of unequal length

@@ -1,4 +1,4 @@
-"""Estimated errors of a throw's corrected answers, from those that its mesh gives."""
+"""Estimated errors of a throw's corrected results, from those of its mesh."""
 
 from dataclasses import replace
 
@@ -35,7 +35,7 @@ def supported_errors(
 
 
 def section_errors(throw: Superelement, support: Support) -> SupportedThrow:
-    """What rigid sections leave out of a throw's compliances, in their units; see `ThrowAnalysis`."""
+    """Effect of rigid sections on a throw's compliances, in their units; see `ThrowAnalysis`."""
     step = IN_LINE if support == "guided" else OPPOSITE
     where = support if isinstance(support, Neighbors) else Neighbors(step, step)
     bending = support_throw(throw, where)
@@ -51,8 +51,8 @@ def section_errors(throw: Superelement, support: Support) -> SupportedThrow:
 def stiffness_errors(corrected: Superelement, discrete: Superelement) -> NDArray[np.float64]:
     """Estimated errors (12, 12) of the entries of the stiffness [SI]; see `error_bars`.
 
-    The size of an entry is half of the geometric mean of those on the diagonal beside it; what vanishes by
-    symmetry has no error.
+    The size of an entry is half of the geometric mean of the corresponding diagonal entries; entries that
+    vanish by symmetry have no error.
     """
     stiffness, coarse = corrected.stiffness, axial_correction(corrected, discrete)
     diagonal = np.sqrt(np.diag(stiffness))

@@ -86,7 +86,7 @@ def assemble_mass(
 
 
 def _upper(matrix: sparse.csr_array) -> sparse.csr_array:
-    """Leave out what lies below the diagonal in the blocks on it."""
+    """Remove the part below the diagonal in the diagonal blocks."""
     lengths = np.diff(matrix.indptr)
     kept = matrix.indices >= np.repeat(np.arange(matrix.shape[0]), lengths)
     limits = np.concatenate([[0], np.cumsum(kept)])[matrix.indptr]

@@ -1,4 +1,4 @@
-"""A throw's axial compliance alone, from the one symmetry class that an axial force excites."""
+"""A throw's axial compliance alone, from the one symmetry class excited by an axial force."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
@@ -25,10 +25,10 @@ class SolvedThrow:
     mesh : ThrowMesh
         Mesh of the part of the throw that was solved.
     error_estimate : float
-        Estimated relative error of the axial compliance (pinned) that is left after correction
+        Estimated relative error of the axial compliance (pinned) after correction
         (`fem.correction`).
     accuracy : float
-        The accuracy that was asked for.
+        The requested accuracy.
     seconds : mapping
         Time of each step, by name.
     """
@@ -42,7 +42,7 @@ class SolvedThrow:
 
     @property
     def accuracy_met(self) -> bool:
-        """Whether the error estimate is within the accuracy asked for."""
+        """Whether the error estimate is within the requested accuracy."""
         return self.error_estimate <= self.accuracy
 
 
@@ -60,7 +60,7 @@ class AxialAnalysis(SolvedThrow):
     Attributes
     ----------
     part : CondensedClass
-        The symmetry class that an axial force excites.
+        The symmetry class excited by an axial force.
     """
 
     part: CondensedClass = field(repr=False)
@@ -71,7 +71,7 @@ class AxialAnalysis(SolvedThrow):
         Raises
         ------
         InputError
-            If the support is neither; between neighbors every class counts, see `analyze_throw`.
+            If the support is neither; between neighbors every class is needed, see `analyze_throw`.
         """
         return class_axial_compliances(self.part, _class_support(support))[0]
 
@@ -81,7 +81,7 @@ class AxialAnalysis(SolvedThrow):
 
     @property
     def discrete(self) -> "AxialAnalysis":
-        """The same as the mesh gives it, not corrected: for comparisons on one mesh."""
+        """The same without correction: for comparisons on one mesh."""
         plain = replace(self, part=self.part.discrete or self.part)
         taken = 1.0 - plain.axial_compliance() / self.axial_compliance()
         return replace(plain, error_estimate=taken)

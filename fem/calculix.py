@@ -1,9 +1,9 @@
 """Write a meshed throw as an input deck for CalculiX.
 
-CalculiX (ccx, https://www.calculix.de) is a finite element program of its own, so an engineer can check
-our figures with it: same mesh, same material, end sections as rigid bodies, same supports.
+CalculiX (ccx, https://www.calculix.de) is a separate finite element program, so an engineer can check
+our results with it: same mesh, same material, end sections as rigid bodies, same supports.
 
-What its manual says, and what was tried with version 2.20: a rigid body's reference node moves with the
+According to its manual, and as tried with version 2.20: a rigid body's reference node moves with the
 section's center, the displacements of its rotation node are the section's rotations, forces on that are
 moments; in a linear step without NLGEOM the rigid bodies are linear as well. A field of the deck has 20
 characters at most. C3D10 has its edge nodes in the order 12 23 13 14 24 34, which is scikit-fem's.
@@ -124,7 +124,7 @@ def calculix_deck(mesh: ThrowMesh, material: Material, cases: Sequence[LoadCase]
 
 
 def number_field(value: float) -> str:
-    """Write a number in as many digits as tell it from all others, or as fit into a field.
+    """Write a number with enough digits to identify it, or as many as fit into a field.
 
     Of doubles that do not fit the relative error is below 1e-12.
     """
@@ -174,7 +174,7 @@ def _mesh_lines(mesh: ThrowMesh) -> Iterator[str]:
 
 
 def _pin_lines(mesh: ThrowMesh) -> Iterator[str]:
-    """Sets of the pins' nodes to look at; the loads name their nodes themselves."""
+    """Sets of the pins' nodes for postprocessing; the loads name their nodes themselves."""
     for number, pin in enumerate(mesh.pins, start=1):
         nodes = np.unique(six_node_triangles(mesh, mesh.surfaces[pin]))
         yield from _node_set(f"PIN_{number}", nodes)

@@ -1,4 +1,4 @@
-"""Load cases that CalculiX computes of a throw, one linear static step each."""
+"""Load cases of a throw for CalculiX, one linear static step each."""
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
@@ -20,12 +20,12 @@ HELD_LEFT = (UZ, RZ)
 
 @dataclass(frozen=True)
 class LoadCase:
-    """One linear static step: how the throw is supported, and what acts on it.
+    """One linear static step: the supports and loads of the throw.
 
     Attributes
     ----------
     title : str
-        What it is, for the deck's comments.
+        Its description, for the deck's comments.
     support : {"pinned", "guided"}
         As for `fem.supports`; the left end is held along and about the shaft too.
     end_loads : (12,) tuple of float
@@ -33,12 +33,12 @@ class LoadCase:
     pin_forces : tuple of (3,) tuples of float
         Force on each pin in the throw frame [N], spread uniformly over its surface; empty for none.
     blocked : bool
-        Whether the right end, too, is held along the shaft.
+        Whether the right end is also held along the shaft.
 
     Raises
     ------
     InputError
-        If the support is unknown, a load is no finite number, there are not twelve end loads, or one
+        If the support is unknown, a load is not a finite number, there are not twelve end loads, or one
         acts on a motion that is held.
     """
 
@@ -74,7 +74,7 @@ class LoadCase:
 
     @property
     def held(self) -> tuple[int, ...]:
-        """Places, of the twelve motions of the ends, that are held."""
+        """Indices, of the twelve motions of the ends, that are held."""
         both = HELD_BOTH[self.support]
         right = (*both, UZ) if self.blocked else both
         return (*sorted({*both, *HELD_LEFT}), *(6 + place for place in sorted(right)))
@@ -124,7 +124,7 @@ def pin_case(
 
 
 def standard_cases(mesh: ThrowMesh) -> tuple[LoadCase, ...]:
-    """All load cases that tell what a throw does when pinned or guided.
+    """All load cases for the behavior of a pinned or guided throw.
 
     Parameters
     ----------

@@ -1,7 +1,7 @@
 """Pinned and guided compliances of a throw from one symmetry class each, without the whole 12 x 12.
 
-Under these supports an axial force and radial pin forces in the crank plane excite one class only, a
-torque another. Refinement, which needs nothing else, saves more than half of the solving that way.
+Under these supports an axial force and radial pin forces in the crank plane excite only one class, a
+torque another. Refinement needs only the first, and so saves more than half of the solving.
 """
 
 import numpy as np
@@ -42,7 +42,7 @@ def unit_response(
 ) -> NDArray[np.float64]:
     """Amplitudes (k,) of the supported class under a load (k,) that does work on its unit motions.
 
-    Multiplied with a second load they are, by reciprocity, also the first one's motion under that.
+    Multiplied with a second load they are, by reciprocity, also the motion of the first one under that.
     """
     free = free_motions(part.symmetry.ends, support)
     stiffness = part.symmetry.copies * part.stiffness[np.ix_(free, free)]

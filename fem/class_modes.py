@@ -3,7 +3,7 @@
 Every mode of a throw is symmetric or antisymmetric about each plane that cuts it, so each symmetry
 class of the meshed part is an eigenvalue problem of its own. Its lowest modes are found by Lanczos'
 method with shifted inversion (ARPACK's implicit restarts: R. B. Lehoucq, D. C. Sorensen, C. Yang,
-ARPACK Users' Guide, SIAM 1998). The shift lies below all eigenvalues, so that the matrix to factorize,
+ARPACK Users' Guide, SIAM 1998). The shift is below all eigenvalues, so that the matrix to factorize,
 K + s M, is positive definite though a free throw can move as a rigid body.
 """
 
@@ -72,7 +72,7 @@ class ClassModes:
     residuals : (k,) array
         Difference of K x and w^2 M x relative to (w^2 + s) M x, s the shift.
     solver : str
-        The equation solver that was used.
+        The equation solver used.
     """
 
     symmetry: SymmetryClass
@@ -126,7 +126,7 @@ class ClassProblem:
 
     @property
     def most_modes(self) -> int:
-        """How many modes may be asked for: the mesh shows no more than a share of its unknowns."""
+        """Largest number of modes: the mesh can represent only a share of its unknowns."""
         return min(MOST_MODES + 6, len(self.free) // 4)
 
     def lowest(self, count: int) -> ClassModes:
@@ -135,7 +135,7 @@ class ClassProblem:
         Raises
         ------
         InputError
-            If there are more than the mesh can show.
+            If there are more than the mesh can represent.
         SolveError
             If a mode does not satisfy its equation.
         """
@@ -147,12 +147,12 @@ class ClassProblem:
         return self._checked(*self._completed(*self._lanczos(count)))
 
     def up_to(self, frequency: float) -> ClassModes:
-        """Return all modes up to a frequency [Hz] and, so that none is missed, some above it.
+        """Return all modes up to a frequency [Hz] and, to miss none, some above it.
 
         Raises
         ------
         InputError
-            If there are more than the mesh can show.
+            If there are more than the mesh can represent.
         SolveError
             If a mode does not satisfy its equation.
         """
@@ -183,10 +183,10 @@ class ClassProblem:
         return shapes.reshape(self.nodes, 3, -1)
 
     def _completed(self, squares: Array, vectors: Array) -> tuple[Array, Array]:
-        """As many lowest eigenvalues (k,) and vectors (f, k) as given, none missed among them.
+        """The lowest eigenvalues (k,) and vectors (f, k), with the number of those given, none missed.
 
-        Of modes with the same frequency Lanczos' method sees one only, unless rounding brings the
-        others in. So what it found is taken out, and it is asked whether there is more below.
+        Of modes with the same frequency Lanczos' method finds only one, unless rounding brings the
+        others in. So the modes found are removed, and the search is repeated below them.
         """
         while True:
             square, vector = self._lanczos(1, vectors)

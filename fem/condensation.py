@@ -1,9 +1,9 @@
 """Static condensation of a throw's meshed part to the motions of its end sections.
 
 End sections are either rigid discs, or "averaged": only their mean translations and rotations are
-given, and they warp as they like under tractions of uniform and linear distribution. A real section is
-stiffer than the second and softer than the first, so the two bound the truth. Beside the motions of rigid
-discs those of bending sections can be asked for (`fem.section_motions`), one factorization serving all.
+given, and they warp freely under tractions of uniform and linear distribution. A real section is
+stiffer than the second and softer than the first, so the two are bounds. In addition to rigid
+motions those of bending sections can be included (`fem.section_motions`) with one factorization.
 """
 
 import math
@@ -41,7 +41,7 @@ class CondensedClass:
     Attributes
     ----------
     symmetry : SymmetryClass
-        Which class; the columns of ``ends`` are the unit motions below, those of rigid sections first.
+        The class; the columns of ``ends`` are the unit motions below, those of rigid sections first.
     stiffness : (k, k) array
         Stiffness of the meshed part against the unit motions.
     fields : (n, 3, k) array
@@ -56,24 +56,24 @@ class CondensedClass:
     pin_flexibility : (a, a) array
         Motions of the whole pins along the loads under them, the end sections held [1/N and so on].
     solver : str
-        Which solver did it.
+        The solver used.
     end_sections : {"rigid", "averaged"}
-        What the end sections may do.
+        Allowed motion of the end sections.
     end_forces : (k, k) array
         Work of the forces on the end sections under each unit motion (column) on each unit motion
-        (row). It equals `stiffness`, which is the strain energy of both motions and symmetric whatever
-        the fields are, as far as the fields are in equilibrium between the end sections.
+        (row). It equals `stiffness`, which is the strain energy of both motions and always
+        symmetric, as far as the fields are in equilibrium between the end sections.
     pin_reactions : (pins, k, 6) array
-        The same as `pin_loads` from the other side: forces that hold the end sections under the unit
-        loads on the pins, reversed. The two are equal by reciprocity, from separate solutions.
+        The same as `pin_loads` by reciprocity: forces that hold the end sections under the unit
+        loads on the pins, reversed. The two come from separate solutions.
     discrete : CondensedClass or None
-        The class as the mesh gives it, if `stiffness`, `pin_loads` and `pin_flexibility` are corrected
+        The class without correction, if `stiffness`, `pin_loads` and `pin_flexibility` are corrected
         (`fem.correction`).
     missing : float
-        Of a class as the mesh gives it: the largest share of any motion's energy that discretization is
-        estimated to take; no answer is off by more.
+        Of an uncorrected class: the largest estimated share of any motion's energy lost by
+        discretization; no result has a larger error.
     sections : SectionMotions
-        What the end sections may do.
+        Allowed motion of the end sections.
     """
 
     symmetry: SymmetryClass
@@ -106,7 +106,7 @@ class CondensedClass:
         return amplitude_shares(self.ends)
 
     def up_to(self, sections: SectionMotions) -> "CondensedClass":
-        """Return the class with fewer of its section motions; of `RIGID`, with rigid sections."""
+        """Return the class with fewer of its section motions; for `RIGID`, with rigid sections."""
         count = end_amplitudes(self.symmetry, sections).shape[1]
         return replace(
             self,
@@ -153,7 +153,7 @@ def condense(
     end_sections : {"rigid", "averaged"}
         Whether end sections move as rigid discs, or only their mean motions are given.
     watch : Stopwatch, optional
-        Takes the time.
+        Measures the time.
     degree : int
         Of the polynomials that end sections also move as; 0 for none, always so of averaged sections.
 
@@ -214,7 +214,7 @@ def condense(
 
 
 def measured_sections(mesh: ThrowMesh, degree: int) -> SectionMotions:
-    """Motions up to a degree of a throw's end sections, as wide as they are meshed.
+    """Motions up to a degree of a throw's end sections, from their meshed size.
 
     The bore is that of the same area about the axis; the wider section counts, and its bore.
     """
@@ -327,7 +327,7 @@ def _with_averaged_ends(
     """Fields (3 n, k) of unit mean motions of the end sections, and (3 n, a) of loads on the pins.
 
     The end loads are the multipliers that keep the mean motions. As long as loads are in equilibrium
-    it does not matter where the part is held, so it is held at as many unknowns as it has rigid
+    the support of the part does not matter, so it is held at as many unknowns as it has rigid
     motions; the right rigid motion is added afterwards.
     """
     end_loads = _end_loads(mesh, symmetry)
@@ -371,7 +371,7 @@ def _end_loads(mesh: ThrowMesh, symmetry: SymmetryClass) -> Array:
 def _class_rigid_motions(mesh: ThrowMesh, symmetry: SymmetryClass) -> Array:
     """Displacements (3 n, r) of the rigid motions that the class has, about the throw's middle.
 
-    Rotations are divided by the throw's length, so that all are of a like size.
+    Rotations are divided by the throw's length, so that all have similar size.
     """
     arms = mesh.points - (0.0, 0.0, 0.5 * mesh.length)
     motions = rigid_motions(arms) / ([1.0] * 3 + [mesh.length] * 3)

@@ -1,4 +1,4 @@
-"""What discretization takes from a throw's answers, given back.
+"""Correction of a throw's results for discretization.
 
 Finite elements choose among fewer displacements than the throw has, so it comes out too stiff. Of two
 unit motions u, v of the end sections the true stiffness is the mutual energy a(u, v) of their true fields.
@@ -14,7 +14,7 @@ added instead, and so to the work of the loads on the unit motions, where a(w_h,
 
 Rigid motions have no stress and no error: a corrected superelement is symmetric and its forces are in
 equilibrium as those of the plain one are. The energies come from recovered stresses (`fem.recovery`), which
-miss a part of them, alike for throws of a kind: `effectivity`.
+miss a part of them, similar for throws of a kind: `effectivity`.
 """
 
 from collections.abc import Sequence
@@ -71,7 +71,7 @@ def effectivity(mesh: ThrowMesh, share: float) -> float:
 
 
 def corrected_class(part: CondensedClass, energies: Array, factor: float) -> CondensedClass:
-    """Give a condensed class back what discretization took.
+    """Correct a condensed class for discretization.
 
     Parameters
     ----------
@@ -84,7 +84,7 @@ def corrected_class(part: CondensedClass, energies: Array, factor: float) -> Con
     Returns
     -------
     CondensedClass
-        With the one given as its ``discrete``; that one itself where its errors are so large that the
+        With the one given as its ``discrete``; unchanged if its errors are so large that the
         corrected stiffness would not be positive.
     """
     count = len(part.stiffness)
@@ -117,7 +117,7 @@ def error_bars(
     sizes: ArrayLike | None = None,
     missing: float = 0.0,
 ) -> Array:
-    """Estimated errors of corrected answers from those of the mesh beside them, in their units.
+    """Estimated errors of corrected results from those of the mesh, in their units.
 
     Parameters
     ----------
@@ -125,9 +125,9 @@ def error_bars(
     axial_correction : float
         Of the axial compliance, pinned, as a share of it: how coarse the mesh is.
     sizes : (...) array_like, optional
-        What of an answer counts as its size; by default itself.
+        Size of a result; by default itself.
     missing : float
-        Where answers are those of the mesh: the share that they are short of at most.
+        For uncorrected results: the largest share lost.
     """
     answers, plain = np.asarray(corrected, dtype=float), np.asarray(discrete, dtype=float)
     floor = MESH_UNCERTAINTY * axial_correction + MESH_NOISE + missing

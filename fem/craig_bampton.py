@@ -1,4 +1,4 @@
-"""The throw as a dynamic superelement: motions of its end sections and shapes of its inside.
+"""The throw as a dynamic superelement: motions of its end sections and internal shapes.
 
 A throw's displacement is composed of the static fields for unit motions of its end sections (Guyan's
 condensation) and of shapes with the end sections held, of which the lowest natural modes are the most
@@ -7,8 +7,8 @@ important (R. R. Craig, M. C. C. Bampton, Coupling of substructures for dynamic 
 couples them. Guyan's fields alone give the inertia of rigid motions exactly, that of others too small,
 and so frequencies too high.
 
-The modes that are left out still yield, as springs do, to the inertia forces of moving end sections.
-Their static answer to these forces is one more shape for each motion (the residual modes of J.-G. Kim,
+The modes left out still yield, like springs, to the inertia forces of moving end sections.
+Their static response to these forces is one more shape for each motion (the residual modes of J.-G. Kim,
 P.-S. Lee, An enhanced Craig-Bampton method, Int. J. Numer. Meth. Engng 103, 79-93, 2015, here with
 amplitudes of their own). It takes the error from the second to the fourth power of the frequency
 relative to the lowest mode left out.
@@ -55,32 +55,32 @@ CUTOFF_FACTOR = 1.5
 @summarized("frequencies [Hz]", "stiffness", "highest_frequency [Hz]")
 @dataclass(frozen=True)
 class DynamicSuperelement:
-    """A throw condensed to 2 n motions of its end sections and m amplitudes of shapes of its inside.
+    """A throw condensed to 2 n motions of its end sections and m amplitudes of internal shapes.
 
     Attributes
     ----------
     stiffness, mass : (2 n + m, 2 n + m) array
         Unknowns ux uy uz rx ry rz of the left, then of the right end section, in the throw frame (or
-        that of the shaft, once turned); amplitudes of what the left, then the right section does beside
-        these [m], if sections bend; then the amplitudes of the shapes [sqrt(kg) m].
+        that of the shaft, once turned); amplitudes of the bending of the left, then the right section
+        [m], if sections bend; then the amplitudes of the shapes [sqrt(kg) m].
     pin_loads : (pins, 2 n + m, 6) array
-        Loads on these unknowns that unit forces along x, y, z on each pin, and unit moments about them
-        at its center, are equivalent to.
+        Loads on these unknowns equivalent to unit forces along x, y, z on each pin, and unit moments
+        about them at its center.
     frequencies : (m,) array
         Of the shapes, with the end sections held [Hz]: natural modes ascending, then corrections.
     natural : int
-        How many of them are natural modes.
+        Number of natural modes among them.
     symmetries : tuple of m SymmetryClass
         The class of each shape.
     shapes : (n, 3, m) array
         Displacement of the meshed part's nodes in the throw frame, zero at the end sections; of unit
         modal mass of the whole throw, and orthogonal to each other [1/sqrt(kg)].
     highest_frequency : float
-        What the superelement was made for [Hz].
+        Highest frequency of the superelement [Hz].
     cutoff_factor : float
         Natural modes were kept up to this multiple of it.
     solver : str
-        The equation solver that was used.
+        The equation solver used.
     sections : SectionMotions
         The n motions of an end section.
     """
@@ -105,7 +105,7 @@ class DynamicSuperelement:
         return self._changed(section_turn(self.sections, math.radians(angle_deg)))
 
     def bending_turned(self, *, angle_deg: float) -> "DynamicSuperelement":
-        """Return it with what sections do beside their mean motions, and only that, in a turned frame."""
+        """Return it with the sections' bending, and only that, in a turned frame."""
         turn = section_turn(self.sections, math.radians(angle_deg))
         return self._changed(block_diag(np.eye(12), turn[12:, 12:]))
 
@@ -134,7 +134,7 @@ class DynamicSuperelement:
         Raises
         ------
         InputError
-            If it has not so many natural modes.
+            If it has fewer natural modes.
         """
         whole_within("count", count, 0, self.natural, "the superelement has no more natural modes")
         kept = slice(0, 2 * self.sections.count + count)
@@ -151,12 +151,12 @@ class DynamicSuperelement:
 
     @property
     def kinds(self) -> tuple[str, ...]:
-        """What each shape is: "natural mode" or "correction"."""
+        """Kind of each shape: "natural mode" or "correction"."""
         corrections = len(self.frequencies) - self.natural
         return ("natural mode",) * self.natural + ("correction",) * corrections
 
     def plot(self, axes: "Axes | None" = None) -> "Axes":
-        """Draw the frequencies of the shapes, beside the one that the superelement was made for.
+        """Draw the frequencies of the shapes, with the highest frequency of the superelement.
 
         Parameters
         ----------
@@ -218,12 +218,12 @@ def dynamic_superelement(
     classes : sequence of CondensedClass
         All symmetry classes of the part, condensed with rigid end sections or such that bend.
     highest_frequency : float
-        Highest frequency of the shaft that is of interest [Hz]; 0 for Guyan's superelement, which
+        Highest frequency of interest [Hz]; 0 for Guyan's superelement, which
         has no shapes.
     cutoff_factor : float
         All natural modes with the end sections held up to this multiple of it are kept, at least 1.
     corrections : bool
-        Whether the static answer of the modes left out is added, one shape for each end motion.
+        Whether to add the static response of the modes left out, one shape for each end motion.
     solver : {"auto", "pardiso", "superlu"}
         Equation solver.
 
@@ -234,7 +234,7 @@ def dynamic_superelement(
     Raises
     ------
     InputError
-        If a number is out of range, the classes are not those of the mesh, or their end sections are
+        If a number is out of range, the classes do not belong to the mesh, or their end sections are
         not rigid.
     SolveError
         If the modes cannot be found.

@@ -1,7 +1,7 @@
 """Stiffness and mass of curved 10-node tetrahedra as batched matrix products.
 
-Shape functions and quadrature are scikit-fem's. Its general forms give the same matrices and serve
-the tests as oracle; batched products of the gradients are several times faster.
+Shape functions and quadrature are scikit-fem's. Its general forms give the same matrices and are
+the reference in tests; batched products of the gradients are several times faster.
 """
 
 from collections.abc import Iterator

@@ -1,8 +1,8 @@
-"""What the ends of a throw are held with against tilting, in numbers without a unit.
+"""Dimensionless end moments that hold a throw against tilting.
 
 With the throw's length L, from end section to end section, and loads of 1: Z on the pin towards the
 shaft, T on it in the sense of rotation about +z, N through the throw along +z. A study fits equations to
-these numbers; `regression.end_reactions` makes all reactions of them.
+these numbers; `regression.end_reactions` calculates all reactions from them.
 """
 
 import numpy as np
@@ -26,7 +26,7 @@ def end_moment_numbers(throw: Superelement, length: float, alike: bool) -> dict[
     length : float
         Of the throw [m].
     alike : bool
-        Whether its webs are equal: only then do its answers between neighbors follow from a few numbers.
+        Whether its webs are equal: only then its results between neighbors follow from a few numbers.
 
     Returns
     -------

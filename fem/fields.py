@@ -24,7 +24,7 @@ class Image:
     displacement : (n, 3) array
         [m]
     inside_out : bool
-        Whether a single mirror has turned elements and facets inside out.
+        Whether a single mirror has inverted elements and facets.
     """
 
     points: Array
@@ -43,8 +43,8 @@ def displacement_field(
         All symmetry classes of the part.
     motions : (m,) or (m, k) array
         Motions of the left, then the right end section, in the throw frame, such as those that
-        `fem.supports.end_motions` finds: 12 of rigid sections, or all that the classes have. Under a load
-        on a pin these do not say all: the load also bends the throw between its ends.
+        `fem.supports.end_motions` finds: 12 of rigid sections, or all of the classes. Under a load
+        on a pin these are not the whole motion: the load also bends the throw between its ends.
     pin_loads : (pins, 6) or (pins, 6, k) array, optional
         Forces along x, y, z and moments about them on each pin, uniformly spread, if any.
 

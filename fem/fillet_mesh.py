@@ -1,4 +1,4 @@
-"""Meshes that are fine at a throw's fillets, or where these are stressed most."""
+"""Meshes that are fine at a throw's fillets, or where their stresses are high."""
 
 import math
 from collections.abc import Sequence
@@ -17,12 +17,12 @@ GROWTH = 0.5
 
 
 def fillet_element(radius: float, fineness: float) -> float:
-    """Size of elements of which so many span the quarter circle of a fillet of a radius [m]."""
+    """Element size for a number of elements across the quarter circle of a fillet of a radius [m]."""
     return 0.5 * math.pi * radius / fineness
 
 
 def measured_sizes(mesh: ThrowMesh) -> SizeMap:
-    """Sizes of a mesh's elements: at each corner node the mean of those round it."""
+    """Sizes of a mesh's elements: at each corner node the mean of the adjacent ones."""
     corners = mesh.elements[:, :4]
     return sizes_at_corners(mesh.points, corners, element_sizes(mesh.points, corners))
 

@@ -1,4 +1,4 @@
-"""The largest stresses at a throw's fillets and oil holes, as `fillet_stresses` returns them."""
+"""The largest stresses at a throw's fillets and oil holes: results of `fillet_stresses`."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -33,7 +33,7 @@ LABELS: Mapping[Criterion, str] = {
 
 @dataclass(frozen=True, kw_only=True)
 class _Peak:
-    """The largest stresses at one place under one unit load, as `FilletPeak` describes them."""
+    """The largest stresses at one location under one unit load; see `FilletPeak`."""
 
     load: UnitLoad
     principal: float
@@ -49,7 +49,7 @@ class _Peak:
 
     @property
     def factor(self) -> float:
-        """Stress concentration factor: size of the largest principal stress by the nominal one."""
+        """Stress concentration factor: magnitude of the largest principal stress over the nominal one."""
         return abs(self.principal) / self.nominal
 
     @property
@@ -70,7 +70,7 @@ class _Peak:
 class FilletPeak(_Peak):
     """The largest stresses at one fillet under one unit load.
 
-    Where a throw is symmetric about the crank plane, the place with x >= 0 is given; its mirror image
+    If a throw is symmetric about the crank plane, the location with x >= 0 is given; its mirror image
     has the same stresses, under a torque or bending across the crank plane with the opposite sign.
 
     Attributes
@@ -80,7 +80,7 @@ class FilletPeak(_Peak):
     principal : float
         Principal stress of the largest magnitude, with its sign [Pa/N or Pa/(N m)].
     principal_place : (3,) array
-        Where it is, in the throw frame [m].
+        Its location, in the throw frame [m].
     principals : (3,) array
         All principal stresses there, largest first; that across the free surface is 0.
     von_mises : float
@@ -94,7 +94,7 @@ class FilletPeak(_Peak):
     error_estimate : float
         Estimated relative error of the largest values.
     quality : ReadingQuality
-        How well the elements agree on the stress where the rule reads it.
+        Agreement of the elements on the stress read by the rule.
     """
 
     fillet: Fillet
@@ -108,7 +108,7 @@ class FilletPeak(_Peak):
     def rule_factor(self) -> float | None:
         """Factor as UR M53 defines it: by the largest shear stress under a torque, by von Mises in bending.
 
-        None under loads that the rule does not have.
+        None under loads that are not in the rule.
         """
         if self.load.kind == "torsion":
             return self.shear_factor
@@ -137,12 +137,12 @@ class OilHolePeak(_Peak):
 
     @property
     def name(self) -> str:
-        """Such as "pin, oil hole 1 at 45 deg"."""
+        """For example "pin, oil hole 1 at 45 deg"."""
         return self.outlet.name
 
     @property
     def rule_factor(self) -> float | None:
-        """Factor as UR M53 defines it, by the largest principal stress; None where it has no such load."""
+        """Factor as UR M53 defines it, by the largest principal stress; None for loads not in the rule."""
         return self.factor if self.load.kind in ("torsion", "bending", "cross bending") else None
 
 
@@ -157,17 +157,17 @@ class FilletStresses:
     peaks : tuple of FilletPeak
         For each load, the fillets from left to right.
     sharp_corners : tuple of str
-        Corners without a fillet: the elastic stress there has no bound, so there is no number.
+        Corners without a fillet: the elastic stress there is unbounded, so there is no number.
     loaded : LoadedThrow
         The last mesh with its displacements.
     surface : FilletSurface
-        Stresses all over the fillets and oil holes.
+        Stresses over the fillets and oil holes.
     fineness : float
         Elements across the quarter circle of a fillet where it was refined last.
     accuracy : float
-        The accuracy that was asked for.
+        The requested accuracy.
     mesh : {"adaptive", "m53"}
-        The kind of mesh that was asked for.
+        The requested kind of mesh.
     hole_peaks : tuple of OilHolePeak
         For each load, the exits of the oil holes in their order.
     """
@@ -189,19 +189,19 @@ class FilletStresses:
 
     @property
     def meshings(self) -> tuple[FilletMeshing, ...]:
-        """How finely the fillets on the meshed part are meshed, beside what UR M53 asks for."""
+        """Mesh size at the fillets on the meshed part, and the requirements of UR M53."""
         fillets = {peak.name: peak.fillet for peak in self.peaks}
         return fillet_meshings(self.loaded.mesh, list(fillets.values()))
 
     @property
     def rule_met(self) -> bool:
-        """Whether the mesh, and the stresses under the loads that UR M53 has, are as it asks."""
+        """Whether the mesh, and the stresses under the loads of UR M53, meet its requirements."""
         read = [peak.quality.met for peak in self.peaks if peak.load.kind in RULE_LOADS]
         return all(read) and all(found.met for found in self.meshings)
 
     @property
     def accuracy_met(self) -> bool:
-        """Whether all error estimates are within the accuracy asked for."""
+        """Whether all error estimates are within the requested accuracy."""
         return self.error_estimate <= self.accuracy
 
     def under(self, load: UnitLoad) -> tuple[FilletPeak, ...]:
@@ -229,7 +229,7 @@ class FilletStresses:
         axes : matplotlib.axes.Axes, optional
             New ones by default.
         criterion : {"principal", "von Mises"}
-            Which stress is divided by the nominal one.
+            Stress that is divided by the nominal one.
 
         Returns
         -------

@@ -1,7 +1,7 @@
 """Stresses at a throw's fillets and oil holes under unit loads, with stress concentration factors.
 
 The throw is meshed with a few elements across all fillets and exits of oil holes, solved, meshed again with
-more where these turned out to be stressed, and solved again. The change from one mesh to the next measures
+more where the stresses are high, and solved again. The change from one mesh to the next measures
 the error. The ends are pinned, so that the forces in every section follow from the loads alone.
 """
 
@@ -79,28 +79,28 @@ def fillet_stresses(
     """Compute the stresses at a throw's fillets and oil holes under unit loads by finite elements.
 
     The ends are pinned. The loads are an axial force, a torque, equal and opposite bending moments on
-    the ends in the crank plane and across it, and a radial force on each pin, spread evenly over it.
+    the ends in the crank plane and across it, and a radial force on each pin, uniform over it.
 
     Parameters
     ----------
     throw : CrankThrow or ImportedThrow
-        Of a CAD part, fillets are the faces that run smoothly into journals and pins; oil holes of CAD
+        In a CAD part, fillets are the faces that run smoothly into journals and pins; oil holes of CAD
         parts have no stresses.
     material : Material
-        The stresses depend on its Poisson's ratio alone.
+        The stresses depend only on its Poisson's ratio.
     accuracy : float
-        Wished relative accuracy of the largest stresses, 0.02 to 0.2.
+        Required relative accuracy of the largest stresses, 0.02 to 0.2.
     solver : {"auto", "pardiso", "superlu"}
         Equation solver.
     end_sections : {"rigid", "averaged"}
-        Whether end sections move as rigid discs, or may warp and only their mean motions are given. It
-        matters at the main journals' fillets, all the more the shorter the journals.
+        Whether end sections move as rigid discs, or may warp with prescribed mean motions. It
+        affects the main journals' fillets, the more the shorter the journals.
     mesh : {"adaptive", "m53"}
-        Fine where fillets are stressed, or as IACS UR M53, Appendix III, asks for: elements of a quarter of
-        the radius all over the fillets on the side of the overlap, layers growing below, six elements across
-        the web. `FilletStresses.meshings` tell what was reached.
+        Fine where fillets are stressed, or by IACS UR M53, Appendix III: elements of a quarter of
+        the radius over the fillets on the side of the overlap, layers growing below, six elements across
+        the web. `FilletStresses.meshings` states the values reached.
     mesher : callable, optional
-        How to mesh; by default gmsh runs in a process of its own.
+        Function for meshing; by default gmsh runs in a separate process.
 
     Returns
     -------
@@ -200,7 +200,7 @@ def fillet_stresses(
 
 @dataclass(frozen=True)
 class _FilletRefinementLevel:
-    """One mesh with its solution, and at which nodes of the fillets the largest stresses are."""
+    """One mesh with its solution, and the nodes of the fillets with the largest stresses."""
 
     loaded: LoadedThrow
     surface: FilletSurface
@@ -234,7 +234,7 @@ class _FilletRefinementLevel:
         return np.array([[size[nodes].max(axis=0) for nodes in self.on] for size in sizes])
 
     def _place(self, node: int) -> Array:
-        """Place of a node; on a cut exactly there [m]."""
+        """Position of a node; on a cut exactly there [m]."""
         place = self.surface.points[node]
         return np.where(np.abs(place) < CUT_TOLERANCE * self.loaded.mesh.length, 0.0, place)
 
@@ -245,9 +245,9 @@ class _FilletRefinementLevel:
         fineness: float,
         webs: Sequence[WebPlate] = (),
     ) -> tuple[SizeMap, float]:
-        """Sizes of a mesh that is finer where the sites are stressed, and how fine it can be.
+        """Sizes of a mesh that is finer where stresses are high, and its fineness.
 
-        `loads` (sites, k) says under which loads. With `webs` it is as fine as UR M53 asks for.
+        `loads` (sites, k) are the loads considered. With `webs` it is as fine as UR M53 requires.
         """
         stressed = []
         for nodes, chosen in zip(self.on, loads, strict=True):
@@ -272,7 +272,7 @@ class _FilletRefinementLevel:
         return _sizes_within_budget(sizes, sites, stressed, fineness, MOST_RULE_UNKNOWNS)
 
     def badly_read(self, sites: Sequence[Site]) -> NDArray[np.bool_]:
-        """At which fillets (sites, k), under which loads of UR M53, elements differ more than it allows."""
+        """Fillets and loads of UR M53 (sites, k) at which elements differ more than it allows."""
         return np.array(
             [
                 [
@@ -288,7 +288,7 @@ class _FilletRefinementLevel:
     def peak(
         self, number: int, column: int, errors: Array, at_hole: bool = False
     ) -> dict[str, Any]:
-        """Largest stresses at a site under a load, both given by their numbers; errors (sites, k)."""
+        """Largest stresses at a site under a load, both given by their indices; errors (sites, k)."""
         nodes = self.on[number]
         principals = self.principals[nodes, column]
         signed = largest_principal(principals)
@@ -316,7 +316,7 @@ class _FilletRefinementLevel:
 
 
 def _chosen(nodes: NDArray[np.bool_], side: NDArray[np.bool_]) -> Integers:
-    """Of nodes those on one side; all where there are none, as at a hole that points away from it."""
+    """The nodes on one side; all if there are none, as at a hole that points away from it."""
     return np.flatnonzero(nodes & side if np.any(nodes & side) else nodes)
 
 

@@ -1,4 +1,4 @@
-"""Stresses all over the fillets and oil holes of a whole throw."""
+"""Stresses over the fillets and oil holes of a whole throw."""
 
 from dataclasses import dataclass
 
@@ -45,9 +45,9 @@ class FilletSurface:
 
 
 def fillet_surface(loaded: LoadedThrow) -> FilletSurface:
-    """Recover the stresses at fillets and oil holes of a loaded throw from how their surface stretches.
+    """Recover the stresses at fillets and oil holes of a loaded throw from the strains of the surface.
 
-    The facets of the whole throw are taken, so that there is no difference between a place on a cut and
+    The facets of the whole throw are used, so that points on a cut are treated like
     any other.
     """
     mesh = loaded.mesh
@@ -73,7 +73,7 @@ def fillet_points(mesh: ThrowMesh) -> Array:
 
 
 def _facets_at_fillets(mesh: ThrowMesh) -> tuple[Integers, NDArray[np.bool_]]:
-    """Facets (t, 6) on fillets and oil holes and beside them, and which are on them."""
+    """Facets (t, 6) on and next to fillets and oil holes, and which are on them."""
     free = [name for name in mesh.surfaces if name not in CUTS_AND_ENDS]
     corners = np.concatenate([mesh.surfaces[name] for name in free])
     kinds = [np.full(len(mesh.surfaces[name]), name in STRESSED) for name in free]

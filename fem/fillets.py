@@ -1,4 +1,4 @@
-"""Where the fillets of a throw are, and where corners have none."""
+"""Positions of the fillets of a throw, and of corners without any."""
 
 from dataclasses import dataclass
 
@@ -19,14 +19,14 @@ class Fillet:
     Attributes
     ----------
     name : str
-        Such as "left main journal", "pin, left web".
+        For example "left main journal", "pin, left web".
     journal : Cylinder
         The main journal or pin.
     web : WebPlate
     radius : float
         [m]
     start, end : float
-        Reach along z [m].
+        Extent along z [m].
     """
 
     name: str

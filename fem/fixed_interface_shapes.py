@@ -22,7 +22,7 @@ INDEPENDENT = 1e-9
 
 @dataclass(frozen=True)
 class FixedInterfaceShapes:
-    """Shapes (3 n, m) with the end sections held, and what couples them to ends and pins."""
+    """Shapes (3 n, m) with the end sections held, and their coupling to ends and pins."""
 
     symmetries: tuple[SymmetryClass, ...]
     squares: Array
@@ -37,7 +37,7 @@ def _fixed_interface_shapes(
 ) -> tuple[Array, NDArray[np.bool_], Array]:
     """Squares (m,), whether natural (m,), and shapes (3 n, m) of one class.
 
-    Corrections are the answers to forces `inertia` (3 n, c), less the natural modes in them.
+    Corrections are the responses to forces `inertia` (3 n, c), without the natural modes in them.
     """
     modes = problem.up_to(cutoff)
     kept = modes.part(slice(0, int(np.count_nonzero(modes.frequencies <= cutoff))))
@@ -52,7 +52,7 @@ def _fixed_interface_shapes(
 
 
 def _corrections(problem: ClassProblem, natural: Array, forces: Array) -> tuple[Array, Array]:
-    """Static answers (f, c) to forces, orthogonal to natural modes and each other, and their w^2."""
+    """Static responses (f, c) to forces, orthogonal to natural modes and each other, and their w^2."""
     if not forces.shape[1]:
         return np.zeros(0), forces
     copies = problem.symmetry.copies
@@ -92,12 +92,12 @@ def shapes_of_class(
     cutoff : float
         Natural modes up to this frequency are kept [Hz].
     corrections : bool
-        Whether the static answer of those left out is added, one shape for each motion of rigid ends.
+        Whether to add the static response of those left out, one shape for each motion of rigid ends.
 
     Raises
     ------
     InputError
-        If there are more modes than the mesh can show.
+        If there are more modes than the mesh can represent.
     SolveError
         If the modes cannot be found.
     """
@@ -124,7 +124,7 @@ def shapes_of_class(
 def shapes_of_throw(
     mesh: ThrowMesh, one: CondensedClass, parts: Sequence[FixedInterfaceShapes]
 ) -> FixedInterfaceShapes:
-    """Put the shapes of all classes, of which one is given, together: natural modes first, ascending."""
+    """Combine the shapes of all classes: natural modes first, ascending."""
     none = FixedInterfaceShapes(
         symmetries=(),
         squares=np.zeros(0),

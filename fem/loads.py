@@ -1,8 +1,8 @@
 """Distributed loads: forces and moments spread over the surface of a pin or over an end section.
 
-A load and the mean motion of its surface belong together: the work of a unit load on a displacement is
-the mean motion along it, translations and rotations alike. That defines what "the motion of the pin"
-is, and what an end section of given mean motion may still do.
+A load and the mean motion of its surface are conjugate: the work of a unit load on a displacement is
+the mean motion along it, for translations and rotations. This defines "the motion of the pin"
+and the free deformation of an end section with given mean motion.
 """
 
 from dataclasses import dataclass, replace
@@ -61,13 +61,13 @@ class LoadedSurface:
     resultants: Array
 
     def on_image(self, image: MirrorImage) -> tuple[Array, Array]:
-        """Places from the center and outward area vectors of an image, (q, 3) each."""
+        """Positions relative to the center and outward area vectors of an image, (q, 3) each."""
         return image.points(self.places) - self.center, self.areas * image.signs
 
     def uniform(self, resultants: Array) -> list[Array]:
         """Tractions (q, 3) on each image with given forces and moments.
 
-        A force is spread evenly; a moment as tractions that grow linearly from the center.
+        A force is uniform; a moment is tractions that grow linearly from the center.
         """
         share = np.linalg.solve(self.resultants, resultants)
         return [rigid_motions(self.on_image(image)[0]) @ share for image in self.images]
@@ -156,10 +156,10 @@ def pin_load(
     force, moment : (3,) array
         In the throw frame, about the pin's center [N, N m].
     distribution : {"uniform", "cosine"}
-        ``uniform``: traction evenly spread (moments: growing linearly from the center). ``cosine``: a
+        ``uniform``: uniform traction (moments: growing linearly from the center). ``cosine``: a
         force across the pin as a pressure p cos(theta) on the half that it presses on; a moment
         across it as such pressures that grow with the distance from the middle, on opposite halves of
-        the pin's two ends. What no pressure can carry (force along the pin, torque about it) is
+        the pin's two ends. Loads that a pressure cannot carry (force along the pin, torque about it) are
         uniform in either case.
 
     Raises

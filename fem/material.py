@@ -51,10 +51,10 @@ class Material(InputModel):
 
     @property
     def remark(self) -> str | None:
-        """What is unusual about the constants together; None where a usual metal has them.
+        """Remark on an unusual combination of constants; None for a usual metal.
 
         Modulus over density is much the same for steel, iron, aluminum, titanium and magnesium, 20 to 30
-        MN m/kg: a modulus or a density that is wrong by a power of ten is seen from it.
+        MN m/kg, so it reveals a modulus or a density that is wrong by a power of ten.
         """
         specific = self.youngs_modulus / self.density
         if SPECIFIC_MODULUS[0] <= specific <= SPECIFIC_MODULUS[1]:

@@ -1,4 +1,4 @@
-"""How much memory solving a throw takes, predicted from the number of unknowns before it is meshed."""
+"""Memory for the solution of a throw, predicted from the number of unknowns before meshing."""
 
 from crankbase.memory import check_memory
 from geometry.mesher import Throw
@@ -39,7 +39,7 @@ def check_solving_memory(
     throw, unknowns, stresses
         As for `solving_memory`.
     accuracy : float
-        That was asked for.
+        Requested accuracy.
 
     Raises
     ------

@@ -1,4 +1,4 @@
-"""What a mode does, told from the motions of the end sections."""
+"""Description of a mode from the motions of the end sections."""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,7 +17,7 @@ PURE = 0.999
 
 
 def end_motions_of(mesh: ThrowMesh, symmetry: SymmetryClass, shape: Array) -> Array:
-    """Motions (12,) of both end sections that fit a displacement (n, 3) of the meshed part best."""
+    """Motions (12,) of both end sections that best fit a displacement (n, 3) of the meshed part."""
     nodes, motions = zip(*unit_end_motions(mesh, symmetry), strict=True)
     columns = np.concatenate(motions).reshape(-1, symmetry.ends.shape[1])
     fit = np.linalg.lstsq(columns, shape[np.concatenate(nodes)].ravel(), rcond=None)
@@ -25,7 +25,7 @@ def end_motions_of(mesh: ThrowMesh, symmetry: SymmetryClass, shape: Array) -> Ar
 
 
 def name_of_motion(motions: Array, length: float) -> str:
-    """Say what a mode does, from the motions of the end sections.
+    """Describe a mode from the motions of the end sections.
 
     Rotations count as displacements at a distance of half the throw's length, shares are of the sum of
     squares. Two kinds of motion are named unless one has 90 %; a plane, and a symmetry about the

@@ -1,4 +1,4 @@
-"""Natural modes of a throw that nothing supports, over all of its symmetry classes."""
+"""Natural modes of an unsupported throw, over all of its symmetry classes."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
@@ -42,7 +42,7 @@ NO_STIFFNESS = 1e-6
 @summarized("frequencies [Hz]", "symmetries", "solver")
 @dataclass(frozen=True)
 class ThrowModes:
-    """Elastic modes of a throw that nothing supports, by ascending frequency.
+    """Elastic modes of an unsupported throw, by ascending frequency.
 
     Attributes
     ----------
@@ -51,15 +51,15 @@ class ThrowModes:
     symmetries : tuple of k SymmetryClass
         The class of each mode.
     names : tuple of k str
-        What each mode does, as far as its end sections tell.
+        Description of each mode from its end sections.
     shapes : (n, 3, k) array
         Displacement of the meshed part's nodes, of unit modal mass of the whole throw [1/sqrt(kg)].
     residuals : (k,) array
         Difference of K x and w^2 M x, relative to their size.
     rigid_frequencies : (6,) array
-        Frequencies of the rigid motions, which rounding alone keeps from zero [Hz].
+        Frequencies of the rigid motions, nonzero by rounding only [Hz].
     solver : str
-        The equation solver that was used.
+        The equation solver used.
     """
 
     frequencies: Array
@@ -71,7 +71,7 @@ class ThrowModes:
     solver: str
 
     def plot(self, axes: "Axes | None" = None) -> "Axes":
-        """Draw the frequencies by their number, colored by what the modes do.
+        """Draw the frequencies by their number, colored by the kind of motion.
 
         Parameters
         ----------
@@ -123,12 +123,12 @@ def free_modes(
     Parameters
     ----------
     mesh : ThrowMesh
-        Of the throw or the part of it that its symmetry leaves; either gives all modes.
+        Of the throw or the part of it required by its symmetry; either gives all modes.
     material : Material
     count : int, optional
-        How many modes, 1 to 500, or
+        Number of modes, 1 to 500, or
     highest_frequency : float, optional
-        up to which frequency [Hz]; one of the two.
+        highest frequency [Hz]; one of the two.
     solver : {"auto", "pardiso", "superlu"}
         Equation solver.
 
@@ -215,8 +215,8 @@ def _lowest_modes(
 ) -> list[ClassModes]:
     """Modes of all classes, so many of each that the `count` lowest elastic ones are among them.
 
-    Each class is first asked for its even share and two more, and again for twice as many where the
-    last of them still lies below the highest wanted one.
+    Each class is first solved for its even share and two more, and again for twice as many if the
+    last of them is still below the highest one required.
     """
     wanted = dict.fromkeys(symmetries, min(count, -(-count // len(symmetries)) + 2))
     found = {symmetry: solve(symmetry, number) for symmetry, number in wanted.items()}
@@ -236,7 +236,7 @@ def _lowest_modes(
 
 
 def _checked_rigid_squares(classes: Sequence[ClassModes], shift: float) -> Array:
-    """w^2 (6,) of the rigid motions, after a look whether each class has as many as it should."""
+    """w^2 (6,) of the rigid motions, after a check of their number in each class."""
     stiffless = [np.abs(modes.squares) < NO_STIFFNESS * shift for modes in classes]
     expected = [rigid_count(modes.symmetry) for modes in classes]
     if [int(np.count_nonzero(which)) for which in stiffless] != expected:

@@ -1,6 +1,6 @@
 """Symmetric matrices stored by nodes: blocks of three axes, as every element couples them.
 
-A solver that is told so looks for an order of elimination among nodes, nine times fewer couplings than
+With this information a solver orders the elimination by nodes, with nine times fewer couplings than
 entries.
 """
 

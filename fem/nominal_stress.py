@@ -1,10 +1,10 @@
-"""Nominal stresses, which stress concentration factors refer to.
+"""Nominal stresses, the reference of stress concentration factors.
 
 They are those of the rules for marine crankshafts (IACS UR M53, Calculation of Crankshafts for I.C.
 Engines, section 2) as far as these have them: bending refers to the section of the web, torsion to the
 pin or the main journal. The web's section lies in the middle of the overlap of the two journals that it
 joins, or of the gap between them: B is the width of the web's outline and h its thickness there,
-counterweights, bores and fillets left out. What the rules do not have is our choice:
+without counterweights, bores and fillets. Definitions that the rules lack are our choice:
 
 ==================== ================================= ==================================
 unit load            nominal stress                    symbols

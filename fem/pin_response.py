@@ -1,4 +1,4 @@
-"""What a load on a pin does: motions of the end sections and of the pin, and reactions."""
+"""Response to a load on a pin: motions of the end sections and of the pin, and reactions."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -55,7 +55,7 @@ class PinResponse:
     pin : Motion
         Mean motion of the loaded pin's surface about its center.
     lengthening : float
-        How much longer the throw gets [m].
+        Lengthening of the throw [m].
     """
 
     left: Motion
@@ -83,7 +83,7 @@ class PinResponse:
 
 
 def equivalent_load(classes: Sequence[CondensedClass], load: NodalLoads) -> Array:
-    """End loads (2 n,) that a load on a pin is equivalent to: its work on the end motions of the classes.
+    """End loads (2 n,) equivalent to a load on a pin: its work on the end motions of the classes.
 
     Parameters
     ----------
@@ -153,7 +153,7 @@ def checked_vector(name: str, given: ArrayLike, unit: str) -> Array:
     Raises
     ------
     InputError
-        If they are not, or one is beyond `LARGEST_LOAD`.
+        If they are not finite, or one is beyond `LARGEST_LOAD`.
     """
     try:
         vector = np.asarray(given, dtype=float)
@@ -186,7 +186,7 @@ def spread_load(
     moment: ArrayLike,
     distribution: Distribution,
 ) -> NodalLoads:
-    """Spread a force and a moment (3,) over a pin of the throw.
+    """Distribute a force and a moment (3,) over a pin of the throw.
 
     Raises
     ------
@@ -200,10 +200,10 @@ def spread_load(
 def unevenness(
     mesh: ThrowMesh, pin: int, force: ArrayLike, moment: ArrayLike, distribution: Distribution
 ) -> NodalLoads:
-    """What a spread load adds to the same force and moment spread evenly; errors as for `spread_load`.
+    """Difference between a distributed load and the same uniform force and moment; errors as `spread_load`.
 
-    Answers to even loads are corrected for discretization; of what is in equilibrium with itself the
-    answers of the mesh are added.
+    Responses to uniform loads are corrected for discretization; those to the self-equilibrated rest
+    are uncorrected.
     """
     spread = spread_load(mesh, pin, force, moment, distribution)
     even = spread_load(mesh, pin, force, moment, "uniform")
@@ -219,7 +219,7 @@ def end_load(
     moment: ArrayLike,
     distribution: Distribution,
 ) -> Array:
-    """End loads (m,) that a force and a moment (3,) on a pin are equivalent to; errors as above.
+    """End loads (m,) equivalent to a force and a moment (3,) on a pin; errors as above.
 
     On the motions of the superelement where throws meet, the 12 of rigid sections first.
     """

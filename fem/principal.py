@@ -1,4 +1,4 @@
-"""What a stress tensor amounts to: principal stresses and the equivalent stress of von Mises."""
+"""Principal stresses and the equivalent stress of von Mises of a stress tensor."""
 
 import numpy as np
 from numpy.typing import NDArray

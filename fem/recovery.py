@@ -1,11 +1,11 @@
 """Stresses from displacements, and smoother ones recovered from them.
 
 Inside an element the stress of second-order displacements is most accurate at the four points of its
-quadrature. A quadratic polynomial fitted to these points over all elements round a corner node gives
+quadrature. A quadratic polynomial fitted to these points over all elements around a corner node gives
 the stress there one order better than the elements do (superconvergent patch recovery, O. C.
 Zienkiewicz and J. Z. Zhu, Int. J. Numer. Meth. Engng 33, 1331-1382, 1992). The difference between
 recovered stress and that of the elements measures their error; the recovered stress itself is what
-fillets are judged by.
+used for fillets.
 """
 
 from collections.abc import Iterator
@@ -95,7 +95,7 @@ def _stresses(
 def recovered_stress(
     points: Array, elements: Integers, displacement: Array, material: Material
 ) -> Array:
-    """Stress at the nodes, recovered from the elements round them.
+    """Stress at the nodes, recovered from the adjacent elements.
 
     Parameters
     ----------
@@ -194,7 +194,7 @@ class EnergyErrors:
 
 @dataclass(frozen=True)
 class StressErrors:
-    """Stresses of k solutions on one mesh, and the recovered ones that they differ from.
+    """Stresses of k solutions on one mesh, and the recovered ones.
 
     Attributes
     ----------
@@ -202,7 +202,7 @@ class StressErrors:
         Node numbers.
     material : Material
     volumes : (m, 4) array
-        What the sampling points stand for [m^3].
+        Volumes of the sampling points [m^3].
     samples : (m, 4, 6, k) array
         Stresses of the elements at the sampling points [Pa].
     recovered : (n, 6, k) array
@@ -228,7 +228,7 @@ class StressErrors:
         """Mutual energies (k, k) of the estimated errors of the solutions in the meshed part [J].
 
         The work of the forces of one solution on the displacement of another is their mutual energy;
-        what discretization takes from it is the mutual energy of the two errors.
+        the part lost by discretization is the mutual energy of the two errors.
         """
         modulus, ratio = self.material.youngs_modulus, self.material.poisson_ratio
         strains = np.diag(np.repeat([1.0, 2.0], 3)) * (1.0 + ratio)

@@ -1,6 +1,6 @@
-"""Solutions of a rough solver improved until nothing but round-off is left of their residual.
+"""Solutions of an approximate solver refined until only round-off is left of their residual.
 
-What a solution leaves of its right side is solved for again and added (iterative refinement: N. J. Higham,
+The residual of a solution is solved for again and added (iterative refinement: N. J. Higham,
 Accuracy and Stability of Numerical Algorithms, SIAM 2002, chapter 12). With factors in single precision each
 step gains three to five digits.
 """
@@ -25,7 +25,7 @@ MOST_STEPS = 8
 def residual_shares(
     upper: sparse.csr_array, size: float, solution: Array, sides: Array
 ) -> tuple[Array, Array]:
-    """Return b - A x (n, k), and how large it is beside b, or beside what round-off of A x may make.
+    """Return b - A x (n, k), and its size relative to b, or to the possible round-off of A x.
 
     Parameters
     ----------
@@ -45,19 +45,19 @@ def residual_shares(
 def refined_solution(
     upper: sparse.csr_array, size: float, sides: Array, rough: Callable[[Array], Array]
 ) -> Array | None:
-    """Solve A x = b with a rough solver, again and again for what is left.
+    """Solve A x = b with an approximate solver, repeatedly for the residual.
 
     Parameters
     ----------
     upper, size, sides
         As for `residual_shares`.
     rough : callable
-        Gives about x for b; called with right sides of size one.
+        Gives approximately x for b; called with right sides of size one.
 
     Returns
     -------
     (n, k) array or None
-        None if the steps do not lead to round-off.
+        None if the steps do not converge to round-off.
     """
     solution, residual, last = np.zeros(sides.shape), sides, np.inf
     for _ in range(MOST_STEPS):

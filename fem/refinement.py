@@ -1,4 +1,4 @@
-"""Where a mesh must be finer, and by how much, for an error that is wished for."""
+"""Local refinement of a mesh for a required error."""
 
 from dataclasses import replace
 
@@ -37,7 +37,7 @@ def refined_sizes(mesh: ThrowMesh, errors: EnergyErrors, target: float) -> SizeM
     errors : EnergyErrors
         Of its solution.
     target : float
-        Wished error as a share of the energy.
+        Required error as a share of the energy.
 
     Returns
     -------

@@ -1,6 +1,6 @@
 """The responses of a throw in a study, each with an estimate of its discretization error.
 
-Every answer is corrected for what discretization takes from it (`fem.correction`), and its error is a
+Every result is corrected for discretization (`fem.correction`), and its error is a
 share of that.
 """
 
@@ -168,8 +168,8 @@ def evaluate_throw(
     throw : CrankThrow
     material : Material
     accuracy : float
-        Wished relative accuracy of the axial compliance (pinned), 0.001 to 0.1; the others share its
-        mesh and come out with errors of their own.
+        Required relative accuracy of the axial compliance (pinned), 0.001 to 0.1; the others have the
+        same mesh and errors of their own.
     stresses : bool
         Also find the largest stress concentration factor at the fillets, which takes several times as
         long as everything else.
@@ -183,7 +183,7 @@ def evaluate_throw(
     Raises
     ------
     InputError
-        If an argument is out of range, or stresses are asked of a throw without fillets.
+        If an argument is out of range, or stresses are requested for a throw without fillets.
     MeshError, SolveError
         If the throw cannot be meshed or solved.
     """
@@ -223,7 +223,7 @@ def evaluate_throw(
 
 
 def _plain_answers(throw: Superelement, length: float, part: str) -> dict[str, float]:
-    """Answers that follow from a superelement without another one's error."""
+    """Results that follow from a superelement, without another result's error."""
     found: dict[str, float] = {}
     for support in SUPPORTS:
         answer = support_throw(throw, support)
@@ -244,7 +244,7 @@ def _plain_answers(throw: Superelement, length: float, part: str) -> dict[str, f
 
 
 def _ratio(numerator: Answer, denominator: Answer) -> Answer:
-    """Quotient of two answers whose errors are not known to be alike."""
+    """Quotient of two results whose errors may be independent."""
     return numerator[0] / denominator[0], math.hypot(numerator[1], denominator[1])
 
 

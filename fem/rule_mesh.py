@@ -1,10 +1,10 @@
-"""What IACS UR M53, Appendix III, asks of a mesh and of the stress read on it, and how far it is met.
+"""Requirements of IACS UR M53, Appendix III, on a mesh and its stresses, and the values reached.
 
 At the fillets, within 90 degrees of the crank plane on the side of the overlap, elements measure a quarter
-of the radius or less (a) along and around; three layers below are a, 2a and 3a thick; six elements stand
-across the web. Where a stress is read the smallest principal stress is below 3 % of the largest, and what
-single elements say at the node is within 5 % of their mean. Second-order tetrahedra are allowed; they are
-measured here by the side of the regular triangle of a facet's area, and by the height of the regular
+of the radius or less (a) along and around; three layers below are a, 2a and 3a thick; there are six elements
+across the web. Where a stress is read the smallest principal stress is below 3 % of the largest, and the
+values of single elements at the node are within 5 % of their mean. Second-order tetrahedra are allowed; they
+are measured here by the side of the regular triangle of a facet's area, and by the height of the regular
 tetrahedron of an element's volume, the mean of all.
 """
 
@@ -48,7 +48,7 @@ ON_SIDE = -1e-6  # of the journal's radius
 @summarized("fillet", "size [m]", "size_share", "layers", "across_web", "met")
 @dataclass(frozen=True)
 class FilletMeshing:
-    """How finely a fillet and its web are meshed, beside what UR M53, Appendix III, requires.
+    """Mesh size at a fillet and its web, and the requirements of UR M53, Appendix III.
 
     Attributes
     ----------
@@ -57,11 +57,11 @@ class FilletMeshing:
     size : float
         Largest element along and around the fillet, within 90 degrees of the crank plane [m].
     size_share : float
-        `size` by the fillet's radius; a quarter is allowed.
+        `size` over the fillet's radius; a quarter is allowed.
     layers : (3,) tuple of float
-        Mean height of the elements in each layer below by a quarter of the radius; 1, 2 and 3 are allowed.
+        Mean height of the elements in each layer below over a quarter of the radius; 1, 2 and 3 are allowed.
     across_web : float
-        Elements across the web's thickness; six are asked for.
+        Elements across the web's thickness; six are required.
     """
 
     fillet: str
@@ -72,7 +72,7 @@ class FilletMeshing:
 
     @property
     def met(self) -> bool:
-        """Whether the mesh is as fine as the rule asks."""
+        """Whether the mesh is as fine as the rule requires."""
         layers = all(own <= most for own, most in zip(self.layers, LAYERS, strict=True))
         return self.size_share <= LARGEST_SIZE and layers and self.across_web >= ACROSS_WEB
 
@@ -85,11 +85,11 @@ class ReadingQuality:
     Attributes
     ----------
     normal_share : float
-        Magnitude of the smallest principal stress by that of the largest, of the elements' mean stress;
-        below 0.03 is asked for.
+        Magnitude of the smallest principal stress over that of the largest, of the elements' mean stress;
+        required is below 0.03.
     spread : float
-        Largest difference of a single element's stress at the node from the mean one, by that; the
-        equivalent stress that the rule reads. At most 0.05 is asked for.
+        Largest difference of a single element's stress at the node from the mean one, relative to that; the
+        equivalent stress that the rule uses. Required is at most 0.05.
     """
 
     normal_share: float
@@ -112,7 +112,7 @@ def on_crank_side(fillet: Fillet, points: Array) -> NDArray[np.bool_]:
 def rule_sizes(
     sizes: SizeMap, webs: Sequence[WebPlate], places: Sequence[tuple[Fillet, Array]]
 ) -> SizeMap:
-    """Let no element be larger than the rule asks for.
+    """Limit the size of elements to that required by the rule.
 
     Parameters
     ----------
@@ -168,18 +168,18 @@ def fillet_meshings(mesh: ThrowMesh, fillets: Sequence[Fillet]) -> tuple[FilletM
 
 
 def reading_quality(loaded: LoadedThrow, node: int, load: int, *, shear: bool) -> ReadingQuality:
-    """How well the elements round a node agree on the stress there.
+    """Agreement of the elements around a node on the stress there.
 
     Parameters
     ----------
     loaded : LoadedThrow
     node : int
         Of the whole throw, as `fem.unit_loads.whole_nodes` numbers them. Where it is the middle of an edge
-        the worse of the two ends counts, for more elements meet there.
+        the worse of the two ends counts, since more elements meet there.
     load : int
         Number of the load.
     shear : bool
-        Whether the half difference of principal stresses is read rather than that of von Mises.
+        Whether to use the half difference of principal stresses instead of von Mises.
     """
     measure = largest_shear if shear else von_mises
     shares, spreads = [], []
@@ -229,7 +229,7 @@ def _in_web(web: WebPlate, points: Array) -> NDArray[np.bool_]:
 
 
 def _depth(fillet: Fillet, places: Array) -> Array:
-    """Depth (n,) of places below the fillet's surface; infinite beside it."""
+    """Depth (n,) of points below the fillet's surface; infinite outside it."""
     journal, radius = fillet.journal, fillet.radius
     on_left = abs(fillet.start - journal.start) < abs(fillet.end - journal.end)
     center = fillet.end if on_left else fillet.start

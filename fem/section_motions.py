@@ -1,4 +1,4 @@
-r"""How an end section of a throw may move: as a rigid disc, or as polynomials over it.
+r"""Motions of an end section of a throw: as a rigid disc, or as polynomials over it.
 
 A section where throws meet bends, shears and contracts. With polynomials of degree p its displacement is a
 sum of x^a y^b, a + b <= p, along each axis: 9 motions at p = 1, 18 at 2, 45 at 4, all continued over the
@@ -8,8 +8,8 @@ are the mean motion: forces and bearings, which act on that, do no work on the o
 come before those of p + 1, so that a lower degree, or the rigid section, is the first rows and columns of a
 higher one.
 
-The space of degree p is the same for all circles and turns of the section, so neighbors share it whatever
-their bores and angles: a change of ring or angle is a linear map, exact. Each motion is either along the
+The space of degree p is the same for all circles and angles of the section, so neighbors share it whatever
+their bores and angles: a change of ring or angle is an exact linear map. Each motion is either along the
 shaft or across it, and even or odd under either mirror of the section.
 """
 
@@ -66,7 +66,7 @@ class SectionMotions:
 
     @property
     def sections(self) -> Sections:
-        """As users name the choice."""
+        """The user's name of the choice."""
         return next(one for one in SECTIONS if degree_of(one) == self.degree)
 
     @cached_property
@@ -82,9 +82,9 @@ class SectionMotions:
         return np.concatenate([MIRROR_Z, _signs(terms[:, 0] == 2, coefficients)])
 
     def fields(self, places: Array) -> Array:
-        """Displacements (q, 3, n) of places (q, 2 or more; x and y [m]) for unit amplitudes.
+        """Displacements (q, 3, n) of points (q, 2 or more; x and y [m]) for unit amplitudes.
 
-        Translations and what is beyond the rigid motions are counted in m, rotations in rad.
+        Translations and motions beyond the rigid ones are in m, rotations in rad.
         """
         x, y = places[:, 0], places[:, 1]
         found = np.zeros((len(places), 3, self.count))
@@ -144,12 +144,12 @@ RIGID = SectionMotions()
 
 
 def degree_of(sections: object) -> int:
-    """Return the degree that a choice of section motions stands for, 0 for rigid sections.
+    """Return the degree of a choice of section motions, 0 for rigid sections.
 
     Raises
     ------
     InputError
-        If it is none of `SECTIONS`.
+        If it is not in `SECTIONS`.
     """
     if isinstance(sections, bool) or sections not in SECTIONS:
         raise InputError(

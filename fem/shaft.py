@@ -38,9 +38,9 @@ SHOWN: Mapping[str, tuple[str, str]] = {
 @summarized("axial [m/N]", "torsional [rad/(N m)]", "influence [m/N]")
 @dataclass(frozen=True)
 class ShaftCompliances:
-    """What each throw contributes at its place in a shaft.
+    """Compliances and influence coefficients of each throw in a shaft.
 
-    Each section stands in its main bearing, laterally rigid or elastic, and tilts freely; the first one is
+    Each section is in its main bearing, laterally rigid or elastic, and tilts freely; the first one is
     held axially and against rotation; forces act along the whole shaft.
 
     Attributes
@@ -55,9 +55,9 @@ class ShaftCompliances:
         them: columns then follow the pins along the shaft, (n, all pins).
     tangential : (n, all pins) array
         The same per unit tangential force on a pin, in the sense of positive rotation about +z, its
-        torque taken at the first section [m/N].
+        torque reacted at the first section [m/N].
     through : (n,) array
-        Lengthening of each throw per unit torque about +z at the last section, taken at the first
+        Lengthening of each throw per unit torque about +z at the last section, reacted at the first
         [1/N].
     """
 
@@ -89,7 +89,7 @@ class ShaftCompliances:
         Raises
         ------
         InputError
-            If the quantity is none of these.
+            If the quantity is unknown.
         """
         check_choice("quantity", quantity, SHOWN, "a shaft has these")
         unit, words = SHOWN[quantity]
@@ -109,7 +109,7 @@ class ShaftCompliances:
         return axes
 
     def to_pandas(self) -> Any:
-        """Return a table of what each throw has alone; `to_xarray` has what pins do to throws.
+        """Return a table of each throw's own values; `to_xarray` has those by pins and throws.
 
         Returns
         -------
@@ -151,10 +151,10 @@ class ShaftCompliances:
 
 
 def sharing_sections(throws: Sequence[Superelement]) -> list[Superelement]:
-    """Return throws as they stand in a shaft, with the same section motions.
+    """Return throws as used in a shaft, with the same section motions.
 
-    Those of the widest section, of the lowest degree that a throw was solved with. Where journals side by
-    side differ in diameter or bore, both move as the same polynomials.
+    Those of the widest section, of the lowest degree that a throw was solved with. If adjacent journals
+    differ in diameter or bore, both move as the same polynomials.
     """
     lowest = min((throw.joined.sections for throw in throws), key=lambda one: one.degree).sections
     joined = [throw.with_sections(lowest).joined for throw in throws]
@@ -163,7 +163,7 @@ def sharing_sections(throws: Sequence[Superelement]) -> list[Superelement]:
 
 
 def shaft_unknowns(place: int, throws: int, bending: int) -> NDArray[np.int64]:
-    """Unknowns of a throw by its place among those of a row: sections of six, then what goes beyond them."""
+    """Unknowns of a throw by its index in a row: sections of six, then the motions beyond them."""
     beyond = 6 * (throws + 1) + bending * place
     return np.concatenate([6 * place + np.arange(12), beyond + np.arange(2 * bending)])
 
@@ -171,7 +171,7 @@ def shaft_unknowns(place: int, throws: int, bending: int) -> NDArray[np.int64]:
 def assemble_shaft(throws: Sequence[Superelement]) -> Array:
     """Stiffness (n (s + 1), n (s + 1)) of s throws in a row, each already turned to its crank angle.
 
-    Unknowns are the mean motions of the sections, six each, and then what the sections do beside them.
+    Unknowns are the mean motions of the sections, six each, and then the motions of bending sections.
     """
     sections = throws[0].sections
     stiffness = np.zeros((sections.count * (len(throws) + 1),) * 2)
@@ -203,7 +203,7 @@ def solve_shaft(
         held axially and against rotation.
     bearing_stiffness : float or (n + 1,) array_like, optional
         Lateral, of each main bearing or of all [N/m]; ``math.inf`` for rigid ones. Zero for all is the limit
-        of ever softer equal bearings, which share what the loads do not balance themselves.
+        of ever softer equal bearings, which carry the unbalanced part of the loads.
 
     Returns
     -------
@@ -213,7 +213,7 @@ def solve_shaft(
     Raises
     ------
     InputError
-        If a stiffness is negative or no number, there is not one for each section, or just one is above
+        If a stiffness is negative or not a number, there is not one for each section, or just one is above
         zero, about which the shaft would swing.
     """
     sections = len(throws) + 1
@@ -270,13 +270,13 @@ def shaft_compliances(
     crank_angles_deg: Sequence[float],
     bearing_stiffness: ArrayLike = math.inf,
 ) -> ShaftCompliances:
-    """Compliances of each throw of a crankshaft at its place.
+    """Find the compliances of each throw in a crankshaft.
 
     Parameters
     ----------
     throws : sequence of n Superelement
-        From the free end, each in its own throw frame. Their sections bend where throws meet, as far as
-        they were solved so, and are left to themselves at the ends of the shaft.
+        From the free end, each in its own throw frame. Their sections bend where throws meet, if
+        solved so, and are free at the ends of the shaft.
     crank_angles_deg : sequence of n float
         Angle of each crank about +z [deg].
     bearing_stiffness : float or (n + 1,) array_like, optional
@@ -295,9 +295,9 @@ def shaft_compliances(
     -----
     With rigid sections and without lateral restraint (zero) every throw has its pinned compliances, axial and
     torsional, whatever the angles to its neighbors, and nearly so with sections that bend: an axial force
-    through the section centers and a torque about their line load each throw by themselves alone, so the
-    common journal carries no bending moment and no lateral force, and tilts and moves as either throw wants.
-    Only bearings that hold the journals on one line join the throws.
+    through the section centers and a torque about their line load each throw independently, so the
+    common journal carries no bending moment and no lateral force, and tilts and moves freely.
+    Only bearings that hold the journals on one line couple the throws.
     """
     if not throws or len(throws) != len(crank_angles_deg):
         raise InputError(

@@ -1,8 +1,8 @@
-"""What a solved throw must fulfil on every run: reciprocity, rigid motions, definiteness, balance.
+"""Checks of a solved throw in every run: reciprocity, rigid motions, definiteness, balance.
 
 Rotations are measured as length x angle, so that all figures are shares. Figures of round-off are below
-1e-11 for throws of all kinds (tests/campaigns/random_throws.py draws such); a share of 1e-6 that a
-solution is wrong by shows as about as much.
+1e-11 for throws of all kinds (tests/campaigns/random_throws.py draws such); an error of 1e-6 in a
+solution appears as about the same figure.
 """
 
 from collections.abc import Sequence
@@ -44,7 +44,7 @@ def scaled_stiffness(stiffness: ArrayLike, length: float) -> Array:
 
 
 def rigid_body_residual(stiffness: ArrayLike, length: float) -> float:
-    """Return the largest force that a rigid-body motion meets, relative to the largest stiffness.
+    """Return the largest force caused by a rigid-body motion, relative to the largest stiffness.
 
     Parameters
     ----------
@@ -66,7 +66,7 @@ def asymmetry(stiffness: ArrayLike, length: float) -> float:
 def check_reciprocity(
     ends: Array, stiffness: tuple[Array, Array], pin_loads: tuple[Array, Array], length: float
 ) -> None:
-    """Refuse a solved symmetry class of which two ways to stiffness and pin loads differ.
+    """Refuse a solved symmetry class with different results for stiffness and pin loads in two ways.
 
     Energies of fields and forces on the end sections come from different solutions, equal by reciprocity
     as far as these are in equilibrium.
@@ -102,7 +102,7 @@ def check_reciprocity(
 def check_superelement(
     stiffness: Array, pin_loads: Array, length: float, pin_centers: Sequence[Array]
 ) -> None:
-    """Refuse a superelement that is no free elastic body, or whose reactions do not balance a load.
+    """Refuse a superelement that is not a free elastic body, or whose reactions do not balance a load.
 
     Parameters
     ----------
@@ -145,7 +145,7 @@ def strain_energies(stiffness: ArrayLike, length: float) -> Array:
 
 
 def unbalanced_pin_loads(pin_loads: Array, length: float, pin_centers: Sequence[Array]) -> float:
-    """Largest force or moment that the end loads of a unit load on a pin lack of it, as a share.
+    """Largest difference of the end loads of a unit load on a pin from its force or moment, as a share.
 
     In a rigid motion the end loads must do the work of the load itself.
     """

@@ -1,4 +1,4 @@
-"""A solved throw's superelement: as corrected, as its mesh gives it, with other sections, and its errors."""
+"""A solved throw's superelement: corrected, uncorrected, with other sections, and its errors."""
 
 from dataclasses import dataclass, field, replace
 from typing import Self
@@ -40,7 +40,7 @@ class SolvedSuperelement(SolvedThrow):
 
     @property
     def discrete(self) -> Self:
-        """The same throw as its mesh gives it, not corrected: for comparisons on one mesh."""
+        """The same throw without correction: for comparisons on one mesh."""
         classes = tuple(one.discrete or one for one in self.classes)
         plain = combine_classes(classes, self.superelement.radials)
         taken = axial_correction(self.superelement, plain)
@@ -48,7 +48,7 @@ class SolvedSuperelement(SolvedThrow):
 
     @property
     def corrected(self) -> bool:
-        """Whether answers are corrected for discretization: not where it takes too much to be told."""
+        """Whether results are corrected for discretization: not if the correction would be too large."""
         return all(one.discrete is not None for one in self.classes)
 
     @property
@@ -57,36 +57,36 @@ class SolvedSuperelement(SolvedThrow):
         return stiffness_errors(self.superelement, self.discrete.superelement)
 
     def section_errors(self, support: Support = "pinned") -> SupportedThrow:
-        """What rigid sections leave out of compliances under a support, in their units, on the same mesh.
+        """Effect of rigid sections on compliances under a support, in their units, on the same mesh.
 
-        Compliances between equal neighbors with sections that bend, less those with rigid ones; for pinned
-        ends between opposite cranks, for guided ones between cranks in line, where rigid sections give equal
-        webs the same answers. Zero if the throw was solved with rigid sections alone.
+        Compliances between equal neighbors with bending sections, minus those with rigid ones; for pinned
+        ends between opposite cranks, for guided ones between cranks in line, where rigid sections with equal
+        webs give the same results. Zero if the throw was solved with rigid sections alone.
         """
         return section_errors(self.superelement, support)
 
     @property
     def section_error(self) -> float:
-        """What rigid sections leave out of the axial compliance (pinned), as a share of it."""
+        """Effect of rigid sections on the axial compliance (pinned), as a share of it."""
         return self.section_errors().axial / support_throw(self.superelement, "pinned").axial
 
     def error_bars(self, support: Support = "pinned") -> SupportedThrow:
-        """Estimated errors left in compliances under a support, in their units (docs/accuracy.md)."""
+        """Estimated errors of compliances under a support, in their units (docs/accuracy.md)."""
         return supported_errors(self.superelement, self.discrete.superelement, support)
 
     @property
     def solver(self) -> str:
-        """The equation solver that was used."""
+        """The equation solver used."""
         return self.classes[0].solver
 
     @property
     def end_sections(self) -> str:
-        """What the end sections may do: "rigid" or "averaged"."""
+        """Allowed motion of the end sections: "rigid" or "averaged"."""
         return self.classes[0].end_sections
 
     @property
     def sections(self) -> Sections:
-        """What end sections become where throws meet: "rigid", or polynomials of degree 1, 2 or 4."""
+        """Section motions where throws meet: "rigid", or polynomials of degree 1, 2 or 4."""
         return self.superelement.joined.sections.sections
 
     def with_sections(self, sections: Sections) -> Self:
@@ -95,7 +95,7 @@ class SolvedSuperelement(SolvedThrow):
         Raises
         ------
         InputError
-            If the degree is higher than that it was solved with.
+            If the degree is higher than that of the solution.
         """
         kept = self.superelement.joined.sections.up_to(sections)
         classes = tuple(one.up_to(kept if kept.bending else RIGID) for one in self.classes)

@@ -49,7 +49,7 @@ class Factorization:
     upper : (n, n) sparse array
         Upper triangle of the matrix.
     solver : str
-        The solver that was used.
+        The solver used.
     size : float
         Largest sum of magnitudes in a row of `upper`, which residuals are compared with.
     apply : callable
@@ -88,7 +88,7 @@ class Factorization:
 
 
 class SharedSolver:
-    """Factorizes matrices one after the other; those of one pattern are analyzed once.
+    """Factorizes matrices one after the other; matrices of one pattern are analyzed once.
 
     Half of the work of a factorization is to find the order of elimination, which depends on the
     pattern alone. Each factorization ends the one before.
@@ -97,13 +97,13 @@ class SharedSolver:
     ----------
     solver : {"auto", "pardiso", "superlu"}
         MKL's Pardiso, or scipy's SuperLU, which needs no MKL and is several times slower. "auto" is
-        Pardiso where it can be loaded.
+        Pardiso if it can be loaded.
     watch : Stopwatch, optional
-        Takes the time.
+        Measures the time.
     few_sides : bool
-        Whether each matrix serves a few right sides only. Pardiso then factorizes large ones in single
+        Whether each matrix has only a few right sides. Pardiso then factorizes large ones in single
         precision, in little more than half the time, and solutions are refined until their residual is
-        that of double precision; where that fails, double precision it is.
+        that of double precision; if this fails, double precision is used.
 
     Raises
     ------
@@ -151,7 +151,7 @@ class SharedSolver:
         return self._pattern.factorize(upper)
 
     def _in_single(self, upper: sparse.csr_array, size: float) -> Callable[[Array], Array]:
-        """Factorize in single precision; give what solves and refines, in double precision at need."""
+        """Factorize in single precision; return the function that solves and refines, if needed in double."""
         try:
             rough = self._with_pardiso(upper, single=True)
         except SolveError:  # not positive definite but for round-off, perhaps
@@ -221,7 +221,7 @@ def _choose(solver: str, watch: Stopwatch) -> str:
 
 @cache
 def _pardiso() -> Any:
-    """Load Pardiso once; None where it cannot be had."""
+    """Load Pardiso once; None if it is not available."""
     for file in (path for pattern in MKL_FILES for path in Path(sys.prefix).glob(pattern)):
         os.environ.setdefault(MKL_VARIABLE, str(file))
     try:
@@ -257,7 +257,7 @@ class _PardisoPattern:
         self._run(ANALYSIS, self._stored(upper)[0], np.zeros((upper.shape[0], 1)))
 
     def fits(self, upper: sparse.csr_array, single: bool) -> bool:
-        """Whether a matrix has this pattern, and the precision is the one that is wanted."""
+        """Whether a matrix has this pattern, and the required precision."""
         return (
             single == self._single
             and np.array_equal(self._indptr, upper.indptr)
@@ -282,7 +282,7 @@ class _PardisoPattern:
         self._finalizer()
 
     def _stored(self, upper: sparse.csr_array) -> "tuple[sparse.csr_array | BlockMatrix, float]":
-        """Return the matrix as Pardiso takes it, divided by a number, and this number."""
+        """Return the matrix for Pardiso, divided by a number, and this number."""
         size = 1.0
         if self._single:
             # Single precision has a narrow range: the largest entry is made one.

@@ -1,7 +1,7 @@
 """Stresses at a throw's fillets and oil holes under any loads on its ends and its pin.
 
 A throw is solved for every motion of its ends and every force and moment on its pin. Six combinations of
-end motions strain it; with the loads on the pin they make twelve fields of stress, and those of any loads
+end motions cause strain; with the loads on the pin they give twelve fields of stress, and those of any loads
 in equilibrium are sums of them: so the stresses of a whole working cycle need one solution.
 """
 
@@ -43,7 +43,7 @@ class StressedSite:
     Attributes
     ----------
     name : str
-        Such as "pin, left web".
+        For example "pin, left web".
     kind : {"pin fillet", "journal fillet", "oil hole"}
     diameter : float
         Of the pin or main journal [m].
@@ -54,7 +54,7 @@ class StressedSite:
     frames : (s, 2, 3) array
         Two directions in the surface at each.
     stress : (s, 12, 3) array
-        Along both and between them, of the fields [Pa].
+        Along both and the shear between them, of the fields [Pa].
     """
 
     name: str
@@ -205,7 +205,7 @@ def _places(
 
 
 def _scales(length: float) -> Array:
-    """Sizes (12,) of end motions that are alike: rotations times the throw's length."""
+    """Sizes (12,) of comparable end motions: rotations times the throw's length."""
     return np.tile([1.0] * 3 + [1.0 / length] * 3, 2)
 
 

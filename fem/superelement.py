@@ -23,18 +23,18 @@ UX, UY, UZ, RX, RY, RZ = range(6)
 class Superelement:
     """A throw condensed to the motions of its end sections.
 
-    That of a throw by itself has rigid sections. Where throws meet its `joined` counts, whose sections bend:
-    2 b unknowns more, amplitudes [m] of motions of the left and then of the right section that no force acts
-    on from outside. With these held at zero it is the superelement of rigid sections again.
+    A single throw has rigid sections. Where throws meet its `joined` is used, with bending sections:
+    2 b unknowns more, amplitudes [m] of motions of the left and then of the right section without external
+    forces. With these held at zero it is the superelement of rigid sections again.
 
     Attributes
     ----------
     stiffness : (12, 12) array
         Unknowns ux uy uz rx ry rz of the left, then of the right end section, in the throw frame; (12 + 2 b,
-        12 + 2 b) of sections that bend, mean motions of the sections first.
+        12 + 2 b) with bending sections, mean motions of the sections first.
     pin_loads : (pins, 12, 6) array
-        End loads that unit forces along x, y, z on each pin, and unit moments about them at its
-        center, are equivalent to: with end forces F and loads p on pin k the end motions q satisfy
+        End loads equivalent to unit forces along x, y, z on each pin, and unit moments about them at its
+        center: with end forces F and loads p on pin k the end motions q satisfy
         ``stiffness @ q = F + pin_loads[k] @ p``.
     pin_flexibility : (6 pins, 6 pins) array
         Mean motions of the pins under these loads, the end sections held; motions of the ends add
@@ -42,11 +42,11 @@ class Superelement:
     radials : (pins, 3) array
         Direction of a radial force on each pin, towards the shaft.
     missing : float
-        Where answers are those of a mesh, not corrected: what they are short of at most, as a share.
+        For uncorrected results: their largest deficit, as a share.
     sections : SectionMotions
-        What the sections may do.
+        Allowed motion of the sections.
     bending : Superelement or None
-        Of a throw of rigid sections: the same with sections that bend.
+        For a throw with rigid sections: the same with bending sections.
     """
 
     stiffness: Array
@@ -59,16 +59,16 @@ class Superelement:
 
     @property
     def joined(self) -> "Superelement":
-        """The superelement where throws meet: with sections that bend, if the throw was solved with them."""
+        """The superelement where throws meet: with bending sections, if the throw was solved with them."""
         return self.bending or self
 
     def with_sections(self, sections: Sections) -> "Superelement":
-        """Return the superelement of which fewer section motions count where throws meet.
+        """Return the superelement with fewer section motions where throws meet.
 
         Raises
         ------
         InputError
-            If more are asked for than the throw was solved with.
+            If more are requested than the throw was solved with.
         """
         whole = self.joined
         kept = whole.sections.up_to(sections)
@@ -104,7 +104,7 @@ class Superelement:
         return np.asarray(self.pin_loads[0, :, :3])
 
     def end_load(self, force: Array, pin: int = 0) -> Array:
-        """End loads (12,) that a force (3,) on a pin is equivalent to, uniformly spread."""
+        """End loads (12,) equivalent to a force (3,) on a pin, uniformly distributed."""
         return np.asarray(self.pin_loads[pin, :, :3] @ force)
 
     @property
@@ -153,7 +153,7 @@ def combine_classes(
     Returns
     -------
     Superelement
-        Of rigid sections, with that of bending ones beside it if the classes have them.
+        With rigid sections, and with bending ones as `bending` if the classes have them.
     """
     rigid = _combined([part.up_to(RIGID) for part in classes], radials)
     if not classes[0].sections.bending:

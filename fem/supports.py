@@ -1,4 +1,4 @@
-"""What a throw does under each named support: compliances, influence coefficient, reactions."""
+"""A throw under each named support: compliances, influence coefficient, reactions."""
 
 import math
 from collections.abc import Callable, Mapping
@@ -35,7 +35,7 @@ class Neighbors:
     """Support by identical throws on both sides.
 
     The right neighbor's crank is turned by `right_deg` about +z, the left one's by ``-left_deg``;
-    each side goes on with its own step until the compliance no longer changes. All main journals are
+    each side continues with its own step until the compliance no longer changes. All main journals are
     held laterally and tilt freely.
 
     Parameters
@@ -67,7 +67,7 @@ TABLE_SUPPORTS: Mapping[str, Support] = {
 
 @dataclass(frozen=True)
 class SupportedThrow:
-    """Answers of a throw under one support.
+    """Results of a throw under one support.
 
     Attributes
     ----------
@@ -104,7 +104,7 @@ def support_throw(throw: Superelement, support: Support) -> SupportedThrow:
     Raises
     ------
     InputError
-        If the support is none of these.
+        If the support is unknown.
     """
     motions = end_motions(throw, support)
     stretches = (STRETCH @ motions[:, 2:]).reshape(-1, 6)[:, :3]
@@ -117,7 +117,7 @@ def support_throw(throw: Superelement, support: Support) -> SupportedThrow:
 
 
 def reactions(throw: Superelement, support: Support, load: Array) -> Reactions:
-    """End forces on a throw of which a pin is loaded and whose length is kept.
+    """End forces on a throw with a loaded pin and constant length.
 
     Parameters
     ----------
@@ -127,7 +127,7 @@ def reactions(throw: Superelement, support: Support, load: Array) -> Reactions:
         own frame, its left end takes its torque and axial push, and a force along the whole chain
         keeps the length of the middle throw.
     load : (m,) array
-        End loads that the load on the pin is equivalent to, such as ``throw.joined.pin_loads[pin] @ p``.
+        End loads equivalent to the load on the pin, such as ``throw.joined.pin_loads[pin] @ p``.
 
     Returns
     -------
@@ -158,7 +158,7 @@ def free_motions(ends: Array, support: str) -> NDArray[np.int64]:
     -------
     (f,) array
         Numbers of columns. Columns that move the left end alone along or about the shaft are left
-        out, since a rigid motion of the throw keeps it in place; a class that mirrors the ends has
+        excluded, since a rigid motion of the throw keeps it in place; a class that mirrors the ends has
         columns that move both apart instead, which lengthen or twist the throw and stay.
     """
     both = np.abs(ends).reshape(2, 6, -1)
@@ -180,8 +180,8 @@ def all_end_motions(throw: Superelement, support: Support, pin_loads: Array | No
     throw : Superelement
     support : "pinned", "guided" or Neighbors
     pin_loads : (12 or all, m) array, optional
-        End loads that loads on the pins are equivalent to; by default those of the six unit loads on
-        each pin. Those on other motions than the mean ones are zero where they are not given.
+        End loads equivalent to loads on the pins; by default those of the six unit loads on
+        each pin. Those on other motions than the mean ones are zero by default.
 
     Returns
     -------
@@ -193,7 +193,7 @@ def all_end_motions(throw: Superelement, support: Support, pin_loads: Array | No
     Raises
     ------
     InputError
-        If the support is none of these.
+        If the support is unknown.
     """
     joined = throw.joined
     if pin_loads is None:
@@ -219,7 +219,7 @@ def _between_neighbors(throw: Superelement, pin_loads: Array, support: Neighbors
 
     Axial force and torque through the throws are known: those of the load case, and under a pin force
     none, since each throw's left end takes its own torque and axial push (otherwise they would add up
-    along the chain). So only the tilts, and what the sections do beside their mean motions, couple the
+    along the chain). So only the tilts, and the bending of the sections, couple the
     throws, and solving for these alone stays accurate however long the chain.
     """
     bending = throw.sections.bending
@@ -253,7 +253,7 @@ def _between_neighbors(throw: Superelement, pin_loads: Array, support: Neighbors
 
 
 def _helix_motions(throw: Array, loads: Array, turn: Array) -> Array:
-    """Coupled motions of a throw in an endless helix: each does in its own frame what the others do.
+    """Coupled motions of a throw in an endless helix: all throws move alike in their own frames.
 
     Its right section is its right neighbor's left one, which moves as its own left one but turned. Motions
     that loads do not excite by symmetry may be without stiffness, because their class was not solved.

@@ -1,13 +1,13 @@
-"""Stresses on free surfaces from how these stretch.
+"""Stresses on free surfaces from their strains.
 
-No force acts on a free surface, so its stress follows from the stretching of the surface itself, and
-that is known better than any strain inside the elements: the displacements of the nodes say it without
+No force acts on a free surface, so its stress follows from the strain of the surface itself, which
+is known better than any strain inside the elements: it follows from the displacements of the nodes without
 a derivative into the depth, where stresses at a fillet fall off steeply. Strains of the facets are
-taken at their quadrature points, where they are most accurate, and recovered at the corners by a
-quadratic polynomial fitted to the facets round each, as in the superconvergent patch recovery (O. C.
+evaluated at their quadrature points, where they are most accurate, and recovered at the corners by a
+quadratic polynomial fitted to the adjacent facets, as in the superconvergent patch recovery (O. C.
 Zienkiewicz and J. Z. Zhu, Int. J. Numer. Meth. Engng 33, 1331-1382, 1992). On a curved surface strains
-of neighboring places lie in planes of their own: they are turned into the corner's tangent plane by the
-smallest turn that brings the normals together.
+of neighboring points are in different planes: they are rotated into the corner's tangent plane by the
+smallest rotation that aligns the normals.
 """
 
 from dataclasses import dataclass
@@ -72,7 +72,7 @@ def surface_stress(
     facets : (t, 6) array
         Nodes of the facets: corners, then the middles of 01, 12, 02; counterclockwise from outside.
     wanted : (t,) array
-        Facets at whose nodes stresses are wanted. The others take part where they continue these
+        Facets whose nodes need stresses. The others are used where they continue these
         without an edge.
     displacement : (n, 3, k) array
         [m]

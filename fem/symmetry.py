@@ -1,4 +1,4 @@
-"""Symmetry classes: how the motions of a whole throw follow from the part of it that is meshed.
+"""Symmetry classes: motions of a whole throw from its meshed part.
 
 A throw whose pins lie in one plane is symmetric about that crank plane (x = 0); if its webs are equal
 it is symmetric about the middle plane of its pin as well. Any motion is then a sum of parts, each
@@ -28,7 +28,7 @@ class MirrorImage:
     Attributes
     ----------
     across_crank, across_middle : bool
-        Across which planes it is mirrored.
+        Planes of reflection.
     length : float
         Length of the whole throw [m].
     """
@@ -54,7 +54,7 @@ class MirrorImage:
 
     @property
     def inside_out(self) -> bool:
-        """Whether a single mirror has turned elements and facets inside out."""
+        """Whether a single mirror has inverted elements and facets."""
         return self.across_crank != self.across_middle
 
     def points(self, points: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -84,7 +84,7 @@ class SymmetryClass:
 
     @property
     def copies(self) -> int:
-        """How many copies of the meshed part make the whole throw."""
+        """Number of copies of the meshed part in the whole throw."""
         return int(2 ** (abs(self.crank_plane) + abs(self.middle_plane)))
 
     @property
@@ -97,7 +97,7 @@ class SymmetryClass:
         """Motions (12, k) of both end sections for unit amplitudes of the class.
 
         The left end's unknowns, which the right end mirrors if the middle plane is a cut and has
-        besides if it is not.
+        in addition otherwise.
         """
         return self.unit_motions(MIRROR_X, MIRROR_Z)
 

@@ -1,4 +1,4 @@
-"""A throw's elastic and mass properties from one superelement: what `analyze_throw` returns."""
+"""A throw's elastic and mass properties from one superelement: the result of `analyze_throw`."""
 
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Literal
@@ -58,7 +58,7 @@ class ThrowAnalysis(SolvedSuperelement):
     Attributes
     ----------
     throw, material, mesh, error_estimate, accuracy, seconds
-        What was solved and how accurately, as of an `AxialAnalysis`.
+        Input and accuracy, as of an `AxialAnalysis`.
     superelement : Superelement
     classes : tuple of CondensedClass
         The solved symmetry classes with their displacement fields.
@@ -109,7 +109,7 @@ class ThrowAnalysis(SolvedSuperelement):
         Raises
         ------
         InputError
-            If the support is none of these.
+            If the support is unknown.
         """
         return self.supported(support).axial
 
@@ -122,7 +122,7 @@ class ThrowAnalysis(SolvedSuperelement):
     ) -> float:
         """Influence coefficient c of P = c Z / e_n: lengthening per unit radial force Z [m/N].
 
-        Z acts on the pin towards the shaft axis and opens a throw of one pin, so its c > 0. Yamanin
+        Z acts on the pin towards the shaft axis and opens a throw with one pin, so its c > 0. Yamanin
         and Zhukov 2021, doi 10.24143/2073-1574-2021-4-75-83.
 
         Parameters
@@ -133,7 +133,7 @@ class ThrowAnalysis(SolvedSuperelement):
         Raises
         ------
         InputError
-            If an argument is none of these.
+            If an argument is unknown.
         """
         radial = self.superelement.radials[checked_pin(pin, len(self.mesh.pins))]
         load = self._end_load(pin, radial, NO_FORCE, distribution)
@@ -199,9 +199,9 @@ class ThrowAnalysis(SolvedSuperelement):
         support : "pinned", "guided" or Neighbors
             The left end is held along and about the shaft.
         pin : int
-            Which pin, from 0 at the left.
+            Index of the pin, from 0 at the left.
         distribution : {"uniform", "cosine"}
-            ``uniform``: traction spread evenly over the pin, for moments growing linearly from its
+            ``uniform``: uniform traction over the pin, for moments growing linearly from its
             center. ``cosine``: force and moment across the pin as pressures p cos(theta) on the half
             that each presses on; force along the pin and torque about it are uniform in either case.
 
@@ -219,7 +219,7 @@ class ThrowAnalysis(SolvedSuperelement):
         """Mean motions (6, 6) of a pin per unit load on it, the throw axially free.
 
         Translations along x, y, z [m] and rotations [rad] under unit forces [N] and moments about the
-        pin's center [N m], uniformly spread. Errors as for `reactions`.
+        pin's center [N m], uniformly distributed. Errors as for `reactions`.
         """
         return pin_compliance(self.superelement, support, checked_pin(pin, len(self.mesh.pins)))
 
@@ -231,7 +231,7 @@ class ThrowAnalysis(SolvedSuperelement):
         Parameters
         ----------
         count : int, optional
-            How many of the lowest modes.
+            Number of the lowest modes.
         highest_frequency : float, optional
             Instead, all modes up to this frequency [Hz].
 
@@ -250,7 +250,7 @@ class ThrowAnalysis(SolvedSuperelement):
     def dynamic_superelement(self, highest_frequency: float) -> DynamicSuperelement:
         """Stiffness and mass of the throw for vibration up to a frequency [Hz].
 
-        Unknowns are the motions of the end sections and amplitudes of shapes of the inside, whose
+        Unknowns are the motions of the end sections and amplitudes of internal shapes, whose
         number is chosen for the frequency and recorded; 0 Hz gives Guyan's mass of the end motions
         alone. See `fem.craig_bampton.dynamic_superelement`.
 
@@ -286,10 +286,10 @@ class ThrowAnalysis(SolvedSuperelement):
     def plot(
         self, axes: "Axes | None" = None, *, quantity: Compliance = "axial_compliance"
     ) -> "Axes":
-        """Draw a compliance over the angle to equal neighbors, beside the pinned and the guided throw.
+        """Draw a compliance over the angle to equal neighbors, with the pinned and the guided throw.
 
-        With equal webs neighbors in line come near the guided value and opposite ones near the pinned value,
-        of the torsional compliance the other way round: at them if sections are rigid. The band is the
+        With equal webs the value for neighbors in line is near the guided one, for opposite ones near the
+        pinned one, for the torsional compliance the reverse: exactly so with rigid sections. The band is the
         estimated discretization error.
 
         Parameters
@@ -305,7 +305,7 @@ class ThrowAnalysis(SolvedSuperelement):
         Raises
         ------
         InputError
-            If the quantity is none of these.
+            If the quantity is unknown.
         """
         chosen = check_compliance(quantity)
         bounds = {

@@ -42,7 +42,7 @@ class UnitLoad:
     ends : (12,) array
         Forces and moments on the left, then on the right end section.
     pin : int or None
-        Which pin a radial force towards the shaft acts on, from 0; spread evenly over its surface.
+        Index of the pin with a radial force towards the shaft, from 0; uniform over its surface.
     direction : (3,) array
         Of that force.
     """
@@ -89,10 +89,10 @@ class LoadedThrow:
     material : Material
     loads : tuple of UnitLoad
     shares : tuple of (SymmetryClass, (n, 3, k) array)
-        What each symmetry class contributes to the displacement of the meshed part under each of k
+        Contribution of each symmetry class to the displacement of the meshed part under each of k
         loads [m].
     solver : str
-        The equation solver that was used.
+        The equation solver used.
     end_sections : {"rigid", "averaged"}
     """
 

@@ -1,4 +1,4 @@
-"""How accurate a finite element result may be wished to be."""
+"""Range of the required accuracy of a finite element result."""
 
 from dataclasses import dataclass
 
@@ -8,7 +8,7 @@ from crankbase.errors import InputError, quoted
 
 @dataclass(frozen=True)
 class AccuracyRange:
-    """Relative accuracies that may be wished, and what they are the error of."""
+    """Allowed relative accuracies, and the quantity they refer to."""
 
     least: float
     most: float
@@ -18,12 +18,12 @@ class AccuracyRange:
         return f"{self.least:g} to {self.most:g}"
 
     def checked(self, field: str, given: object) -> float:
-        """Return a wished accuracy.
+        """Return a required accuracy, checked.
 
         Raises
         ------
         InputError
-            If it is no number of the range.
+            If it is not a number of the range.
         """
         if not is_number(given) or not self.least <= given <= self.most:
             raise InputError(

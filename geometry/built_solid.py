@@ -1,4 +1,4 @@
-"""The solid of a throw in gmsh, which a process of ours keeps for the next mesh of the same throw.
+"""The solid of a throw in gmsh, kept by a process for the next mesh of the same throw.
 
 It is built with the main journal's diameter as the unit of length. The kernel's tolerances are lengths: so
 they are the same share of every throw, and throws that differ by their size alone get the same mesh.
@@ -20,7 +20,7 @@ Options = tuple[tuple[str, float], ...]
 
 @dataclass(frozen=True)
 class BuiltSolid:
-    """A throw, or the part of it that its symmetry leaves, in the current gmsh model.
+    """A throw, or the part of it required by its symmetry, in the current gmsh model.
 
     Attributes
     ----------
@@ -28,7 +28,7 @@ class BuiltSolid:
     unit : float
         Length of 1 in the model [m].
     parts : ThrowParts
-        What the model is of, in its unit.
+        The parts of the model, in its unit.
     last : float
         Where it ends along z.
     surfaces : dict
@@ -36,7 +36,7 @@ class BuiltSolid:
     solid : SolidProperties
         In SI units.
     seconds : float
-        Time that it took to build, 0 if it was kept.
+        Time to build it, 0 if it was kept.
     """
 
     gmsh: Any
@@ -49,7 +49,7 @@ class BuiltSolid:
 
 
 class SolidKeeper:
-    """Opens solids, one at a time, and keeps the last one open if it is told to.
+    """Opens solids, one at a time, and keeps the last one open if told to.
 
     Attributes
     ----------
@@ -66,7 +66,7 @@ class SolidKeeper:
         self._solid: SolidProperties
 
     def close(self) -> None:
-        """Give up what is kept."""
+        """Release the kept solid."""
         self._key = None
         self._session.close()
 
@@ -77,7 +77,7 @@ class SolidKeeper:
         Raises
         ------
         MeshError
-            If the kernel lost a part, or did not unite all.
+            If the kernel lost a part, or did not unite all parts.
         """
         begin, seconds = time.perf_counter(), 0.0
         unit = 2.0 * parts.cylinders[0].radius
@@ -114,7 +114,7 @@ class SolidKeeper:
         self._views = set(self._gmsh.view.getTags())
 
     def _remove_mesh(self) -> None:
-        """Remove the mesh and what its sizes were set by."""
+        """Remove the mesh and its size fields."""
         self._gmsh.model.mesh.clear()
         for field in self._gmsh.model.mesh.field.list():
             self._gmsh.model.mesh.field.remove(field)
@@ -127,7 +127,7 @@ _KEEPER = SolidKeeper()
 
 
 def keep_solids() -> None:
-    """Let this process keep the solid it built last: for processes that nobody else uses gmsh in.
+    """Let this process keep the solid it built last: for processes that use gmsh only for this.
 
     Raises
     ------

@@ -24,7 +24,7 @@ class Face:
     """A face in gmsh, in the file's frame.
 
     For planes, `axis` is the normal out of the solid; for cylinders, `point` is on the axis, `radius`
-    is negative for holes, and `turn` is how far round the face goes [rad].
+    is negative for holes, and `turn` is the angle that the face covers [rad].
     """
 
     tag: int
@@ -55,7 +55,7 @@ class Round:
 
     @property
     def whole(self) -> bool:
-        """Whether it goes all the way round."""
+        """Whether it covers the whole circle."""
         return self.turn > 2.0 * math.pi * (1.0 - 1e-6)
 
 
@@ -63,8 +63,8 @@ class Round:
 def opened_part(path: str) -> Iterator[tuple[Any, int]]:
     """A gmsh session with the file's solid in meters, not yet synchronized.
 
-    The kernel reads it in mm and gmsh scales it: a unit that the kernel is told stays with it for the
-    rest of the process, and would change the files that are written later.
+    The kernel reads it in mm and gmsh scales it: a unit set in the kernel persists for the
+    rest of the process, and would change files written later.
     """
     with gmsh_session("throw") as gmsh:
         option = gmsh.option
@@ -125,7 +125,7 @@ def same_surface(face: Face, wanted: StepFace, tolerance: float) -> bool:
 
 
 def rounds_along(faces: list[Face], tolerance: float) -> list[Round]:
-    """Put the faces of each cylinder along the shaft together that touch or overlap along it."""
+    """Combine the faces of each cylinder along the shaft that touch or overlap along it."""
     groups: list[list[Face]] = []
     for face in sorted(faces, key=lambda face: face.low):
         if face.kind != "Cylinder" or not face.along:

@@ -1,4 +1,4 @@
-"""Where a counterweight fits: one piece with its web, clear of the bearing and of the rod."""
+"""Checks of a counterweight: one piece with its web, clear of the bearing and of the rod."""
 
 import math
 

@@ -49,12 +49,12 @@ class Crankshaft:
     Parameters
     ----------
     throws : sequence of n CrankThrow
-        From the free end to the flange. Throws side by side share a main bearing, so their main
+        From the free end to the flange. Adjacent throws share a main bearing, so their main
         journals have one diameter and one bore.
     crank_angles_deg : sequence of n float
         Angle of each throw's first pin about +z, counted from +y [deg].
     ends : ShaftEnds, optional
-        What stands beyond the first and the last main journal.
+        Free end and flange beyond the first and the last main journal.
 
     Raises
     ------
@@ -139,7 +139,7 @@ class Crankshaft:
         Raises
         ------
         InputError
-            If the density is not above zero, or no number.
+            If the density is not a number above zero.
         MeshError
             If a throw's solid cannot be built.
         """
@@ -159,7 +159,7 @@ class Crankshaft:
 
     @property
     def end_cylinders(self) -> list[tuple[float, float, float]]:
-        """Diameter, start and end of free end and flange, where given [m]."""
+        """Diameter, start and end of free end and flange, if given [m]."""
         (start, end), last = self.reach, float(self.starts[-1])
         made = []
         if self.ends.free_end_diameter is not None:
@@ -195,7 +195,7 @@ class Crankshaft:
 def throw_starts(throws: Sequence[CrankThrow]) -> tuple[float, ...]:
     """Left end of each throw along a shaft, and the last one's right end [m].
 
-    Sums are rounded once, so that equal throws stand at whole multiples of their length.
+    Sums are rounded once, so that equal throws are at whole multiples of their length.
     """
     lengths = [throw.length for throw in throws]
     return tuple(math.fsum(lengths[:number]) for number in range(len(lengths) + 1))
@@ -213,7 +213,7 @@ def throw_masses(throw: CrankThrow, density: float) -> MassProperties:
     Raises
     ------
     InputError
-        If the density is not above zero, or no number.
+        If the density is not a number above zero.
     MeshError
         If the solid cannot be built.
     """
@@ -228,7 +228,7 @@ def throw_masses(throw: CrankThrow, density: float) -> MassProperties:
 
 
 def throw_solid(throw: CrankThrow) -> SolidProperties:
-    """Properties of the solid of the part of a throw that its symmetry leaves, in this process."""
+    """Properties of the solid of the part of a throw required by its symmetry, in this process."""
     with gmsh_errors("build the throw"), built_solid(throw.parts, throw.symmetry) as built:
         return built.solid
 
@@ -239,7 +239,7 @@ def make_shaft(gmsh: Any, shaft: Crankshaft) -> None:
     Raises
     ------
     MeshError
-        If the kernel lost a part, or did not unite all.
+        If the kernel lost a part, or did not unite all parts.
     """
     occ = gmsh.model.occ
     pieces: list[Entity] = []

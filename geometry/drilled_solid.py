@@ -1,4 +1,4 @@
-"""Oil holes in a throw's solid: they are cut out, their exits rounded, and their surfaces found again."""
+"""Oil holes in a throw's solid: cutting, rounding of exits, and identification of their surfaces."""
 
 import tempfile
 from collections.abc import Callable, Sequence
@@ -40,7 +40,7 @@ def drilled_journal(
     ----------
     gmsh : module
     journal : Cylinder
-        What of it lies before z = `limit`.
+        Part of it before z = `limit`.
     drillings : sequence of Drilling
         The throw's.
     limit : float
@@ -158,7 +158,7 @@ def _beside(hole: Drilling) -> bool:
 
 
 def _tool(occ: Any, journal: Cylinder, hole: Drilling) -> Entity:
-    """What the drill takes, and a little air round the journal."""
+    """The volume cut by the drill, and a little space around the journal."""
     reach = 2.0 * hole.journal_radius / np.cos(hole.tilt)
     start = -reach if hole.through else hole.inner_end
     low, way = hole.middle + start * hole.frame[2], (reach - start) * hole.frame[2]

@@ -1,10 +1,10 @@
-"""A straight oil hole through a pin or a main journal, across its axis: where it comes out, what it takes.
+"""A straight oil hole through a pin or a main journal, across its axis: its exits and its volume.
 
-Places near it have coordinates p, q, t: t along the hole from where its axis crosses the journal's, p
+Points near it have coordinates p, q, t: t along the hole from its intersection with the journal's axis, p
 across both axes, q across the hole in the plane of both. With the tilt e the height over the journal's axis
-towards the hole's direction is n = t cos e + q sin e, so the surface of a journal of radius R lies at
-n = +-sqrt(R^2 - p^2). A rounded exit is what a ball of that radius leaves that touches both the hole's wall
-and the journal's surface from inside the material.
+towards the hole's direction is n = t cos e + q sin e, so the surface of a journal of radius R is at
+n = +-sqrt(R^2 - p^2). A rounded exit is what is outside a ball of that radius that touches both the
+hole's wall and the journal's surface from inside the material.
 """
 
 import math
@@ -43,7 +43,7 @@ class Drilling:
     bore_axis : (x, y)
         [m]
     place : float
-        Where its axis crosses the journal's, along z [m].
+        Position along z at which its axis crosses the journal's [m].
     angle : float
         Direction from +y about +z [rad].
     tilt : float
@@ -51,7 +51,7 @@ class Drilling:
     radius, exit_radius : float
         The hole's, and that of its rounded exits, 0 for sharp ones [m].
     through : bool
-        Whether it comes out at the other side as well; else it ends on the journal's axis or in its bore.
+        Whether it has an exit on the other side as well; else it ends on the journal's axis or in its bore.
     """
 
     number: int
@@ -82,17 +82,17 @@ class Drilling:
 
     @property
     def middle(self) -> Array:
-        """Where its axis crosses the journal's (3,) [m]."""
+        """Intersection of its axis with the journal's (3,) [m]."""
         return np.array([*self.axis, self.place])
 
     @property
     def exits(self) -> "tuple[DrillingExit, ...]":
-        """Where it comes out of the journal."""
+        """Its exits from the journal."""
         return tuple(DrillingExit(self, side) for side in ((1.0, -1.0) if self.through else (1.0,)))
 
     @property
     def bore_place(self) -> Point:
-        """Place of the bore's axis beside the hole and along it, p and n [m]."""
+        """Position of the bore's axis relative to the hole, p and n [m]."""
         x, y = np.subtract(self.bore_axis, self.axis)
         sine, cosine = math.sin(self.angle), math.cos(self.angle)
         return (float(x * cosine + y * sine), float(y * cosine - x * sine))
@@ -104,12 +104,12 @@ class Drilling:
 
     @property
     def inner_end(self) -> float:
-        """Where along t it ends if it does not run through: on the journal's axis or in its bore [m]."""
+        """End along t if it does not run through: on the journal's axis or in its bore [m]."""
         return self.bore_place[1] / math.cos(self.tilt) if self.crosses_bore else 0.0
 
     @property
     def volume(self) -> float:
-        """Volume that it takes out of the journal [m^3], by quadrature to round-off."""
+        """Its volume in the journal [m^3], by quadrature to round-off."""
         return sum(outlet.wall_volume + outlet.rounding_volume for outlet in self.exits)
 
     def local(self, points: Array) -> Array:
@@ -124,7 +124,7 @@ class Drilling:
 
 @dataclass(frozen=True)
 class DrillingExit:
-    """Where an oil hole comes out: in its own direction (side 1) or at the other side (-1)."""
+    """An exit of an oil hole: in its own direction (side 1) or at the other side (-1)."""
 
     drilling: Drilling
     side: float
@@ -137,14 +137,14 @@ class DrillingExit:
 
     @property
     def name(self) -> str:
-        """Such as "pin, oil hole 1 at 45 deg"."""
+        """For example "pin, oil hole 1 at 45 deg"."""
         return (
             f"{self.drilling.journal}, oil hole {self.drilling.number} at {self.angle_deg:.4g} deg"
         )
 
     @property
     def point(self) -> Array:
-        """Where the hole's axis leaves the journal (3,) [m]."""
+        """Point where the hole's axis leaves the journal (3,) [m]."""
         hole = self.drilling
         reach = self.side * hole.journal_radius / math.cos(hole.tilt)
         return np.asarray(hole.middle + reach * hole.frame[2])
@@ -155,13 +155,13 @@ class DrillingExit:
         return np.asarray(self.side * self.drilling.frame[2])
 
     def surface(self, p: Array, q: Array) -> Array:
-        """Where along t the journal's surface is."""
+        """Position along t of the journal's surface."""
         hole = self.drilling
         height = np.sqrt(np.maximum(hole.journal_radius**2 - p**2, 0.0))
         return np.asarray((self.side * height - q * math.sin(hole.tilt)) / math.cos(hole.tilt))
 
     def inner(self, p: Array, q: Array) -> Array:
-        """Where along t the hole begins: at the bore, on the journal's axis, or at its end in a bore."""
+        """Start of the hole along t: at the bore, on the journal's axis, or at its end in a bore."""
         hole = self.drilling
         if not hole.crosses_bore:
             return np.zeros_like(p)
@@ -203,7 +203,7 @@ class DrillingExit:
 
     @property
     def rounding_volume(self) -> float:
-        """Volume that rounding the exit takes off: columns along the hole up to the surface [m^3]."""
+        """Volume removed by rounding the exit: columns along the hole up to the surface [m^3]."""
         if self.drilling.exit_radius == 0.0:
             return 0.0
         angles = 2.0 * math.pi * np.arange(ROUND) / ROUND
@@ -236,7 +236,7 @@ class DrillingExit:
 
     @property
     def radius(self) -> float:
-        """Radius that stresses change over: the hole's if sharp, else the rounding's if not small [m]."""
+        """Length scale of the stresses: the hole's radius if sharp, else the rounding's if not small [m]."""
         hole = self.drilling
         return max(hole.exit_radius, SMALL_EXIT * hole.radius) if hole.exit_radius else hole.radius
 

@@ -1,4 +1,4 @@
-"""Which oil holes can be drilled: within their part, clear of fillets, bores and each other."""
+"""Checks of oil holes: within their part, clear of fillets, bores and each other."""
 
 import math
 from itertools import combinations
@@ -83,7 +83,7 @@ def _check_exit_radius(hole: Drilling) -> None:
 
 
 def _check_bore(hole: Drilling, journal: Cylinder) -> None:
-    """A hole runs into the bore with its whole width, or passes it by."""
+    """A hole enters the bore with its whole width, or passes it by."""
     across, along = hole.bore_place
     wall = SMALLEST_WALL * 2.0 * hole.radius
     if abs(across) - hole.radius >= hole.bore_radius + wall:
@@ -121,7 +121,7 @@ def _check_bore(hole: Drilling, journal: Cylinder) -> None:
 
 
 def _check_place(parts: ThrowParts, hole: Drilling, journal: Cylinder) -> None:
-    """A hole comes out on its journal between the fillets, and clear of the throw's ends."""
+    """A hole's exit is on its journal between the fillets, and clear of the throw's ends."""
     reached = [_along(hole, outlet.rim) for outlet in hole.exits]
     if not hole.through:
         half = hole.radius * math.cos(hole.tilt)
@@ -163,7 +163,7 @@ def _along(hole: Drilling, places: Array) -> Array:
 
 
 def _check_apart(first: Drilling, second: Drilling) -> None:
-    """Holes must not run into each other, nor their exits."""
+    """Holes must not meet each other, nor their exits."""
     wall = SMALLEST_WALL * 2.0 * min(first.radius, second.radius)
     between = min(
         _distance(one, other) - first.radius - second.radius

@@ -1,4 +1,4 @@
-"""Distances from oil holes as formulas in x, y, z, which gmsh evaluates for the sizes of elements."""
+"""Distances from oil holes as formulas in x, y, z, evaluated by gmsh for the sizes of elements."""
 
 import math
 

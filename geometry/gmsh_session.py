@@ -1,4 +1,4 @@
-"""A gmsh session that always gives the same mesh and leaves nothing behind."""
+"""A reproducible gmsh session without side effects."""
 
 import ctypes
 import re
@@ -86,7 +86,7 @@ def load_gmsh() -> Any:
 
 
 def missing_library_advice(package: str, loader_message: str) -> str:
-    """Turn the loader's complaint about a shared library into what to install."""
+    """Turn the loader's error about a shared library into installation advice."""
     found = re.search(r"lib[\w+-]+\.so[.\d]*", loader_message)
     library = found.group(0) if found else "a system library"
     debian = DEBIAN_PACKAGES.get(library)
@@ -133,7 +133,7 @@ def gmsh_session(name: str) -> Iterator[Any]:
 
 @contextmanager
 def gmsh_errors(what: str) -> Iterator[None]:
-    """Turn what gmsh raises, which is a bare Exception, into a MeshError "gmsh could not `what`"."""
+    """Turn gmsh's bare Exception into a MeshError "gmsh could not `what`"."""
     try:
         yield
     except (InputError, MeshError, MissingLibraryError):
@@ -143,9 +143,9 @@ def gmsh_errors(what: str) -> Iterator[None]:
 
 
 def forget_array_types() -> None:
-    """Forget the types that ctypes has made for arrays of numbers, one for each length, and keeps for good.
+    """Delete the types that ctypes creates for arrays of numbers, one for each length, and keeps.
 
-    gmsh hands its arrays over by such types; in a long study they take 70 kB a mesh.
+    gmsh returns its arrays with such types; in a long study they take 70 kB a mesh.
     """
     kept: dict[Any, Any] = getattr(ctypes, "_pointer_type_cache", {})
     for one in list(kept):

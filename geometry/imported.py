@@ -1,4 +1,4 @@
-"""A throw from a STEP file, and how to name its ends and pins."""
+"""A throw from a STEP file, and the names of its ends and pins."""
 
 import hashlib
 from collections.abc import Sequence
@@ -37,7 +37,7 @@ class ImportedPin:
     radius : float
         [m]
     start, end : float
-        Reach along z, fillets included [m].
+        Extent along z, fillets included [m].
     """
 
     name: str
@@ -69,23 +69,23 @@ class ImportedThrow:
     filleted : bool
         Whether main journals and pins meet the webs without a sharp corner.
     turned, shifted : float
-        What brings the part into the throw frame: a turn about +z [rad] that puts the first pin at
-        +y, and then a shift along z [m] that puts the left end at 0.
+        Transformation of the part into the throw frame: a rotation about +z [rad] that puts the first pin
+        at +y, and then a shift along z [m] that puts the left end at 0.
     remarks : tuple of str
-        What was found by shape, not by name, and how the part was moved.
+        What was found by shape, not by name, and the transformation of the part.
     surfaces : tuple of (name, tags)
-        Numbers of the surfaces in gmsh; all of the solid's.
+        Numbers of the surfaces in gmsh; all of the solid.
     plan : SizePlan
         Element sizes at factor 1.
     smallest : float
-        Size that curved surfaces do not go below at factor 1 [m].
+        Smallest size on curved surfaces at factor 1 [m].
     holes : tuple of Cylinder
         Along the shaft, each as the bore of a cylinder; `plan` numbers them from zero.
     curved : tuple of (radius, area)
         Of all other curved surfaces: smallest radius of curvature and area [m, m^2].
     cylinders : tuple of Cylinder
-        Left main journal, pins, right main journal with their fillets and bores, reaching along z as far as
-        the fillets do.
+        Left main journal, pins, right main journal with their fillets and bores; the extent along z
+        includes the fillets.
     fillets, corners : tuple of (zone, tags)
         Surfaces and curves where elements are small; cylinders are numbered from the left main
         journal.
@@ -118,7 +118,7 @@ class ImportedThrow:
 
     @property
     def pin_axes(self) -> tuple[tuple[float, float], ...]:
-        """Places (x, y) of the pins' axes [m]."""
+        """Positions (x, y) of the pins' axes [m]."""
         return tuple(pin.axis for pin in self.pins)
 
 
@@ -141,8 +141,8 @@ def import_throw(
 ) -> ImportedThrow:
     """Read a throw from a STEP file.
 
-    The shaft axis must be the z axis, with the left end at the smaller z; the part may stand anywhere
-    along it and be turned about it. The file's unit of length is taken into account. Names may differ
+    The shaft axis must be the z axis, with the left end at the smaller z; the part may be anywhere
+    along it and at any angle about it. The file's unit of length is taken into account. Names may differ
     in case, and have underscores or hyphens for spaces. If no face has a name, ends and pins are found
     by shape: the plane faces at the smallest and the largest z, and round cylinders parallel to z off
     the shaft axis.
@@ -153,12 +153,12 @@ def import_throw(
         A STEP file with one solid: the throw from the middle of one main journal to the middle of the
         next.
     left_end, right_end : str or None
-        Names of the end faces; None finds them by shape although faces have names.
+        Names of the end faces; None finds them by shape even if faces have names.
     pins : sequence of str or None
         Names of the pins' cylindrical faces, in any order; None finds them by shape. By default "pin",
-        and "pin 2", "pin 3" ... where there are such.
+        and "pin 2", "pin 3" ... if present.
     process : IsolatedProcess, optional
-        Where to read it; the one that this process shares by default.
+        Process for reading; by default the one shared in this process.
 
     Raises
     ------
@@ -199,14 +199,14 @@ def import_throw(
 
 
 def _all_pins(faces: tuple[StepFace, ...]) -> tuple[str, ...]:
-    """The names "pin", "pin 2", "pin 3" ... as far as they are there."""
+    """The names "pin", "pin 2", "pin 3" ... as far as present."""
     names = {_plain(face.name) for face in faces}
     further = (f"{PIN} {number}" for number in count(2))
     return (PIN, *takewhile(lambda name: name in names, further))
 
 
 def file_content(path: Path) -> bytes:
-    """Read a file, or say in one sentence why not."""
+    """Read a file, or report in one sentence why this is impossible."""
     try:
         return path.read_bytes()
     except FileNotFoundError:
@@ -216,14 +216,14 @@ def file_content(path: Path) -> bytes:
 
 
 def _plain(name: str) -> str:
-    """A name without what programs change in it."""
+    """A name without the changes that programs make in it."""
     return " ".join(name.casefold().replace("_", " ").replace("-", " ").split())
 
 
 def _named(
     faces: tuple[StepFace, ...], field: str, name: str | None, kind: str
 ) -> tuple[StepFace, ...] | None:
-    """Faces of a name, all of which must have the wanted kind of surface."""
+    """Faces of a name, all of which must have the required kind of surface."""
     if name is None:
         return None
     found = tuple(face for face in faces if _plain(face.name) == _plain(name))

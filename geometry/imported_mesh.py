@@ -92,15 +92,15 @@ def mesh_imported_throw(
     Returns
     -------
     ThrowMesh
-        Of the whole part, in the throw frame. All faces that are neither ends nor pins, main journals,
-        fillets or bores are "web".
+        Of the whole part, in the throw frame. All faces other than ends, pins, main journals,
+        fillets and bores are "web".
 
     Raises
     ------
     InputError
-        If the file is not as it was when imported, or the mesh would have too many unknowns.
+        If the file has changed since it was imported, or the mesh would have too many unknowns.
     MeshError
-        If all ways fail; the message names the last reason.
+        If all strategies fail; the message states the last reason.
     """
     if hashlib.sha256(file_content(Path(throw.path))).hexdigest() != throw.digest:
         raise InputError(

@@ -1,7 +1,7 @@
-"""The parts of a CAD throw as far as stresses at its fillets need them: journals, pins, sections of webs.
+"""The parts of a CAD throw for stresses at its fillets: journals, pins, sections of webs.
 
-Journals, pins, fillets and bores are what was recognized; a web is the gap between two of them, and as
-wide as the mesh is there at the height that nominal stresses refer to.
+Journals, pins, fillets and bores are those recognized; a web is the gap between two of them, with the
+width of the mesh at the height that nominal stresses refer to.
 """
 
 from itertools import pairwise
@@ -30,7 +30,7 @@ def imported_parts(throw: ImportedThrow, mesh: ThrowMesh) -> ThrowParts:
     Returns
     -------
     ThrowParts
-        Each web as a plate of the one width that nominal stresses refer to.
+        Each web as a plate with the width that nominal stresses refer to.
     """
     corners = mesh.points[flat_triangles(mesh)]
     rows = list(pairwise(throw.cylinders))

@@ -1,6 +1,6 @@
-"""Call functions in a process of its own: gmsh may crash or hang there, and only the call is lost.
+"""Call functions in a separate process: gmsh may crash or hang there, and only the call is lost.
 
-The process is started once, serves one call after another, and ends with this one.
+The process is started once, handles one call after another, and ends with this one.
 """
 
 import atexit
@@ -55,9 +55,9 @@ class IsolatedProcess:
         function : str
             ``"module:name"``. If `on_remark` is given, the function gets a callable of that name.
         *arguments
-            What can be pickled.
+            Any that can be pickled.
         time_limit : float
-            Seconds until the next remark or the result.
+            Time limit to the next remark or the result [s].
         on_remark : callable, optional
             Called here with each remark that the function makes there.
 
@@ -88,5 +88,5 @@ def _process_of(_owner: int) -> IsolatedProcess:
 
 
 def shared_process() -> IsolatedProcess:
-    """Return the process that all calls from this one share; a forked child gets one of its own."""
+    """Return the process shared by all calls from this one; a forked child gets its own."""
     return _process_of(os.getpid())

@@ -51,7 +51,7 @@ class MassProperties:
 
 
 def check_density(density: object) -> None:
-    """Refuse a density that no body has.
+    """Refuse an impossible density.
 
     Raises
     ------
@@ -104,7 +104,7 @@ def mass_properties(mesh: ThrowMesh, density: float) -> MassProperties:
     Raises
     ------
     InputError
-        If the density is not above zero, or no number.
+        If the density is not a number above zero.
     """
     return solid_mass_properties(mesh.solid, mesh.part, mesh.length, density)
 
@@ -119,7 +119,7 @@ def solid_mass_properties(
 
 
 def mesh_mass_properties(mesh: ThrowMesh, density: float) -> MassProperties:
-    """Mass properties as `mass_properties` gives them, but integrated over the elements: the check."""
+    """Mass properties like those of `mass_properties`, but integrated over the elements, as a check."""
     where, volumes = element_quadrature(mesh.points, mesh.elements)
     volume = float(volumes.sum())
     center = volumes @ where / volume
@@ -157,7 +157,7 @@ def _whole_throw_mass(
 @summarized("static [kg m]", "dynamic [kg m^2]", "about [m]")
 @dataclass(frozen=True)
 class Unbalance:
-    """What a turning part does to its bearings: at the angular speed w, force w^2 `static`.
+    """Effect of a rotating part on its bearings: at the angular speed w, force w^2 `static`.
 
     Attributes
     ----------
@@ -165,9 +165,9 @@ class Unbalance:
         Static unbalance, the integral of (x, y) over the mass [kg m].
     dynamic : (2,) array
         Moment unbalance, the integral of (x, y) (z - `about`) over the mass [kg m^2]. The force that
-        turns with the part has the moments w^2 (-dynamic[1], dynamic[0]) about the x and y axes.
+        rotates with the part has the moments w^2 (-dynamic[1], dynamic[0]) about the x and y axes.
     about : float
-        Where along the shaft the moment is taken [m].
+        Point of the shaft about which the moment is taken [m].
     """
 
     static: NDArray[np.float64]
@@ -183,7 +183,7 @@ def unbalance(masses: MassProperties, about: float) -> Unbalance:
     masses : MassProperties
         Of a throw, or of a shaft.
     about : float
-        Where along the shaft moments are taken, usually the middle [m].
+        Point of the shaft about which moments are taken, usually the middle [m].
     """
     static = masses.mass * masses.center[:2]
     # The off-diagonal terms of the inertia tensor are the negative products about the center.

@@ -37,12 +37,12 @@ OnRemark = Callable[[tuple[str, ...]], None]
 
 @dataclass(frozen=True)
 class MeshingStrategy:
-    """One strategy for meshing a part, tried when those before it failed.
+    """One strategy for meshing a part, tried if those before it failed.
 
     Attributes
     ----------
     what : str
-        What is different.
+        Its difference.
     share : float
         Of the size factor.
     options : tuple of (name, value)
@@ -73,12 +73,12 @@ MESHING_STRATEGIES = (
 @summarized("part", "length [m]", "unknowns", "size_factor", "mended_elements")
 @dataclass(frozen=True)
 class ThrowMesh:
-    """A mesh of a throw or of the part of it that its symmetry leaves.
+    """A mesh of a throw or of the part of it required by its symmetry.
 
     Attributes
     ----------
     part : {"quarter", "half", "full"}
-        What is meshed: x >= 0 and z <= length / 2, only x >= 0, or everything.
+        The meshed part: x >= 0 and z <= length / 2, only x >= 0, or everything.
     length : float
         Length of the whole throw along the shaft [m].
     pins : tuple of str
@@ -91,17 +91,17 @@ class ThrowMesh:
         Corner node numbers (k, 3) of the facets of each named surface, counterclockwise from
         outside: "left end", "right end" (not of
         a quarter), "crank plane" and "middle plane" (the cuts), each of `pins`, "main journal",
-        "fillet", "web", and where there are any "bore" and "counterweight".
+        "fillet", "web", and "bore" and "counterweight" if present.
     size_factor : float
         The size factor the mesh was made with: 1 is the default, smaller is finer.
     mended_elements : int
-        Elements that were inside out and had their edges straightened.
+        Number of inverted elements whose edges were straightened.
     solid : SolidProperties
         Of the solid that was meshed, by the kernel.
     attempts : tuple of str
-        Ways of meshing that were tried before and why each failed; empty for most throws.
+        Strategies tried before and why each failed; empty for most throws.
     geometry_seconds : float
-        Time to build or open the solid, without meshing it; 0 if it was kept from the mesh before.
+        Time to build or open the solid, without meshing it; 0 if it was kept from the previous mesh.
     """
 
     part: str
@@ -129,7 +129,7 @@ class ThrowMesh:
         axes : matplotlib.axes.Axes, optional
             New ones by default.
         eye : (3,) array_like
-            Direction from the throw to the eye; the crank stands upright.
+            Direction from the throw to the eye; the crank is upright.
 
         Returns
         -------
@@ -163,8 +163,8 @@ def mesh_throw(
 ) -> ThrowMesh:
     """Mesh a throw in this process.
 
-    If a way of meshing fails, or its mesh has not the solid's volume, the next way of `MESHING_STRATEGIES` is
-    tried; none changes the part. The mesh says what was tried.
+    If a strategy fails, or its mesh does not have the solid's volume, the next of `MESHING_STRATEGIES` is
+    tried; none changes the part. The mesh records the attempts.
 
     Parameters
     ----------
@@ -173,25 +173,25 @@ def mesh_throw(
     size_factor : float
         Scales all element sizes; 1 gives about 1 % accuracy of the axial compliance.
     part : {"auto", "quarter", "half", "full"}
-        What to mesh; "auto" is the smallest that the throw's symmetry allows.
+        Part to mesh; "auto" is the smallest that the throw's symmetry allows.
     sizes : SizeMap, optional
         Element sizes that `size_factor` scales, instead of those planned from the dimensions.
     attempts : tuple of str, optional
-        Ways that failed elsewhere, and are passed over here.
+        Strategies that failed elsewhere, and are skipped here.
     on_remark : callable, optional
-        Told of all failed attempts before each way is tried.
+        Called with all failed attempts before each strategy.
 
     Returns
     -------
     ThrowMesh
-        The same bit for bit for the same input, in any process and thread.
+        Identical bit for bit for the same input, in any process and thread.
 
     Raises
     ------
     InputError
-        If the throw has not that symmetry, or the mesh would have too many unknowns.
+        If the throw lacks that symmetry, or the mesh would have too many unknowns.
     MeshError
-        If all ways fail; the message names the last reason.
+        If all strategies fail; the message states the last reason.
     """
     part = checked_part(throw, part)
     parts = throw.parts
@@ -213,7 +213,7 @@ def try_strategies(
     attempts: tuple[str, ...],
     on_remark: OnRemark | None,
 ) -> ThrowMesh:
-    """Try `MESHING_STRATEGIES` one after the other, passing over as many as `attempts` failed before.
+    """Try `MESHING_STRATEGIES` one after the other, skipping those that failed before in `attempts`.
 
     Raises
     ------
@@ -238,7 +238,7 @@ def all_failed(attempts: tuple[str, ...]) -> MeshError:
 
 
 def checked_part(throw: CrankThrow, part: str) -> str:
-    """Return the part that is meant, which the throw's symmetry must allow.
+    """Return the requested part, which the throw's symmetry must allow.
 
     Raises
     ------
@@ -294,7 +294,7 @@ def checked_mesh(
     unit: float = 1.0,
     **described: Any,
 ) -> ThrowMesh:
-    """Mesh the model, whose element sizes are set, and check what comes out.
+    """Mesh the model, whose element sizes are set, and check the result.
 
     Parameters
     ----------
@@ -310,7 +310,7 @@ def checked_mesh(
     Raises
     ------
     MeshError
-        If gmsh fails, or the mesh is not that of the solid.
+        If gmsh fails, or the mesh does not match the solid.
     """
     with gmsh_errors("mesh the throw"):
         gmsh.model.mesh.generate(3)
@@ -336,7 +336,7 @@ def checked_mesh(
 def read_mesh(
     gmsh: Any, surfaces: dict[str, list[int]]
 ) -> tuple[NDArray[np.float64], NDArray[np.int64], dict[str, NDArray[np.int64]]]:
-    """Take nodes, tetrahedra and named facets out of gmsh, nodes numbered from zero."""
+    """Read nodes, tetrahedra and named facets from gmsh, nodes numbered from zero."""
     tags, coordinates, _ = gmsh.model.mesh.getNodes()
     points = np.asarray(coordinates, dtype=float).reshape(-1, 3)
     number = np.full(int(tags.max()) + 1, -1, dtype=np.int64)

@@ -1,4 +1,4 @@
-"""The solid that is meshed, by the kernel, and what it and its mesh must fulfil."""
+"""The solid to be meshed, by the kernel, and the requirements on it and its mesh."""
 
 import math
 from dataclasses import dataclass
@@ -30,7 +30,7 @@ SMALLEST_QUALITY = 1e-3
 
 @dataclass(frozen=True)
 class SolidProperties:
-    """What the kernel says of the solid that was meshed.
+    """Properties of the meshed solid by the kernel.
 
     Attributes
     ----------
@@ -47,14 +47,14 @@ class SolidProperties:
     second_moments: NDArray[np.float64]
 
     def scaled(self, factor: float) -> "SolidProperties":
-        """Return those of a solid that is so many times as large."""
+        """Return those of a solid scaled by a factor."""
         return SolidProperties(
             self.volume * factor**3, self.center * factor, self.second_moments * factor**5
         )
 
 
 def check_budget(expected: int, size_factor: float) -> None:
-    """Refuse a mesh of too many expected unknowns, for any computer or for the memory that is free.
+    """Refuse a mesh of too many expected unknowns, for any computer or for the free memory.
 
     Raises
     ------
@@ -84,7 +84,7 @@ def solid_properties(gmsh: Any) -> SolidProperties:
 
 
 def check_solid(parts: ThrowParts, part: str, solid: SolidProperties) -> None:
-    """Refuse a solid that is not what was described: booleans may lose a part without a word.
+    """Refuse a solid that differs from its description: boolean operations may lose a part silently.
 
     Raises
     ------
@@ -116,7 +116,7 @@ def check_quality(points: NDArray[np.float64], elements: NDArray[np.int64]) -> N
 def check_volume(
     points: NDArray[np.float64], elements: NDArray[np.int64], solid: SolidProperties
 ) -> None:
-    """Refuse a mesh that has not the solid's volume.
+    """Refuse a mesh that does not have the solid's volume.
 
     Raises
     ------

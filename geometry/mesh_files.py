@@ -38,11 +38,11 @@ def write_mesh(
     mesh : ThrowMesh
         Coordinates are written in m.
     path : path
-        Its ending says the format: ``.msh`` (surfaces are physical groups), ``.inp`` (cell sets), ``.vtu``,
+        Its ending is the format: ``.msh`` (surfaces are physical groups), ``.inp`` (cell sets), ``.vtu``,
         ``.vtk``, ``.med`` (the cell data "surface" numbers volume and surfaces, in the order of
         the mesh's surfaces that are not empty), ``.stl``, ``.ply``, ``.obj`` (the surface alone).
     point_data : dict, optional
-        Values at the nodes, such as displacements, for formats that carry them.
+        Values at the nodes, such as displacements, for formats that support them.
 
     Returns
     -------
@@ -52,7 +52,7 @@ def write_mesh(
     Raises
     ------
     InputError
-        If the ending is unknown, or the file cannot be written or is somebody else's.
+        If the ending is unknown, or the file cannot be written or is not ours.
     MissingLibraryError
         If the format needs a package that is not installed.
     """
@@ -78,12 +78,12 @@ def write_mesh(
 
 
 def check_ending(path: Path) -> str:
-    """Return the ending of a file name in small letters.
+    """Return the ending of a file name in lower case.
 
     Raises
     ------
     InputError
-        If no mesh can be written with it.
+        If meshes cannot be written with it.
     """
     ending = path.suffix.lower()
     if ending not in ENDINGS:

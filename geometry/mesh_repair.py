@@ -1,4 +1,4 @@
-"""Curved tetrahedra that turned inside out: find them and straighten them."""
+"""Find inverted curved tetrahedra and straighten them."""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -32,10 +32,10 @@ def corner_quality(points: NDArray[np.float64], elements: NDArray[np.int64]) -> 
 def straighten_elements(
     points: NDArray[np.float64], elements: NDArray[np.int64]
 ) -> tuple[NDArray[np.float64], int]:
-    """Straighten edges of elements that curving turned inside out: half of the largest bow at a time.
+    """Straighten edges of inverted elements: half of the largest curvature at a time.
 
     Straightening one element changes its neighbors, so the check is repeated; no edge is straightened
-    more than it must be, for it leaves the solid's surface.
+    more than necessary, since it leaves the solid's surface.
 
     Parameters
     ----------
@@ -46,12 +46,12 @@ def straighten_elements(
     -------
     points : (n, 3) array
     mended : int
-        How many elements were straightened.
+        Number of elements straightened.
 
     Raises
     ------
     MeshError
-        If elements stay inside out.
+        If elements stay inverted.
     """
     mended: set[int] = set()
     points = points.copy()

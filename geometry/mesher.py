@@ -1,6 +1,7 @@
 """Mesh throws in a separate process, so that a crash of the mesher is contained."""
 
 from crankbase.calls import ProcessLostError
+from crankbase.checks.choices import check_kind
 from crankbase.errors import InputError
 from geometry.imported import ImportedThrow
 from geometry.imported_mesh import mesh_imported_throw, predict_imported_unknowns
@@ -25,24 +26,25 @@ def mesh_isolated(
     process: IsolatedProcess | None = None,
     time_limit: float = TIME_LIMIT,
 ) -> ThrowMesh:
-    """Mesh a throw in a process of its own.
+    """Mesh a throw in a separate process.
 
-    When a way of meshing ends the process or takes too long, a fresh one goes on with the next way.
+    If a strategy ends the process or takes too long, a new one continues with the next strategy.
 
     Parameters
     ----------
     throw, size_factor, part, sizes
-        As for `mesh_throw`, which says what is returned and raised.
+        As for `mesh_throw`, which describes the result and the errors.
     process : IsolatedProcess, optional
-        Where to mesh; the one that this process shares by default.
+        Process for meshing; by default the one shared in this process.
     time_limit : float
-        Seconds that one way of meshing may take; large meshes are given more.
+        Time limit of one strategy [s]; larger for large meshes.
 
     Raises
     ------
     MeshError
-        Also if gmsh crashes, or takes too long, in every way of meshing.
+        Also if gmsh crashes, or takes too long, with every strategy.
     """
+    check_kind("throw", throw, Throw, "a CrankThrow, or what import_throw returns")
     process = shared_process() if process is None else process
     if isinstance(throw, ImportedThrow) and part not in ("auto", "full"):
         raise InputError(
@@ -89,7 +91,7 @@ def mesh_here(
 
 
 def expected_unknowns(throw: Throw, size_factor: float, sizes: SizeMap | None = None) -> int:
-    """Predict the number of unknowns that analyzing a throw takes with a size factor."""
+    """Predict the number of unknowns of a throw's analysis with a size factor."""
     if sizes is not None:
         return sizes.expected_unknowns(size_factor)
     if isinstance(throw, ImportedThrow):

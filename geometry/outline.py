@@ -171,7 +171,7 @@ def obround(width: float, foot_radius: float, tip_radius: float, distance: float
     Raises
     ------
     InputError
-        If the width is reached nowhere, or one end swallows the other.
+        If the width is reached nowhere, or one end encloses the other.
     """
     half, largest = 0.5 * width, max(foot_radius, tip_radius)
     if largest < half * (1.0 - 1e-9):
@@ -303,7 +303,7 @@ def _without_tiny(pieces: list[Line | Arc], width: float) -> tuple[Line | Arc, .
 
 @dataclass(frozen=True)
 class OutlineKind:
-    """How the outline of a name is made.
+    """Construction of the outline of a name.
 
     Attributes
     ----------
@@ -311,7 +311,7 @@ class OutlineKind:
         Makes it of width, reach beyond the foot and the tip axis and their distance [m], and of its own
         `dimensions` by name.
     dimensions : tuple of str
-        Which of `OUTLINE_DIMENSIONS` it has.
+        Names in `OUTLINE_DIMENSIONS` that it has.
     round_ends : bool
         Whether the reach beyond an axis is the radius of the end about it.
     """

@@ -1,6 +1,6 @@
 """A throw as the sequence of its solid parts: journal, web, pin, web ... journal.
 
-Everything that draws, builds, checks or weighs a throw reads these, never the input's optional fields.
+Everything that draws, builds, checks or weighs a throw uses these, never the input's optional fields.
 """
 
 import math
@@ -32,7 +32,7 @@ class Cylinder:
     axis : (x, y)
         [m]
     radius, start, end : float
-        Radius and reach along z [m].
+        Radius and extent along z [m].
     start_fillet, end_fillet : float
         Radii of the fillets on the webs, 0 for none [m].
     bore_radius : float
@@ -40,7 +40,7 @@ class Cylinder:
     bore_axis : (x, y)
         [m]
     bore_start, bore_end : float
-        Reach of the bore along z, the adjoining webs included [m].
+        Extent of the bore along z, the adjoining webs included [m].
     """
 
     name: str
@@ -68,9 +68,9 @@ class Cylinder:
 
 @dataclass(frozen=True)
 class Slope:
-    """A web's thickness falling from a height `start` to its end, `drop` there [m].
+    """Decrease of a web's thickness from a height `start` to its end, by `drop` there [m].
 
-    `face` is the z of the face it is taken from, `inward` (+1 or -1) the direction into the web,
+    `face` is the z of the face that slopes, `inward` (+1 or -1) the direction into the web,
     `towards` +1 if it falls towards the tip, -1 towards the foot.
     """
 
@@ -82,14 +82,14 @@ class Slope:
     towards: float
 
     def depth(self, v: Array) -> Array:
-        """Material taken off at heights v [m]."""
+        """Material removed at heights v [m]."""
         share = (v - self.start) / (self.end - self.start)
         return np.asarray(self.drop * np.clip(share, 0.0, None))
 
 
 @dataclass(frozen=True)
 class Sector:
-    """A counterweight as built: radii, half of its angle [rad], reach along z [m]."""
+    """A counterweight as built: radii, half of its angle [rad], extent along z [m]."""
 
     outer_radius: float
     inner_radius: float
@@ -106,7 +106,7 @@ class WebPlate:
     ----------
     name : str
     start, end : float
-        Reach along z [m].
+        Extent along z [m].
     foot, tip : (x, y)
         Axes that it joins: the shaft's and the pin's; for a web between pins, theirs [m].
     outline : Outline
@@ -138,7 +138,7 @@ class WebPlate:
         return math.dist(self.foot, self.tip)
 
     def faces(self, v: Array) -> tuple[Array, Array]:
-        """Where along z it starts and ends at heights v from its foot [m]."""
+        """Start and end along z at heights v from its foot [m]."""
         start, end = np.full_like(v, self.start), np.full_like(v, self.end)
         for slope in self.slopes:
             if slope.inward > 0.0:

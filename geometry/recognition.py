@@ -43,7 +43,7 @@ ROUNDED_PER_BULK, HOLE_PER_BULK = 0.1, 0.02
 
 
 def recognize(path: str, digest: str, wanted: RequestedFaces) -> ImportedThrow:
-    """Find ends, pins and everything else that matters in a file's solid.
+    """Find ends, pins and all other features in a file's solid.
 
     Parameters
     ----------
@@ -74,7 +74,7 @@ def _check_length(path: str, length: float) -> None:
 
 
 class _Recognition:
-    """What is found in one solid, in the file's frame."""
+    """Features found in one solid, in the file's frame."""
 
     def __init__(self, gmsh: Any, solid: int, wanted: RequestedFaces, box: Sequence[float]) -> None:
         self._gmsh, self._solid, self._box = gmsh, solid, box
@@ -90,7 +90,7 @@ class _Recognition:
         self._pins = self._find_pins(wanted.pins)
 
     def throw(self, path: str, digest: str) -> ImportedThrow:
-        """Say it in the throw frame."""
+        """Transform them into the throw frame."""
         gmsh = self._gmsh
         x, y = self._pins[0].axis
         turn = math.atan2(x, y)
@@ -328,7 +328,7 @@ class _Recognition:
     def _reach(
         self, number: int, item: Round, fillets: dict[Zone, list[int]]
     ) -> tuple[float, float]:
-        """Where a journal or pin begins and ends, fillets included."""
+        """Start and end of a journal or pin, fillets included."""
         tags = {tag for end in ("start", "end") for tag in fillets.get((number, end), [])} | set(
             item.tags
         )

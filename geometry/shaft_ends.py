@@ -1,4 +1,4 @@
-"""The two ends of a crankshaft: what stands beyond the first and the last main journal."""
+"""The two ends of a crankshaft, beyond the first and the last main journal."""
 
 from typing import ClassVar, Self
 
@@ -9,7 +9,7 @@ from crankbase.model import InputModel, length_field
 
 
 class ShaftEnds(InputModel):
-    """A cylindrical free end and a round flange, each only where its two dimensions are given.
+    """A cylindrical free end and a round flange, each only if its two dimensions are given.
 
     Parameters
     ----------

@@ -43,12 +43,12 @@ SHARES = {"quarter": 0.25, "half": 0.5, "full": 1.0}
 
 @dataclass(frozen=True)
 class SizeZone:
-    """A place where elements are small.
+    """A region where elements are small.
 
     Attributes
     ----------
     zone : Zone
-        Which cylinder and which of its ends, or its bore, or all of its own surface ("round").
+        The cylinder and one of its ends, or its bore, or all of its own surface ("round").
     sharp : bool
         Whether it is a sharp corner (a curve) rather than a surface.
     size : float
@@ -228,7 +228,7 @@ def _outside(parts: ThrowParts) -> float:
 
 @dataclass(frozen=True)
 class SizeMap:
-    """Wished element sizes in and around a meshed part.
+    """Required element sizes in and around a meshed part.
 
     Attributes
     ----------
@@ -237,7 +237,7 @@ class SizeMap:
     tetrahedra : (m, 4) array
         Numbers of corner nodes.
     sizes : (n,) array
-        Wished size of the elements at each node [m]; between nodes it is interpolated.
+        Required size of the elements at each node [m]; interpolated between nodes.
     """
 
     points: Array

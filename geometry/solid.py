@@ -1,8 +1,8 @@
 """The solid of a throw in gmsh's OpenCASCADE kernel: whole, or its half or quarter by symmetry.
 
-A throw whose pins all lie in the crank plane is symmetric about x = 0: the half x >= 0 says
-everything about it. If its webs are alike it is symmetric about the middle as well, and a quarter
-is enough. The parts are built cut, for cutting a whole solid afterwards is slow and may fail.
+A throw whose pins all are in the crank plane is symmetric about x = 0: the half x >= 0 is
+sufficient. If its webs are equal it is symmetric about the middle as well, and a quarter
+is enough. The parts are built cut, since cutting a whole solid afterwards is slow and may fail.
 """
 
 import math
@@ -44,7 +44,7 @@ def build_solid(gmsh: Any, parts: ThrowParts, part: str) -> dict[str, list[int]]
         The initialized gmsh module, its current model empty.
     parts : ThrowParts
     part : {"quarter", "half", "full"}
-        What to build; the throw must have that symmetry.
+        Part to build; the throw must have that symmetry.
 
     Returns
     -------
@@ -57,7 +57,7 @@ def build_solid(gmsh: Any, parts: ThrowParts, part: str) -> dict[str, list[int]]
 
 
 def part_end(parts: ThrowParts, part: str) -> float:
-    """Where a part of a throw ends along z [m]."""
+    """End of a part of a throw along z [m]."""
     return parts.length / 2.0 if part == "quarter" else parts.length
 
 
@@ -98,7 +98,7 @@ def make_solid(gmsh: Any, parts: ThrowParts, part: str) -> Entity:
 
 
 def _cut(cylinder: Cylinder, limit: float) -> Cylinder:
-    """What of a cylinder lies before a cut at z = limit."""
+    """Part of a cylinder before a cut at z = limit."""
     if cylinder.end <= limit:
         return cylinder
     # The bore's tool passes the cut, so that the two do not share a face.
@@ -274,14 +274,14 @@ def _only_volume(entities: list[Entity]) -> Entity:
 
 
 def position_tolerance(parts: ThrowParts) -> float:
-    """Tolerance for telling positions apart [m]: far below any part, far above gmsh's own 1e-7 m."""
+    """Tolerance for distinguishing positions [m]: far below any part, far above gmsh's own 1e-7 m."""
     lengths = [c.end - c.start for c in parts.cylinders]
     lengths += [web.end - web.start for web in parts.webs if web.end > web.start]
     return 1e-3 * min(lengths)
 
 
 def _name(gmsh: Any, parts: ThrowParts, part: str) -> dict[str, list[int]]:
-    """Tell the surfaces apart by their kind and place."""
+    """Classify the surfaces by their kind and position."""
     tolerance = position_tolerance(parts)
     names = [LEFT_END, *([RIGHT_END] if part != "quarter" else [])]
     names += [CRANK_PLANE] if part != "full" else []

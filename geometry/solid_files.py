@@ -33,7 +33,7 @@ def write_step(solid: CrankThrow | Crankshaft, path: str | Path, part: str = "fu
     path : path
         A file ending in ``.step`` or ``.stp``.
     part : {"full", "half", "quarter", "auto"}
-        Of a throw; only what its symmetry allows.
+        Of a throw; only one that its symmetry allows.
 
     Returns
     -------
@@ -43,7 +43,7 @@ def write_step(solid: CrankThrow | Crankshaft, path: str | Path, part: str = "fu
     Raises
     ------
     InputError
-        If the ending is another, the throw has not that symmetry, or the file cannot be written.
+        If the ending is unknown, the throw lacks that symmetry, or the file cannot be written.
     MeshError
         If the kernel cannot build the solid.
     """

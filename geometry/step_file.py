@@ -1,6 +1,6 @@
-"""What gmsh does not tell of a STEP file: the names of its faces, and its unit of length.
+"""Names of faces and unit of length of a STEP file, which gmsh does not report.
 
-The text of ISO 10303-21 is read just far enough for that; the shape itself is read by gmsh's kernel.
+The text of ISO 10303-21 is read just far enough for this; the shape itself is read by gmsh's kernel.
 """
 
 import re
@@ -77,14 +77,14 @@ class StepFace:
 
 @dataclass(frozen=True)
 class StepFile:
-    """What the text says.
+    """Content of the text.
 
     Attributes
     ----------
     unit : float
         Unit of length [m].
     faces : tuple of StepFace
-        Those that have a name.
+        Faces with a name.
     """
 
     unit: float
@@ -103,7 +103,7 @@ def read_step(content: bytes, source: str) -> StepFile:
     content : bytes
         The file.
     source : str
-        What to call it in errors.
+        Its name in errors.
 
     Raises
     ------
@@ -165,7 +165,7 @@ def _decoded(content: bytes) -> str:
 
 
 class _Entities:
-    """The entities of a file by number, understood when asked for."""
+    """The entities of a file by number, understood when requested."""
 
     def __init__(self, text: str) -> None:
         self._records: dict[int, str] = {}

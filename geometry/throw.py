@@ -1,4 +1,4 @@
-"""One crank throw: its dimensions, their meaning, and checks that it can be built."""
+"""One crank throw: its dimensions, their meaning, and checks whether it can be built."""
 
 import math
 from functools import cached_property
@@ -22,7 +22,7 @@ class CrankThrow(ThrowDimensions):
     """The dimensions of one crank throw, from the middle of one main journal to that of the next.
 
     The first eight describe an ordinary throw: equal obround webs (the hull of two circles of
-    diameter B about the shaft and the crankpin axis), with fillets of one radius round both ends of
+    diameter B about the shaft and the crankpin axis), with fillets of one radius at both ends of
     journals and pin, on the web. All others are optional.
 
     Parameters
@@ -36,9 +36,9 @@ class CrankThrow(ThrowDimensions):
     fillet_radius : float, optional
         Radius of the fillets at main journals and pin [m]; 0 for sharp corners.
     main_journal_fillet_radius, pin_fillet_radius : float, optional
-        Where the two differ [m].
+        If the two differ [m].
     main_journal_bore, pin_bore : float, optional
-        d_km, d_shm [m]: diameters of bores that run through journal or pin and the webs beside it; in
+        d_km, d_shm [m]: diameters of bores that run through journal or pin and the adjacent webs; in
         a web they end where they meet the other journal.
     main_journal_bore_offset, pin_bore_offset : float, optional
         Distances of the bores' axes from the journals' [m], positive from the shaft towards the pin.
@@ -50,15 +50,15 @@ class CrankThrow(ThrowDimensions):
     web_corner_radius, web_corner_chamfer : float, optional
         Of a rectangle's corners [m].
     web_tip_thickness, web_foot_thickness : float, optional
-        Thickness at the pin end and at the journal end [m]: the web gets thinner along a slope on
+        Thickness at the pin end and at the journal end [m]: the web becomes thinner along a slope on
         its outer face from the main journal's fillet to the pin end, and on its inner face from the
         pin's fillet to the journal end.
     counterweight : Counterweight, optional
         On both webs.
     left_web, right_web : Web, optional
-        What one web has of its own.
+        Fields that differ on one web.
     further_pins : tuple of FurtherPin, optional
-        Pins that follow the first where a bearing is missing, or the other half of a split pin.
+        Pins that follow the first if a bearing is missing, or the other half of a split pin.
     oil_holes : tuple of OilHole, optional
         Straight drillings across pins and main journals.
 
@@ -77,7 +77,7 @@ class CrankThrow(ThrowDimensions):
     >>> round(throw.length, 6)
     0.395
 
-    Frozen; another one is made by `changed`, which checks it anew:
+    Frozen; `changed` makes another one, with all checks:
 
     >>> round(throw.changed(web_thickness=0.075).length, 6)
     0.409
@@ -96,7 +96,7 @@ class CrankThrow(ThrowDimensions):
 
     @property
     def pin_axes(self) -> tuple[tuple[float, float], ...]:
-        """Places (x, y) of the pins' axes [m]."""
+        """Positions (x, y) of the pins' axes [m]."""
         return tuple(pin.axis for pin in self.parts.pins)
 
     @property
@@ -106,7 +106,7 @@ class CrankThrow(ThrowDimensions):
 
     @property
     def overlap(self) -> float:
-        """Overlap s of main journal and pin, negative where none [m]."""
+        """Overlap s of main journal and pin, negative without overlap [m]."""
         return 0.5 * (self.main_journal_diameter + self.pin_diameter) - self.crank_radius
 
     @property
@@ -127,14 +127,14 @@ class CrankThrow(ThrowDimensions):
 
     @property
     def symmetry(self) -> str:
-        """The smallest part that says everything: "quarter", "half" (x >= 0) or "full"."""
+        """The smallest part that is sufficient: "quarter", "half" (x >= 0) or "full"."""
         if not self.parts.planar:
             return "full"
         return "quarter" if self.parts.mirrored and not self.further_pins else "half"
 
     @property
     def remarks(self) -> tuple[str, ...]:
-        """What can be built but is hardly meant, one sentence each."""
+        """Unusual features that can be built but are hardly intended, one sentence each."""
         return throw_remarks(self.parts)
 
     def plot(

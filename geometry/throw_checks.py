@@ -1,4 +1,4 @@
-"""What of a throw's dimensions fits together: every refusal names field, value, limit and reason."""
+"""Checks that a throw's dimensions fit together: every refusal names field, value, limit and reason."""
 
 import math
 from collections.abc import Callable
@@ -54,7 +54,7 @@ def check_throw(throw: ThrowDimensions, parts: ThrowParts) -> None:
     Parameters
     ----------
     throw : ThrowDimensions
-        For the names of what was given.
+        For the names of the given fields.
     parts : ThrowParts
         Its parts.
 
@@ -93,7 +93,7 @@ def check_throw(throw: ThrowDimensions, parts: ThrowParts) -> None:
 
 
 def fits_plainly(throw: ThrowDimensions) -> bool:
-    """Whether a throw of the first eight dimensions alone passes `check_throw`, told without its parts.
+    """Whether a throw with only the first eight dimensions passes `check_throw`, without its parts.
 
     Parameters
     ----------
@@ -102,7 +102,7 @@ def fits_plainly(throw: ThrowDimensions) -> bool:
     Returns
     -------
     bool
-        False where only `check_throw` can tell.
+        False if only `check_throw` can decide.
     """
     if not throw.model_fields_set <= FIRST_EIGHT:
         return False
@@ -125,7 +125,7 @@ def fits_plainly(throw: ThrowDimensions) -> bool:
 
 
 def throw_remarks(parts: ThrowParts) -> tuple[str, ...]:
-    """What can be built but is hardly meant: bores that come out in another journal's fillet.
+    """Features that can be built but are hardly intended: bores that open into another journal's fillet.
 
     Parameters
     ----------
@@ -149,7 +149,7 @@ def throw_remarks(parts: ThrowParts) -> tuple[str, ...]:
 
 
 def _check_proportions(throw: ThrowDimensions, parts: ThrowParts) -> None:
-    """Refuse parts so thin or short that a mesh of them would never end."""
+    """Refuse parts so thin or short that their mesh would be endless."""
     largest = max(
         *(2.0 * c.radius for c in parts.cylinders), *(math.hypot(*p.axis) for p in parts.pins)
     )
@@ -176,7 +176,7 @@ def _too_thin(name: str, value: float, lowest: float, largest: float) -> InputEr
 
 
 def _check_outlines(throw: ThrowDimensions) -> None:
-    """Dimensions that an outline has not must be absent, its steps and corners large enough to mesh."""
+    """Dimensions of other outlines must be absent, its steps and corners large enough to mesh."""
     outlines = {
         table: web_dimension(throw, table, "outline")[1] for table in ("left_web", "right_web")
     }
@@ -238,7 +238,7 @@ def _seats(parts: ThrowParts) -> list[list[tuple[Cylinder, float]]]:
 def _check_seat(
     throw: ThrowDimensions, parts: ThrowParts, web: WebPlate, cylinder: Cylinder, reach: float
 ) -> None:
-    """A journal must lie within its web, whose edge is so far from its axis."""
+    """A journal must be within its web, whose edge keeps a minimum distance from its axis."""
     # A journal whose surface is also that of the web cannot be meshed; a fillet keeps them apart.
     limit = 2.0 * reach / (1.0 if _fillet_on(web, cylinder) > 0.0 else 1.0 + SMALLEST_LEDGE)
     if 2.0 * cylinder.radius > limit:
@@ -257,7 +257,7 @@ def _fillet_on(web: WebPlate, cylinder: Cylinder) -> float:
 def _check_fillets(
     throw: ThrowDimensions, parts: ThrowParts, seats: list[list[tuple[Cylinder, float]]]
 ) -> None:
-    """Fillets must leave some of their journal, fit their webs, and be large enough to matter."""
+    """Fillets must leave part of their journal, fit their webs, and be large enough to matter."""
     given: dict[str, float] = {}
     limits: dict[str, list[tuple[float, Callable[[], str]]]] = {}
     lowest: dict[str, float] = {}

@@ -1,6 +1,6 @@
-"""The dimensions of one crank throw: fields, units and ranges, before anything is made of them.
+"""The dimensions of one crank throw: fields, units and ranges, before their combination is checked.
 
-The optional parts of a throw have tables of their own in a file, and so classes of their own here.
+The optional parts of a throw have their own tables in a file, and so their own classes here.
 """
 
 from typing import Any, ClassVar
@@ -34,7 +34,7 @@ class Counterweight(InputModel):
     thickness : float, optional
         Along the shaft [m]; the web's own by default.
     offset : float, optional
-        Of its middle from the middle of the web, positive towards the crankpin [m].
+        Offset of its middle from the middle of the web, positive towards the crankpin [m].
 
     Raises
     ------
@@ -73,7 +73,7 @@ class Counterweight(InputModel):
 
 
 class Web(InputModel):
-    """What one web has of its own; whatever is not given is as the throw says for both.
+    """Fields that differ on one web; by default as for both webs.
 
     Parameters
     ----------
@@ -119,9 +119,9 @@ class Web(InputModel):
 
 
 class FurtherPin(InputModel):
-    """A further crankpin with the web before it, where a main bearing is missing.
+    """A further crankpin with the web before it, if a main bearing is missing.
 
-    What is not given is as for the first pin. The web before it is obround, between the two pins.
+    By default its dimensions are those of the first pin. The web before it is obround, between the two pins.
 
     Parameters
     ----------
@@ -181,7 +181,7 @@ class FurtherPin(InputModel):
 class OilHole(InputModel):
     """A straight oil hole across a crankpin or a main journal.
 
-    It runs right through, or from the surface to the axis, or to the bore where there is one.
+    It runs right through, or from the surface to the axis or, if present, to the bore.
 
     Parameters
     ----------
@@ -190,7 +190,7 @@ class OilHole(InputModel):
     diameter : float
         [m]
     position : float, optional
-        Where its axis crosses that of the part: distance from the middle of the pin or of the whole main
+        Intersection of its axis with that of the part: distance from the middle of the pin or whole main
         journal, positive towards the flywheel [m].
     angle : float, optional
         Its direction from the axis of the part outward, counted from the crank (+y) about the shaft,
@@ -200,7 +200,7 @@ class OilHole(InputModel):
     exit_radius : float, optional
         Radius of its rounded exits; 0 for sharp ones [m].
     through : bool, optional
-        Whether it runs right through, and comes out opposite as well.
+        Whether it runs right through, with a second exit on the opposite side.
 
     Raises
     ------
@@ -248,7 +248,7 @@ class OilHole(InputModel):
 
 
 class ThrowDimensions(InputModel):
-    """What describes a throw; `geometry.throw.CrankThrow` says what each means and fits them together.
+    """The dimensions of a throw; see `geometry.throw.CrankThrow` for their meaning.
 
     Raises
     ------

@@ -1,4 +1,4 @@
-"""Which field of a throw gave the dimension of a part, and the sentence that refuses it."""
+"""The field of a throw that gave the dimension of a part, and the sentence that refuses it."""
 
 from crankbase.errors import InputError
 from crankbase.units.quantity import format_quantity
@@ -7,12 +7,12 @@ from geometry.throw_dimensions import ThrowDimensions, web_dimension
 
 
 def in_mm(value: float) -> str:
-    """Write a length [m] as refusals do."""
+    """Write a length [m] as in refusals."""
     return format_quantity(value, "m")
 
 
 def dimension_error(field: str, given: float, allowed: str, reason: str) -> InputError:
-    """Make the error of a dimension [m]: what was given, what is allowed and why."""
+    """Make the error of a dimension [m]: given value, allowed values and reason."""
     return InputError(f"throw.{field}: given {in_mm(given)}; allowed is {allowed}, {reason}.")
 
 

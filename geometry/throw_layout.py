@@ -1,4 +1,4 @@
-"""A throw's parts laid out from its dimensions, what is not given taken from what holds for all."""
+"""A throw's parts laid out from its dimensions and their defaults."""
 
 import math
 from collections.abc import Sequence
@@ -196,7 +196,7 @@ def _own_or_common(own: float | None, common: float) -> float:
 
 
 def _crank_axis(radius: float, angle: float) -> Point:
-    """Place of a pin's axis; exact for whole quarter turns, so that planar throws are planar."""
+    """Position of a pin's axis; exact for multiples of 90 deg, so that planar throws are planar."""
     quarters = angle / (0.5 * math.pi)
     if abs(quarters - round(quarters)) < 1e-12:
         x, y = ((0, 1), (-1, 0), (0, -1), (1, 0))[round(quarters) % 4]

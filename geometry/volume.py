@@ -1,4 +1,4 @@
-"""Volume of a throw from its parts, without any kernel: the check that the solid is what was meant."""
+"""Volume of a throw from its parts, without any kernel, to check the solid."""
 
 import math
 from collections.abc import Callable

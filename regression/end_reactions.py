@@ -1,21 +1,21 @@
-r"""Reactions of a throw from a few numbers of it, in exact equilibrium with the force on its pin.
+r"""Reactions of a throw from a few numbers, in exact equilibrium with the force on its pin.
 
-With Z on the pin towards the shaft (-y), T on it in the sense of rotation (-x), P the axial reaction, at
+With Z on the pin towards the shaft (-y), T on it in the sense of rotation (-x), P the axial reaction at
 z_p the pin's center, L the throw's length and R its crank radius, equilibrium leaves P and the end moments
-M_x, M_y unknown: all else follows from them. Ends pinned have no such moments. Guided ends are held with
-those of the throw that is free to lengthen (`fem.end_moments`), and of P::
+M_x, M_y unknown: all else follows from them. Pinned ends have no such moments. Guided ends have those of
+the throw that is free to lengthen (`fem.end_moments`), and of P::
 
     M_x = -+ L (m_Z Z - m_N P),    M_y = L (m_Ta +- m_To) T      (above: left end, below: right end)
 
-Between identical neighbors in a helix of equal webs, each turned by gamma against the one before, loads
-are of two kinds. Z, P and the torque T R / 2 through the throw are carried into themselves by a half turn
-about the crank's axis y: left end tilts (t, u) about x and y make (-t, u) of the right end, and where it
+Between identical neighbors in a helix of equal webs, each turned by gamma against the one before, there
+are two kinds of loads. Z, P and the torque T R / 2 through the throw are unchanged by a half turn
+about the crank's axis y: left end tilts (t, u) about x and y become (-t, u) of the right end, and where it
 meets the next throw's left end, M_y = -M_x tan(gamma / 2). The tilts are those of `fem.angle_law`, with
 a share sigma = 1 / (1 + rho cot^2(gamma / 2)) of what free tilts would be, so that
 
     M_x = -(1 - sigma) L (m_Z Z - m_N P) - sigma cot(gamma / 2) L m_T180 T
 
-The force T with half of its torque taken by either end is reversed by the half turn: right end tilts are
+The force T with half of its torque on each end is reversed by the half turn: right end tilts are
 (t, -u), M_x = M_y tan(gamma / 2), and M_y = (1 - sigma_x) L m_T0 T with sigma_x made of rho_x as sigma
 of rho. Since torque tilts the ends in the crank plane too, it lengthens the throw, by reciprocity::
 
@@ -62,7 +62,7 @@ NEEDED: Mapping[str, tuple[str, ...]] = {
 
 @dataclass(frozen=True)
 class ThrowLengths:
-    """Lengths of one or more throws that equilibrium needs [m].
+    """Lengths of one or more throws required for equilibrium [m].
 
     Attributes
     ----------
@@ -86,7 +86,7 @@ def end_reactions(
     Parameters
     ----------
     numbers : mapping
-        The numbers of `NEEDED` for one support, floats or arrays; which support it is they tell.
+        The numbers of `NEEDED` for one support, floats or arrays; they determine the support.
     lengths : ThrowLengths
     force : (..., 3) array
         On the pin, in the throw frame, none along z [N].

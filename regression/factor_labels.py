@@ -13,7 +13,7 @@ PAPER_SYMBOL = re.compile(r"[A-Za-z](_[a-z]+)?")
 
 @dataclass(frozen=True)
 class FactorLabel:
-    """How a factor stands in a printed equation: its symbol, its unit and that unit's size."""
+    """Label of a factor in a printed equation: its symbol, its unit and that unit's size."""
 
     symbol: str
     unit: str
@@ -45,14 +45,14 @@ def factor_label(name: str) -> FactorLabel:
 
 
 def factor_text(name: str) -> str:
-    """Write "web width B" for a diagram, in mathematics where the factor has a symbol."""
+    """Write "web width B" for a diagram, in math notation if the factor has a symbol."""
     symbol = factor_label(name).symbol
     words = name.replace("_", " ")
     return words if symbol == name else f"{words} {math_symbol(symbol)}"
 
 
 def term_text(name: str) -> str:
-    """Write the papers' symbols in a term such as "ln(L_shm)^2 h" in mathematics, free names in words."""
+    """Write the papers' symbols in a term such as "ln(L_shm)^2 h" in math notation, free names in words."""
 
     def word(found: re.Match[str]) -> str:
         text = found[0]

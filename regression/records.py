@@ -10,15 +10,15 @@ RUN, HELD_OUT, MEASURED = "run", "held out", "measured"
 
 
 class StudyStoppedError(RuntimeError):
-    """A study cannot go on, though nothing is wrong with its input; finished designs are kept.
+    """A study cannot continue, though nothing is wrong with its input; finished designs are kept.
 
-    The message is one sentence that says why.
+    The message is one sentence with the reason.
     """
 
 
 @dataclass(frozen=True)
 class Outcome:
-    """What became of one design: its responses, or the reason why it has none.
+    """Outcome of one design: its responses, or the reason why it has none.
 
     Attributes
     ----------
@@ -31,9 +31,9 @@ class Outcome:
     reason : str or None
         Why it has none.
     seconds : float
-        That it took.
+        Time of the calculation [s].
     lost : bool
-        Whether its worker died or was ended, which says nothing about the design: a later run tries
+        Whether its worker died or was ended, which is no property of the design: a later run tries
         it again.
     errors : mapping
         Response name to estimated relative error.
@@ -42,7 +42,7 @@ class Outcome:
     worker : str
         Machine and process that computed it.
     attempts : int
-        How often it was tried in the run that recorded it.
+        Number of attempts in the run that recorded it.
     """
 
     key: str
@@ -66,25 +66,25 @@ class Outcome:
 
 @dataclass(frozen=True)
 class ExtraRow:
-    """A row of a study that was not computed by it: an earlier result, or a measured throw.
+    """A row of a study that it did not compute: an earlier result, or a measured throw.
 
     Attributes
     ----------
     role : str
-        "run" and "held out" rows stand beside the study's own, "measured" ones are only compared.
+        "run" and "held out" rows are used like the study's own, "measured" ones are only compared.
     dimensions : mapping
-        Numeric field of the throw to SI value; of its parts ("counterweight.thickness") those that
-        the row itself gives.
+        Numeric field of the throw to SI value; for its parts ("counterweight.thickness") those
+        given in the row.
     outlines : mapping
-        Field of the throw that holds a word to that word.
+        Text field of the throw to its value.
     values : tuple of float or None
-        Values of the study's factors, in its order; None for a measured throw that has no such.
+        Values of the study's factors, in its order; None for a measured throw without them.
     responses : mapping
         Response name to SI value.
     errors : mapping
         Response name to estimated relative error, where known.
     source : str
-        Where the row comes from.
+        Origin of the row.
     """
 
     role: str

@@ -27,14 +27,14 @@ ANGLE_LAWS: Mapping[str, tuple[str, str, str]] = {
 
 @dataclass(frozen=True)
 class ResponseScale:
-    """How responses of a unit and dimensionless ones follow from each other.
+    """Conversion between responses of a unit and dimensionless ones.
 
     Attributes
     ----------
     symbol : str
         The dimensionless response, "{}" being the symbol of the response.
     value : callable
-        Material and pin diameter to what the dimensionless response is multiplied with.
+        Material and pin diameter to the factor on the dimensionless response.
     """
 
     symbol: str
@@ -58,7 +58,7 @@ def is_positive_response(response: str) -> bool:
 
 
 def response_scale(unit: str, dimensions: Mapping[str, Any], material: Material) -> Any:
-    """What a dimensionless response is multiplied with to give the response.
+    """Factor from a dimensionless response to the response.
 
     Parameters
     ----------

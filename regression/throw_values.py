@@ -70,19 +70,19 @@ def check_dimension(field: str, name: str, value: float) -> None:
 
 
 def format_value(name: str, value: float, unit: str | None = None) -> str:
-    """Format a value in the unit in which engineers read it: of its field, or the one given."""
+    """Format a value in its usual unit: that of its field, or the one given."""
     known = field_unit(name) if unit is None else unit
     return f"{value:g}" if not known else format_quantity(value, known)
 
 
 def throw_values(throw: CrankThrow, *, spelled_out: bool = False) -> dict[str, float | str]:
-    """Return everything that describes a throw, by name; what is absent or default is left out.
+    """Return all values that describe a throw, by name; absent and default ones are left out.
 
     Parameters
     ----------
     throw : CrankThrow
     spelled_out : bool
-        Whether to keep a dimension that is spelled out but has the value that it would have anyway,
+        Whether to keep a dimension that is given with the value that it would have anyway,
         such as a pin's fillet equal to all fillets: this throw is the same without it, but it does
         not follow when the other dimension changes.
 

@@ -1,4 +1,6 @@
-"""Angles that people give in degrees: checked, made radians, refused where they are radians already."""
+"""Angles given in degrees: checks, conversion to radians, refusal of evident radians."""
+
+from collections.abc import Iterable
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -20,7 +22,7 @@ def checked_degrees(field: str, angles_deg: ArrayLike, *, vector: bool = False) 
     Parameters
     ----------
     field : str
-        What to call them in messages.
+        Name of the values in messages.
     angles_deg : array_like
     vector : bool, optional
         Whether they must be of shape (m,).
@@ -28,7 +30,7 @@ def checked_degrees(field: str, angles_deg: ArrayLike, *, vector: bool = False) 
     Raises
     ------
     InputError
-        If one is not a finite number, or they are evenly spread over 2 pi or 4 pi: nobody takes so many
+        If one is not a finite number, or they are evenly spread over 2 pi or 4 pi: nobody uses so many
         even steps over 6.283 or 12.566 degrees.
     """
     given = (finite_vector if vector else finite_array)(field, angles_deg)
@@ -41,6 +43,21 @@ def checked_degrees(field: str, angles_deg: ArrayLike, *, vector: bool = False) 
     return given
 
 
+def refuse_many_turns(field: str, angles: Iterable[float]) -> None:
+    """Refuse angles of more than two turns [rad], which are degrees: (0, 120, 240).
+
+    Raises
+    ------
+    InputError
+    """
+    largest = max(angles, key=abs, default=0.0)
+    if abs(largest) > TURNS[-1] * (1.0 + SAME):
+        raise InputError(
+            f"{field}: given {largest:g} rad, more than two turns; allowed is -4 pi to 4 pi, because angles "
+            "of records are radians: in Python write math.radians(...) around degrees."
+        )
+
+
 def radians_of(field: str, angles_deg: ArrayLike, *, vector: bool = False) -> FloatArray:
     """Return angles given in degrees as radians; as `checked_degrees`."""
     return np.radians(checked_degrees(field, angles_deg, vector=vector))
@@ -49,8 +66,8 @@ def radians_of(field: str, angles_deg: ArrayLike, *, vector: bool = False) -> Fl
 def refuse_crank_radians(field: str, angles_deg: ArrayLike) -> None:
     """Refuse angles of cranks, or at which cylinders fire, that are radians: [0, 2.09, 4.19].
 
-    They are all within two turns as radians, and parts of a turn, one twelfth or more, if they are taken for
-    radians, but no round numbers as degrees.
+    Interpreted as radians they are all within two revolutions and simple fractions of one, one twelfth or
+    more, but they are not round numbers of degrees.
 
     Raises
     ------
@@ -67,9 +84,9 @@ def refuse_crank_radians(field: str, angles_deg: ArrayLike) -> None:
 
 
 def refuse_radians_between(field: str, angle_deg: float, low_deg: float, high_deg: float) -> None:
-    """Refuse one angle that lies between two in degrees if it is taken for radians.
+    """Refuse one angle in degrees that is within given bounds if interpreted as radians.
 
-    For angles that are more than a few degrees whatever they are.
+    For angles that are always more than a few degrees.
 
     Raises
     ------

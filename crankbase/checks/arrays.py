@@ -32,7 +32,7 @@ def finite_array(field: str, values: ArrayLike) -> FloatArray:
 
 
 def check_sizes(field: str, array: FloatArray | ComplexArray, largest: float = LARGEST) -> None:
-    """Refuse numbers that are not finite, or larger than can be calculated with.
+    """Refuse numbers that are not finite, or too large for calculations.
 
     Parameters
     ----------
@@ -158,12 +158,12 @@ def one_for_each(
     *,
     zero_allowed: bool = True,
 ) -> FloatArray:
-    """Return one value for each of what there are `count`; a single number stands for all.
+    """Return one value for each of `count` items; a single number applies to all.
 
     Parameters
     ----------
     field, of, unit, reason : str
-        What to call the values and what they belong to in messages, their unit, and why none may be
+        Name and owner of the values in messages, their unit, and why none may be
         negative.
     values : float or array_like of shape (count,)
     count : int
@@ -191,7 +191,7 @@ def complex_array(field: str, values: ArrayLike) -> ComplexArray:
     Raises
     ------
     InputError
-        If a value is no number, or the rows are of unequal length.
+        If a value is not a number, or the rows are of unequal length.
     """
     raw = regular_array(field, values, "iufc", "real and complex numbers")
     return np.array(raw, dtype=np.complex128)
@@ -227,7 +227,7 @@ def checked_range(field: str, ends: object, unit: str, reason: str) -> tuple[flo
     Raises
     ------
     InputError
-        If they are not such.
+        If they are not.
     """
     try:
         raw = np.asarray(ends)
@@ -242,7 +242,7 @@ def checked_range(field: str, ends: object, unit: str, reason: str) -> tuple[flo
 
 
 def read_only(array: FloatArray) -> FloatArray:
-    """Return the same array, closed to writing."""
+    """Return the same array, read-only."""
     array.setflags(write=False)
     return array
 
@@ -288,7 +288,7 @@ def _bounded_number(
 
 
 def _check_magnitudes(field: str, array: FloatArray, unit: str, *, zero_allowed: bool) -> None:
-    """Refuse numbers so large or small that their squares and quotients are none that a computer has."""
+    """Refuse numbers so large or small that their squares and quotients overflow or underflow."""
     largest = HIGHEST_SPEED if unit == _SPEED_UNIT else LARGEST
     least = 0.0 if zero_allowed else SMALLEST
     refused = (array > largest) | (array < least)

@@ -1,18 +1,19 @@
-"""Words and names that are allowed, and what a wrong one may have been meant for."""
+"""Allowed words and names, and suggestions for wrong ones."""
 
 from collections.abc import Iterable
 from difflib import get_close_matches
+from types import UnionType
 
 from crankbase.errors import InputError, quoted
 
 
 def check_choice(option: str, given: object, allowed: Iterable[str], because: str) -> None:
-    """Refuse what is none of the words allowed.
+    """Refuse a word that is not allowed.
 
     Raises
     ------
     InputError
-        If it is no word, or none of these.
+        If it is not a word, or not one of these.
     """
     words = list(allowed)
     if not isinstance(given, str) or given not in words:
@@ -21,8 +22,19 @@ def check_choice(option: str, given: object, allowed: Iterable[str], because: st
         )
 
 
+def check_kind(field: str, given: object, kind: type | UnionType, allowed: str) -> None:
+    """Refuse an object of another kind; `allowed` names what it must be.
+
+    Raises
+    ------
+    InputError
+    """
+    if not isinstance(given, kind):
+        raise InputError(f"{field}: given {quoted(given)}; allowed is {allowed}.")
+
+
 def check_not_given(option: str, given: object, shown: str, because: str) -> None:
-    """Refuse an option that what is shown has no use for.
+    """Refuse an option that does not apply to the chosen plot.
 
     Raises
     ------
@@ -44,9 +56,9 @@ def did_you_mean(given: str, names: Iterable[str], cutoff: float = 0.6, form: st
     given : str
     names : iterable of str
     cutoff : float
-        How close it must be, 0 to 1.
+        Required similarity, 0 to 1.
     form : str
-        How a name is written, such as ``"[{}]"``.
+        Format of a name, such as ``"[{}]"``.
 
     Examples
     --------
@@ -58,6 +70,6 @@ def did_you_mean(given: str, names: Iterable[str], cutoff: float = 0.6, form: st
 
 
 def allowed_names(given: str, names: Iterable[str]) -> str:
-    """Return which names are allowed in place of an unknown one, the one that may be meant first."""
+    """Return the allowed names for an unknown one, the most similar first."""
     known = list(names)
     return f"{did_you_mean(given, known)}allowed are {', '.join(known)}"

@@ -1,4 +1,4 @@
-"""What counts as a number, and as a whole one: True and False are neither."""
+"""Definition of numbers and whole numbers: True and False are neither."""
 
 import math
 import operator
@@ -12,7 +12,7 @@ MOST_COUNTED = 10_000_000
 
 
 def is_number(value: object) -> TypeGuard[float]:
-    """Whether this is one finite real number; True and False are none.
+    """Whether this is one finite real number; True and False are not.
 
     Examples
     --------
@@ -26,7 +26,7 @@ def is_number(value: object) -> TypeGuard[float]:
 
 
 def is_whole(value: object) -> TypeGuard[int]:
-    """Whether this is a whole number by its type: neither True nor 2.0 names a cylinder."""
+    """Whether this is a whole number by its type: True and 2.0 are not."""
     return isinstance(value, Integral) and not isinstance(value, bool)
 
 
@@ -41,7 +41,7 @@ def whole_within(field: str, given: object, low: int, high: int, reason: str) ->
     Raises
     ------
     InputError
-        If it is none.
+        If it is not.
     """
     if not is_whole_within(given, low, high):
         allowed = f"is {low}" if low == high else f"are the whole numbers {low} to {high}"
@@ -55,7 +55,7 @@ def whole_number(field: str, given: int, least: int, reason: str) -> int:
     Raises
     ------
     InputError
-        If it is no whole number, below `least`, or more than anything is counted to.
+        If it is not a whole number, below `least`, or unrealistically large.
     """
     try:
         number = None if isinstance(given, bool) else operator.index(given)

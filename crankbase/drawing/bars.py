@@ -28,9 +28,9 @@ def draw_groups(
     names : sequence of n str
         Of the groups, under the axis.
     series : mapping of str to (n,) array_like
-        Values by kind, in the unit of the axis; one bar of each kind stands in every group.
+        Values by kind, in the unit of the axis; one bar of each kind in every group.
     label : str
-        Of the upright axis, with its unit.
+        Label of the vertical axis, with its unit.
     """
     places, width = np.arange(len(names)), FILLED / len(series)
     for number, (kind, values) in enumerate(series.items()):
@@ -61,7 +61,7 @@ def draw_rows(
     colors: Sequence[str] | str = COLORS[0],
     texts: Sequence[str] | None = None,
 ) -> None:
-    """Draw lying bars from the top down, each with its value.
+    """Draw horizontal bars from the top down, each with its value.
 
     Parameters
     ----------
@@ -70,7 +70,7 @@ def draw_rows(
     values : (n,) array_like
         In the unit of the axis.
     label : str
-        Of the lying axis, with its unit.
+        Label of the horizontal axis, with its unit.
     colors : str or sequence of n str
     texts : sequence of n str, optional
         Written at the bars' ends; the values to three digits by default.
@@ -103,7 +103,7 @@ def draw_matrix(
     ----------
     axes : matplotlib.axes.Axes
     values : (n, m) array_like
-        In the unit that the title tells.
+        In the unit stated in the title.
     rows, columns : sequences of n and m str
     """
     from matplotlib.colors import LinearSegmentedColormap

@@ -1,4 +1,4 @@
-"""Curves over one axis, described once: drawn on paper here, and on a screen from the same description."""
+"""Curves over one axis: one description for paper here and for the screen."""
 
 from collections.abc import Iterable
 from dataclasses import dataclass
@@ -48,13 +48,13 @@ class Series:
     name : str
         In the legend.
     values : (m,) array
-        In the unit of the axis; nan leaves a gap.
+        In the unit of the axis; NaN leaves a gap.
     role : {"total", "plain sum", "limit", "order", "curve"}
-        What it is, which gives it its look.
+        Its role, which determines its style.
     number : int
         From 0 among those of its role.
     main : bool
-        Others are left out on paper, and wait in the legend on a screen.
+        Others are left out on paper, and hidden at first on a screen.
     color, dash : str
         Of a curve that has a role nowhere else.
     """
@@ -82,7 +82,7 @@ class Series:
 
 
 class Band(NamedTuple):
-    """A range of the lying axis that is shaded."""
+    """A shaded range of the horizontal axis."""
 
     low: float
     high: float
@@ -100,7 +100,7 @@ class Dots(NamedTuple):
 
 
 class Mark(NamedTuple):
-    """An upright line at a place of the lying axis."""
+    """A vertical line at a position of the horizontal axis."""
 
     place: float
     name: str
@@ -116,19 +116,19 @@ class Curves:
     x : (m,) array
         In the unit of the axis, ascending.
     series : tuple of Series
-        What is drawn later covers what is drawn before.
+        Later ones cover earlier ones.
     x_label, y_label : str
         With their units in brackets.
     top : float or None
-        Where the upright axis ends, which begins at zero; by the curves if None.
+        Upper end of the vertical axis, which begins at zero; from the curves if None.
     signed : bool
-        Whether the upright axis goes below zero, by the curves, with a line at zero.
+        Whether the vertical axis extends below zero, with a line at zero.
     x_step : float or None
-        Between the ticks of the lying axis.
+        Distance between the ticks of the horizontal axis.
     dots : tuple of Dots
     bands : tuple of Band
     marks : tuple of Mark
-        Of bands and marks the first of a name stands in the legend.
+        Of bands and marks of the same name the first is in the legend.
     """
 
     x: Array
@@ -144,7 +144,7 @@ class Curves:
 
     @property
     def x_range(self) -> tuple[float, float] | None:
-        """Ends of the lying axis; None for a single place."""
+        """Ends of the horizontal axis; None for a single position."""
         return (float(self.x[0]), float(self.x[-1])) if len(self.x) > 1 else None
 
     @property
@@ -154,7 +154,7 @@ class Curves:
 
 
 def bracketed(label: str) -> str:
-    """Return the unit that stands in brackets at the end of a label.
+    """Return the unit in brackets at the end of a label.
 
     Examples
     --------
@@ -206,7 +206,7 @@ def draw_lines(axes: "Axes", x: Array, series: Iterable[Series]) -> None:
 
 
 def draw_bands(axes: "Axes", bands: Iterable[Band]) -> None:
-    """Shade ranges of the lying axis."""
+    """Shade ranges of the horizontal axis."""
     named: set[str] = set()
     for low, high, color, name in bands:
         axes.axvspan(low, high, color=color, zorder=0, label=None if name in named else name)

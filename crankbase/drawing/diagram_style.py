@@ -1,4 +1,4 @@
-"""One look for all diagrams, without touching anybody's plot settings."""
+"""The common style of all diagrams, without changing the user's plot settings."""
 
 import re
 from collections.abc import Iterator
@@ -48,7 +48,7 @@ def figure(
     Raises
     ------
     InputError
-        If the file is not called .svg, has no folder, or is somebody else's.
+        If the file is not called .svg, has no folder, or is not ours.
     """
     path = Path(path)
     if path.suffix.lower() != ".svg" or not path.parent.is_dir():
@@ -87,7 +87,7 @@ def new_axes(axes: "Axes | None" = None, *, width: float = 7.2, height: float = 
     Returns
     -------
     matplotlib.axes.Axes
-        A new figure is one of pyplot's, which ``plt.show()`` shows.
+        A new figure is one of pyplot's, shown by ``plt.show()``.
     """
     if axes is not None:
         return axes
@@ -100,7 +100,7 @@ def new_axes(axes: "Axes | None" = None, *, width: float = 7.2, height: float = 
 
 
 def make_folder(folder: Path) -> None:
-    """Make a folder for diagrams, if it is not there.
+    """Create a folder for diagrams, if necessary.
 
     Raises
     ------
@@ -126,5 +126,5 @@ def math_symbol(symbol: str) -> str:
 
 
 def with_gaps(values: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Return values that leave a gap in their line where they are unbounded."""
+    """Return values with NaN where they are unbounded, for a gap in their line."""
     return np.where(np.isfinite(values), values, np.nan)

@@ -1,4 +1,4 @@
-"""Titles, legends and units, the same on axes of the reader's own as in a figure in the common style."""
+"""Titles, legends and units, the same on the user's axes as in a figure of the common style."""
 
 from typing import TYPE_CHECKING
 
@@ -13,7 +13,7 @@ SIZE, TITLE_SIZE = 8, 11
 
 
 def legend_below(axes: "Axes", columns: int) -> None:
-    """Put the legend below the axes, which keep their width whatever it says."""
+    """Put the legend below the axes, without changing their width."""
     from matplotlib.transforms import ScaledTranslation
 
     axes.legend(
@@ -28,7 +28,7 @@ def legend_below(axes: "Axes", columns: int) -> None:
 
 
 def legend_above(axes: "Axes", columns: int = 3) -> None:
-    """Put the legend above the curves, beside the title, where curves fill the axes."""
+    """Put the legend above the curves, next to the title, if curves fill the axes."""
     axes.legend(
         fontsize=SIZE,
         ncols=columns,
@@ -46,16 +46,16 @@ def legend_inside(axes: "Axes") -> None:
 def write_title(
     axes: "Axes", title: str, size: float = TITLE_SIZE, *, mathematics: bool = False
 ) -> None:
-    """Write a title over the left end of the axes, as it is, or with mathematics between ``$``."""
+    """Write a title over the left end of the axes, unchanged, or with math notation between ``$``."""
     shown = title if mathematics else plain_text(title)
     axes.set_title(shown, fontsize=size, loc="left")
 
 
 def plain_text(text: str) -> str:
-    r"""Return a text in which matplotlib sees no mathematics, such as a name that a user has given.
+    r"""Return a text without math notation for matplotlib, such as a name given by a user.
 
-    Two ``$`` would begin and end mathematics otherwise, and what stands between them ends the drawing
-    where it is none. To be done once, where the text is handed to matplotlib.
+    Otherwise two ``$`` would begin and end math notation, and invalid notation between them ends the drawing.
+    To be applied once, when the text is passed to matplotlib.
 
     Examples
     --------
@@ -66,7 +66,7 @@ def plain_text(text: str) -> str:
 
 
 def display_unit(unit: str) -> tuple[str, float]:
-    """Return the unit in which an axis shows an SI unit, as its label says it, and that unit's size.
+    """Return the display unit of an SI unit, as in labels, and that unit's size.
 
     Parameters
     ----------

@@ -1,1 +1,1 @@
-"""A table as columns over rows of SI values, the units it is shown in, and data frames."""
+"""A table as columns over rows of SI values, its display units, and data frames."""

@@ -1,4 +1,4 @@
-"""The optional packages for tables and grids: pandas and xarray, loaded when something is asked of them."""
+"""The optional packages for tables and grids: pandas and xarray, loaded on demand."""
 
 from collections.abc import Iterable, Mapping
 from importlib import import_module
@@ -16,7 +16,7 @@ Row: TypeAlias = dict[str, tuple[Any, str]]
 
 
 class Record(Protocol):
-    """A finding that stands in a list of its kind."""
+    """A row of a table of results."""
 
     def row(self) -> Row:
         """Return its values by column, each with its unit."""
@@ -60,7 +60,7 @@ def table_of(records: Iterable[Record]) -> "DataFrame":
     Parameters
     ----------
     records : iterable of records
-        All of one kind, each of which can say its ``row()``.
+        All of one kind, each with a method ``row()``.
 
     Returns
     -------
@@ -106,8 +106,8 @@ def grid(
     Returns
     -------
     xarray.Dataset
-        ``attrs["units"]`` and ``attrs["long_name"]`` of every array and coordinate say what it is.
-        All arrays are copies: what is done to the dataset leaves the result as it was.
+        ``attrs["units"]`` and ``attrs["long_name"]`` of every array and coordinate describe it.
+        All arrays are copies: changes of the dataset do not affect the result.
 
     Raises
     ------

@@ -1,7 +1,7 @@
-"""The units in which numbers are printed: SI as engineers read it, or units that the user names.
+"""The units in which numbers are printed: usual SI units, or units named by the user.
 
-Records and JSON are in SI units always. What is printed goes through one small object that is handed
-down to the tables: a column asks it for its unit, a sentence for itself in the units wished for.
+Records and JSON are in SI units always. All printed values use one small object that is passed
+to the tables: a column asks it for its unit, a sentence is converted into the chosen units.
 """
 
 import math
@@ -40,13 +40,13 @@ class OutputUnit:
     Attributes
     ----------
     name : str
-        As it stands in the head.
+        As in the table head.
     size : float
         Of the unit, in SI.
     wished : bool
-        Whether the user asked for it.
+        Whether the user requested it.
     replaced : float
-        Size of the unit that it stands in place of; its own where there is none.
+        Size of the unit that it replaces; its own if there is none.
     """
 
     name: str
@@ -66,7 +66,7 @@ class OutputUnit:
         return text
 
     def fixed(self, value: float, decimals: int) -> str:
-        """Write an SI number with so many decimals of the unit of SI; in another as finely at least."""
+        """Write an SI number with a number of decimals of the SI unit; in another at least as finely."""
         if self.wished:
             finest = self.replaced * 10.0**-decimals / self.size
             decimals = max(0, math.ceil(-math.log10(finest)))
@@ -85,12 +85,12 @@ class OutputUnit:
 
 @dataclass(frozen=True)
 class OutputUnits:
-    """The units that a user wishes to read; those of SI where none fits.
+    """The units chosen by the user; SI for all others.
 
     Parameters
     ----------
     wished : tuple of (kind, name, size)
-        As `parse_output_units` finds them.
+        From `parse_output_units`.
 
     Examples
     --------
@@ -106,7 +106,7 @@ class OutputUnits:
     wished: tuple[tuple[Kind, str, float], ...] = ()
 
     def of(self, printed: str) -> OutputUnit:
-        """Return the unit that stands in place of one of `UNITS`, or of a power of ten of it."""
+        """Return the unit that replaces one of `UNITS`, or a power of ten of it."""
         power = POWER_OF_TEN if printed.startswith(POWER_OF_TEN) else ""
         unit, size = UNITS[printed.removeprefix(POWER_OF_TEN)]
         found = self._converted(unit)
@@ -116,7 +116,7 @@ class OutputUnits:
         return OutputUnit(power + found[0], found[1] * scale, True, size * scale)
 
     def quantity(self, value: float, unit: str, digits: int = 6) -> str:
-        """Write a number in the SI unit `unit` with its unit, as people read it."""
+        """Write a number in the SI unit `unit` with its display unit."""
         if not self.wished or not unit or self._converted(unit) is None:
             return format_quantity(value, unit, digits)
         shown = DISPLAY_UNITS.get(unit, (unit, 1.0))[0]
@@ -139,7 +139,7 @@ class OutputUnits:
         return f"{_NUMBERS.sub(write, found['numbers'])} {own.name}"
 
     def _converted(self, unit: str) -> tuple[str, float] | None:
-        """Return name and size of the unit in place of an SI one: as a whole, else by its factors."""
+        """Return name and size of the unit that replaces an SI one: as a whole, else by its factors."""
         if not self.wished:
             return None
         whole = self._requested(unit)
@@ -172,7 +172,7 @@ def parse_output_units(text: str | None) -> OutputUnits:
     Raises
     ------
     InputError
-        If one is no unit, is of a kind that is never printed, or two are of one kind.
+        If one is not a unit, is of a kind that is never printed, or two are of one kind.
     """
     if text is None:
         return SI
@@ -231,7 +231,7 @@ def _printed_kinds() -> frozenset[Kind]:
 
 
 def _factors(unit: str) -> list[tuple[str, int]]:
-    """Take a unit apart: "rad/(N m)" into rad, N and m with their powers."""
+    """Split a unit: "rad/(N m)" into rad, N and m with their powers."""
     above, _, below = unit.partition("/")
     found = []
     for part, sign in ((above, 1), (below.strip("()"), -1)):

@@ -1,7 +1,7 @@
 """Tables: columns with names, units and digits over rows of plain SI values.
 
-What an analysis has to show it says once, as a table; the console, the report and files write it, each in
-its own way and in the units wished for.
+An analysis describes its results once, as a table; the console, the report and files write it, each in
+its own format and in the chosen units.
 """
 
 from collections.abc import Callable, Iterable, Sequence
@@ -24,23 +24,23 @@ class Column:
     Parameters
     ----------
     name : str
-        Without the unit; empty if the unit says what it is.
+        Without the unit; empty if the unit is sufficient.
     unit : str or OutputUnit
-        In which values are printed, such as "kN", unless the user wishes another; "%" for shares; an
-        `OutputUnit` stays as it is.
+        Unit of the printed values, such as "kN", unless the user chooses another; "%" for shares; an
+        `OutputUnit` is used unchanged.
     digits : int or None
-        Significant digits of a value; whole numbers have all of theirs. None for numbers that were given,
+        Significant digits of a value; whole numbers have all of theirs. None for given numbers,
         such as orders, which get no zeros at their end.
     decimals : int or None
-        Decimals in place of digits.
+        Decimals instead of digits.
     words : bool
-        Whether the column is set left.
+        Whether the column is left-aligned.
     joint : str
-        Between values in one cell.
+        Separator of values in one cell.
     missing : str
-        In place of None.
+        Text for None.
     bare : bool
-        Whether the head leaves the unit out, because that of a neighbor says it.
+        Whether the head leaves the unit out, because a neighbor has it.
 
     Examples
     --------
@@ -72,9 +72,9 @@ class Column:
     def text(
         self, cell: Cell, units: OutputUnits = SI, write: Callable[[float, int], str] | None = None
     ) -> str:
-        """Write a cell without the unit; `write` makes text of a number and its digits.
+        """Write a cell without the unit; `write` formats a number with its digits.
 
-        Where `write` needs fewer decimals than the column has, the number is written by it, so that it is
+        If `write` needs fewer decimals than the column has, it writes the number, so that it is
         rounded once.
         """
         if isinstance(cell, str):
@@ -116,11 +116,11 @@ class Table:
     rows : sequence of sequences of cells
         A cell for each column.
     note : str
-        What there is to say below.
+        Note below the table.
     marks : sequence of str
-        Of each row what it is, such as "over" a limit; empty if no row stands out.
+        Class of each row, such as "over" a limit; empty if no row is marked.
     merged : bool
-        Whether rows that read alike but for the first column are written as one.
+        Whether rows that differ only in the first column are combined.
     """
 
     title: str
@@ -145,7 +145,7 @@ class Table:
         title, note : str
         records : iterable
         *columns : tuple of (Column, str or callable)
-            Each with the key of its cells in the records, or with what makes a cell of a record.
+            Each with the key of its cells in the records, or a function that makes a cell of a record.
         """
         rows = [
             [record[cell] if isinstance(cell, str) else cell(record) for _, cell in columns]
@@ -177,7 +177,7 @@ class Table:
 
 
 def merged_rows(rows: list[list[str]]) -> list[list[str]]:
-    """Put rows that differ in the first column only into one, such as "1, 3" or "1 to 6"."""
+    """Combine rows that differ in the first column only, such as "1, 3" or "1 to 6"."""
     found: dict[tuple[str, ...], list[str]] = {}
     for first, *rest in rows:
         found.setdefault(tuple(rest), []).append(first)
@@ -185,7 +185,7 @@ def merged_rows(rows: list[list[str]]) -> list[list[str]]:
 
 
 def format_names(names: list[str]) -> str:
-    """Format a list of names, numbers that follow each other as "1 to 6"."""
+    """Format a list of names, consecutive numbers as "1 to 6"."""
     numbers = [int(name) for name in names if name.isdigit()]
     if len(numbers) == len(names) > 2 and numbers == [*range(numbers[0], numbers[0] + len(names))]:
         return f"{names[0]} to {names[-1]}"

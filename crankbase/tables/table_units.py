@@ -14,7 +14,7 @@ DIGITS, MOST_DECIMALS = 5, 4
 
 @dataclass(frozen=True)
 class TableUnit:
-    """How numbers of a table are written.
+    """Format of the numbers of a table.
 
     Parameters
     ----------
@@ -43,16 +43,16 @@ class TableUnit:
 
 
 def table_unit(values: Iterable[float], unit: str, units: OutputUnits = SI) -> TableUnit:
-    """Find a unit in which the largest number has five digits, and numbers beside it line up.
+    """Find a unit in which the largest number has five digits, with aligned decimals.
 
     Parameters
     ----------
     values : iterable of float
         In `unit`.
     unit : str
-        Such as "N m"; large numbers get "kN m".
+        For example "N m"; large numbers get "kN m".
     units : OutputUnits
-        What the user wishes to read; such a unit is taken as it is, without a thousandfold.
+        The user's choice; such a unit is used unchanged, without a thousandfold.
 
     Examples
     --------

@@ -1,1 +1,1 @@
-"""Quantities with units: read from text, shown to people, written with so many digits."""
+"""Quantities with units: read from text, displayed, written with a number of digits."""

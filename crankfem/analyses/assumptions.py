@@ -1,4 +1,4 @@
-"""What a calculation takes beside the values of an engine file: the one list of all that is assumed."""
+"""All assumptions of a calculation: defaults and assumed values of an engine file."""
 
 from collections.abc import Iterable
 
@@ -55,12 +55,12 @@ def input_values(file: EngineFile | MechanismFile) -> tuple[InputRecord, ...]:
     Parameters
     ----------
     file : EngineFile or MechanismFile
-        Of a mechanism what its forces rest on.
+        For a mechanism, only the values that its forces depend on.
 
     Returns
     -------
     tuple of InputRecord
-        Those of the file first. Each field is the one in which the value can be given.
+        Those of the file first. Each field is the one that can give the value.
     """
     engine = file if isinstance(file, EngineFile) else None
     mechanism = mechanism_of(engine) if engine is not None else file
@@ -74,7 +74,7 @@ def input_values(file: EngineFile | MechanismFile) -> tuple[InputRecord, ...]:
 
 
 def assumed_values(file: EngineFile | MechanismFile) -> tuple[InputRecord, ...]:
-    """Return the values that a file leaves open or calls assumed, each with its reason.
+    """Return the values that a file leaves open or marks as assumed, each with its reason.
 
     Parameters
     ----------
@@ -83,7 +83,7 @@ def assumed_values(file: EngineFile | MechanismFile) -> tuple[InputRecord, ...]:
     Returns
     -------
     tuple of InputRecord
-        The fields in which they can be given, with value, unit and reason.
+        The fields that can give them, with value, unit and reason.
 
     Examples
     --------
@@ -95,12 +95,12 @@ def assumed_values(file: EngineFile | MechanismFile) -> tuple[InputRecord, ...]:
 
 
 def is_assumed(engine_file: EngineFile, field: str) -> bool:
-    """Whether the file does not give a field, or calls its value assumed."""
+    """Whether the file does not give a field, or marks its value as assumed."""
     return all(record.assumed for record in engine_file.records if record.field == field)
 
 
 def _matters(record: InputRecord, mechanism: MechanismFile, engine: EngineFile | None) -> bool:
-    """Whether a default has any part in a result; what the file gives always stands in the list."""
+    """Whether a default affects a result; values of the file are always listed."""
     if record.source != "default":
         return True
     gas = mechanism.gas
@@ -128,7 +128,7 @@ def _model(section: str) -> type[InputModel]:
 
 
 def _of_mechanism(file: MechanismFile, given: set[str]) -> Iterable[InputRecord]:
-    """What motion, masses and gas pressure rest on."""
+    """Basis of motion, masses and gas pressure."""
     layout, material = file.layout, file.material
     if "material.density" not in given and material == STEEL:
         for name, value, unit in (
@@ -196,7 +196,7 @@ def _shown_of_cycle(name: str, value: float) -> str:
 
 
 def _of_shaft(engine: EngineFile, given: set[str]) -> Iterable[InputRecord]:
-    """What stands around the crankshaft."""
+    """Surroundings of the crankshaft."""
     held = bearing_stiffness(engine)
     if held.assumed:
         yield _assumed(
@@ -234,7 +234,7 @@ def _of_shaft(engine: EngineFile, given: set[str]) -> Iterable[InputRecord]:
 
 
 def _of_damping(engine: EngineFile) -> Iterable[InputRecord]:
-    """The magnifiers, where something is forced."""
+    """The magnifiers, if vibration is forced."""
     if engine.gas is None and engine.gas_map is None:
         return
     damping = engine.damping
@@ -257,7 +257,7 @@ def _whole_only(engine: EngineFile, name: str) -> bool:
 
 
 def _of_limits(engine: EngineFile) -> Iterable[InputRecord]:
-    """The rule that is picked for the crankshaft's stress where the file gives no limit, and its steel."""
+    """The rule for the crankshaft's stress if the file gives no limit, and its steel."""
     limits = engine.limits
     if engine.gas is None and engine.gas_map is None:
         return

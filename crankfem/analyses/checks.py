@@ -1,4 +1,4 @@
-"""The self-checks of a run: what was checked, how well it holds, and what it has to hold to.
+"""The self-checks of a run: what was checked, the residual, and the permitted residual.
 
 Every check is a record: its name, the figure found, the unit of the figure ("1" for a share, else a
 word), the unit to show it in ("%" for a share that is more than round-off), what is allowed or None, whether
@@ -26,18 +26,18 @@ def unbalanced_share(
     force: ArrayLike,
     at: ArrayLike,
 ) -> float:
-    """Return what the reactions of the ends leave unbalanced of a force, beside its size.
+    """Return the unbalanced part of the reactions to a force, relative to its size.
 
     Parameters
     ----------
     ends : sequence of mappings
         "force" [N] and "moment" [N m], each (3,), of the supports on the shaft.
     places : (ends, 3) array
-        Where they act [m].
+        Their positions [m].
     force : (3,) array
-        What acts on the pin [N].
+        Force on the pin [N].
     at : (3,) array
-        Where its resultant acts [m].
+        Position of its resultant [m].
 
     Returns
     -------
@@ -59,7 +59,7 @@ def unbalanced_share(
 def run_checks(
     found: Mapping[str, Any], length: float, pin_center: Sequence[float]
 ) -> list[Record]:
-    """Return all self-checks that the results of a run allow.
+    """Return all self-checks possible with the results of a run.
 
     Parameters
     ----------
@@ -96,7 +96,7 @@ def _check(
     allowed: float | None = None,
     met: bool | None = None,
 ) -> Record:
-    """Make a record; without `met`, the figure is held against what is allowed."""
+    """Make a record; without `met`, the figure is compared with the permitted one."""
     if met is None and allowed is not None and figure is not None:
         met = abs(figure) <= allowed
     return {
@@ -113,7 +113,7 @@ def _check(
 def throw_checks(
     throw: Mapping[str, Any], length: float, pin_center: Sequence[float]
 ) -> list[Record]:
-    """Return the self-checks that the results of a throw allow; arguments as for `run_checks`."""
+    """Return the self-checks possible with the results of a throw; arguments as for `run_checks`."""
     stiffness = throw["stiffness"]
     radial = (0.0, -float(throw["radial_force"]), 0.0)
     worst = max(

@@ -1,4 +1,4 @@
-"""What a whole engine's calculation would refuse at its end, found out before anything is computed."""
+"""Checks, before anything is computed, of all that would be refused at the end of an engine's run."""
 
 from crankfem.analyses.shaft.law_source import refuse_law
 from crankfem.analyses.shaft.regression_source import chosen_regressions, refused

@@ -1,4 +1,4 @@
-"""What a file of quantities was understood as: for the command check, before anything is computed."""
+"""How a file of quantities is understood: for the command check, before anything is computed."""
 
 from collections.abc import Iterable
 from dataclasses import dataclass, field
@@ -37,17 +37,17 @@ MECHANISM_COMMANDS = ("mechanism", "harmonics", *THROW_COMMANDS)
 
 @dataclass(frozen=True)
 class CheckedFile:
-    """A valid file, and what it was understood as.
+    """A valid file, and how it is understood.
 
     Attributes
     ----------
     path : Path
     kind : {"engine", "mechanism", "throw", "hinge", "chain"}
     name : str or None
-        What the file calls it.
+        Its name in the file.
     sections : tuple of str
     commands : tuple of str
-        That the file serves.
+        That can use the file.
     inputs : tuple of InputRecord
         Every value with its source.
     throw : CrankThrow or None
@@ -77,7 +77,7 @@ class CheckedFile:
 
 
 def check_file(given: str) -> CheckedFile:
-    """Read a file as what it describes, and check it.
+    """Read a file of any kind, and check it.
 
     Parameters
     ----------
@@ -131,7 +131,7 @@ def _throw_record(throw: CrankThrow | None, material: Material) -> Record:
 
 
 def shape_record(throw: CrankThrow) -> Record:
-    """What the dimensions make: sizes that follow, and how much of the throw must be solved."""
+    """Quantities that follow from the dimensions, and the part of the throw to be solved."""
     return {
         **attributes(throw, "length", "overlap", "volume", "remarks"),
         "pins": len(throw.parts.pins),
@@ -140,7 +140,7 @@ def shape_record(throw: CrankThrow) -> Record:
 
 
 def _dimensions(throw: CrankThrow) -> list[Record]:
-    """The dimensions as understood [m], those that are there."""
+    """The dimensions as understood [m], if given."""
     return [
         {
             "name": name,
@@ -203,7 +203,7 @@ def _throw(read: ThrowFile, content: TomlFile) -> CheckedFile:
 
 def _mechanism(read: MechanismFile, content: TomlFile) -> CheckedFile:
     study = ("doe",) if "study" in content.sections else ()
-    gas = (_without_gas(),) if read.power is None else (read.power.sentence,)
+    gas = (_without_gas(),) if read.power is None else _power(read)
     return CheckedFile(
         read.path,
         "mechanism",
@@ -235,8 +235,7 @@ def _engine(read: EngineFile, content: TomlFile) -> CheckedFile:
     refuse_what_cannot_run(read)
     study = ("doe",) if read.study is not None else ()
     mechanism = _checked_mechanism(read)
-    power = () if mechanism.power is None else (mechanism.power.sentence,)
-    remarks = [_thrust_bearing(read), *mechanism.remarks, *power]
+    remarks = [_thrust_bearing(read), *mechanism.remarks, *_power(mechanism)]
     if read.gas is None:
         remarks.append(_without_gas())
     if read.limits is None and read.gas is not None:
@@ -279,7 +278,7 @@ def _engine(read: EngineFile, content: TomlFile) -> CheckedFile:
 
 
 def excluded_designs(planned: PlannedStudy) -> tuple[str, ...]:
-    """Say how many designs of a study are left out, and why the first one is."""
+    """State how many designs of a study are excluded, and why the first one is."""
     runs = sum(design.role == RUN for design in planned.designs)
     excluded = [design for design in planned.excluded if design.role == RUN]
     if not excluded:
@@ -291,7 +290,7 @@ def excluded_designs(planned: PlannedStudy) -> tuple[str, ...]:
 
 
 def _thrust_bearing(read: EngineFile) -> str:
-    """Say which bearing is meant."""
+    """State which bearing is meant."""
     place, count = read.thrust_bearing.main_bearing, len(read.throw_angles_deg) + 1
     return f"thrust bearing at main bearing {place} of {count}, counted from 1 at the free end"
 
@@ -306,6 +305,12 @@ def _checked_mechanism(read: EngineFile) -> MechanismFile:
     if not full_load_only(mechanism):
         pressures_at(mechanism, [read.engine.lowest_speed, read.engine.highest_speed])
     return mechanism
+
+
+def _power(mechanism: MechanismFile) -> tuple[str, ...]:
+    """What is said of the power; one that does not fit is a warning of the mechanism already."""
+    power = mechanism.power
+    return () if power is None or not power.consistent else (power.sentence,)
 
 
 def _without_gas() -> str:

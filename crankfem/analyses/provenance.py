@@ -1,4 +1,4 @@
-"""What a run was made with: versions, machine, times, and how to repeat it."""
+"""Provenance of a run: versions, machine, times, and how to repeat it."""
 
 import datetime
 import hashlib
@@ -32,7 +32,7 @@ LONGEST_QUOTED = 200_000
 
 
 def provenance_record() -> Record:
-    """Provenance of the numbers: which program made them, with what, and when."""
+    """Provenance of the numbers: program, libraries and time."""
     return {
         "program": "crankfem",
         "version": program_version(),
@@ -47,7 +47,7 @@ def provenance_record() -> Record:
 
 
 def program_version() -> str:
-    """Version of crankfem; of a checkout that is not installed, what its project file says."""
+    """Version of crankfem; of a checkout that is not installed, that in its project file."""
     try:
         return version("crankfem")
     except PackageNotFoundError:
@@ -62,7 +62,7 @@ def program_version() -> str:
 def repeat_record(
     files: Sequence[Record], seconds: Mapping[str, float], model: str | None = None
 ) -> Record:
-    """What is needed to repeat a run.
+    """Return the data needed to repeat a run.
 
     Parameters
     ----------
@@ -71,7 +71,7 @@ def repeat_record(
     seconds : mapping
         Step of the run to the time it took [s].
     model : str, optional
-        Saved compliance model that was taken by an option.
+        Saved compliance model given by an option.
 
     Returns
     -------
@@ -87,7 +87,7 @@ def repeat_record(
 
 
 def file_records(engine_file: Path, tables: Iterable[Path]) -> list[Record]:
-    """Read the files of a run as they are now.
+    """Read the files of a run in their present state.
 
     Parameters
     ----------
@@ -98,7 +98,7 @@ def file_records(engine_file: Path, tables: Iterable[Path]) -> list[Record]:
     Returns
     -------
     list of dict
-        "name", where the engine file looks for it; "sha256"; "text", None if it is very long.
+        "name", relative to the engine file; "sha256"; "text", None if it is very long.
     """
     return [
         _file_record(path, _relative_name(engine_file, path))
@@ -119,7 +119,7 @@ def run_command(name: str) -> str:
 
 
 def _relative_name(engine_file: Path, path: Path) -> str:
-    """Name of a file as the engine file may call it: with its folders, a shipped table without."""
+    """Name of a file for use in the engine file: with its folders, a shipped table without."""
     for folder in (engine_file.parent, data_folder() / "tables"):
         if path.absolute().is_relative_to(folder.absolute()):
             return path.absolute().relative_to(folder.absolute()).as_posix()

@@ -1,4 +1,4 @@
-"""What all records for JSON and tables share."""
+"""Common parts of all records for JSON and tables."""
 
 import json
 import math
@@ -18,7 +18,7 @@ ASSUMED = "Assumed: "
 
 
 def assumed_values(records: Iterable[InputRecord]) -> list[Record]:
-    """Return field, value, reason and effect of the inputs that nobody gave."""
+    """Return field, value, reason and effect of the assumed inputs."""
     return [
         {
             "field": record.field,
@@ -42,7 +42,7 @@ def json_text(content: Mapping[str, Any], indent: int | None = None) -> str:
     Raises
     ------
     SolveError
-        With the name of the first number that is not.
+        Naming the first number that is not.
     """
     try:
         return json.dumps(content, indent=indent, allow_nan=False) + "\n"
@@ -82,9 +82,9 @@ def attributes(source: object, *names: str) -> Record:
 
 
 def plain(content: Mapping[str, Any]) -> Record:
-    """Return content as JSON holds it: arrays and tuples as lists, what is unbounded as None.
+    """Return content for JSON: arrays and tuples as lists, unbounded values as None.
 
-    What is no number stays, for `json_text` to refuse.
+    NaN stays, for `json_text` to refuse.
 
     Examples
     --------

@@ -1,7 +1,7 @@
-"""The unit beside every number of a record: what stands under "units" in JSON.
+"""The unit of every number of a record: the content of "units" in JSON.
 
-The unit of a number hangs on its name, and where one name means several things on the names around it.
-`units_of` looks each number of a record up, by the rule by which its readers do, in what is declared here
+The unit of a number depends on its name, and if a name is ambiguous on the names around it.
+`units_of` looks each number of a record up, by the same rule as its readers, in the declarations here
 and in the fields of input files.
 """
 
@@ -134,14 +134,14 @@ _GROUPS = {
 
 
 def with_units(content: Record, within: str = "") -> Record:
-    """Return a record with the units of its numbers under "units"; without numbers as it is.
+    """Return a record with the units of its numbers under "units"; unchanged if it has no numbers.
 
     Parameters
     ----------
     content : dict
         JSON content.
     within : str, optional
-        Name under which such content stands in other records, "torque" or "axial".
+        Name under which such content appears in other records, "torque" or "axial".
     """
     if "units" in content:
         return content
@@ -156,10 +156,10 @@ def units_of(content: Record, within: str = "") -> dict[str, str]:
     -------
     dict of str to str
         By the end of a number's path: names with dots between, lists not counted, "*" for any last name.
-        Of those that fit a number the one of most names tells its unit, before one with "*". "1" is the
-        unit of plain numbers. After a dot stands the key, beside the number or in the next object around
-        it, that tells the unit: as text, or by name or place as the numbers stand. What nothing is declared
-        of is left out.
+        Of those that match a number, the one with most names has its unit, before one with "*". "1" is the
+        unit of plain numbers. A unit that begins with a dot names the key, next to the number or in the next
+        object around it, with the unit: as text, or by name or position like the numbers. Numbers without a
+        declaration are left out.
     """
     found = {}
     for path in dict.fromkeys(number_paths(content)):
@@ -183,7 +183,7 @@ def number_paths(content: object, path: tuple[str, ...] = ()) -> Iterator[tuple[
 
 
 def _unit_at(path: tuple[str, ...]) -> tuple[str, str] | None:
-    """Find the unit of the number at a path, and the end of the path that tells it."""
+    """Find the unit of the number at a path, and the end of the path that determines it."""
     places = _places()
     for start in range(len(path)):
         for last in (path[-1], "*"):
@@ -212,7 +212,7 @@ def _by_name(declared: Mapping[str, str]) -> dict[str, str]:
 
 @cache
 def _unit_of_name(name: str) -> str | None:
-    """Find the unit of a name that means one thing, as a field of input, by itself or by its last words."""
+    """Find the unit of an unambiguous name, as a field of input, from itself or its last words."""
     own = name.rpartition(".")[2]  # of a field such as "further_pins.0.length"
     parts = own.split("_")
     ends = {"_".join(parts[start:]) for start in range(len(parts))}
@@ -230,7 +230,7 @@ def _unit_of_response(name: str) -> str | None:
 
 
 def _fields(model: type[InputModel]) -> dict[str, str]:
-    """Units of a record of input and of its parts by field; a choice is told by its number."""
+    """Units of a record of input and of its parts by field; those of a choice by its number."""
     found: dict[str, str] = {}
     for name, info in model.model_fields.items():
         part = part_kind(info)

@@ -1,4 +1,4 @@
-"""What stands above a picture, of which engine and at which speed it is, and names below its axis."""
+"""Titles of pictures with engine and speed, and names below an axis."""
 
 from typing import Any
 
@@ -23,14 +23,14 @@ def at_speed(engine: str, speed: float) -> str:
 
 
 def add_title(axes: Any, title: str) -> None:
-    """Put a title above all axes of a figure, as it is, unless it is empty."""
+    """Put a title above all axes of a figure, unchanged, unless it is empty."""
     if title:
         figure = np.atleast_1d(axes)[0].figure
         figure.suptitle(plain_text(title), fontsize=11, x=0.01, ha="left")
 
 
 def short_name(name: str) -> str:
-    r"""Return a node's name as it stands below an axis; a node within a shaft of several parts has none.
+    r"""Return a node's name for the axis below a diagram; a node within a shaft of several parts has none.
 
     Examples
     --------

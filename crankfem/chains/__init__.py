@@ -1,4 +1,4 @@
-"""Chains: made larger and joined, with gears, shafts by theory and ground; text; critical speeds.
+"""Chains: editing and joining, gears, shafts by theory, ground; text; critical speeds.
 
 >>> import crankfem as cf
 >>> chain = cf.Chain([0.1, 0.78], [9e5])

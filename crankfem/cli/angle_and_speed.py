@@ -1,4 +1,4 @@
-"""The angle of --gamma and the speed of --speed: checked, and the angle written as it counts."""
+"""The angle of --gamma and the speed of --speed: checks, and the text of the angle."""
 
 import math
 
@@ -32,7 +32,7 @@ def parse_gamma(text: str, quiet: bool = False) -> float:
 
 
 def angle_text(gamma_deg: float) -> str:
-    """Write an angle between neighboring cranks [deg], and as what it counts.
+    """Write an angle between neighboring cranks [deg], and the equivalent one in use.
 
     Examples
     --------

@@ -25,7 +25,7 @@ def write_rows(
     names : sequence of n str
     rows : iterable of sequences of n cells
     heading : str, optional
-        What the first line says after a number sign; no such line if empty.
+        Content of the first line after a number sign; no such line if empty.
     """
     with atomic_file(path, "table") as part, part.open("w", encoding="utf-8", newline="") as file:
         if heading:

@@ -1,4 +1,4 @@
-"""How the command line talks: tables on standard output, progress and errors on standard error."""
+"""Output of the command line: tables on standard output, progress and errors on standard error."""
 
 import os
 import sys
@@ -19,6 +19,7 @@ from rich.table import Table as RichTable
 from crankbase.errors import InputError, with_short_quotes
 from crankbase.tables.output_units import SI, OutputUnits
 from crankbase.tables.table import Table
+from crankbase.units.quantity import split_quantity
 from crankfem.cli.interrupts import interrupted_sentence, interrupts_raise
 from crankfem.jobs.error_sentences import TRACEBACK, describe_error
 from crankfem.jobs.exit_codes import EXIT_INPUT, EXIT_INTERRUPTED, EXIT_PIPE
@@ -38,7 +39,7 @@ output = Console(markup=False)
 def print_json(content: dict[str, Any], within: str = "") -> None:
     """Print JSON content with the units of its numbers, and nothing else, on standard output.
 
-    `within` is the name under which such content stands in other documents, "torque" or "axial".
+    `within` is the name under which such content appears in other documents, "torque" or "axial".
     """
     from crankfem.analyses.record import json_text
     from crankfem.analyses.record_units import with_units
@@ -83,7 +84,7 @@ def print_note(text: str, quiet: bool = False) -> None:
 
 
 def print_table(table: Table, units: OutputUnits = SI, *, plain: bool = False) -> None:
-    """Print a table and its note; the first column and columns of words are set left.
+    """Print a table and its note; the first column and columns of words are left-aligned.
 
     With `plain` there is a line below the heads only.
     """
@@ -125,7 +126,7 @@ def clear_errors() -> Iterator[None]:
     """End with one sentence and an exit code instead of a traceback.
 
     The codes are those of `crankfem.jobs.exit_codes`. With the environment variable CRANKFEM_TRACEBACK the
-    traceback of whatever ends the program stands before the sentence.
+    traceback of any exit is printed before the sentence.
     """
     try:
         yield
@@ -155,13 +156,13 @@ class ReportedExit(SystemExit):
 
 
 def exit_interrupted(sentence: str) -> NoReturn:
-    """Exit after an interrupt, with a sentence of one's own."""
+    """Exit after an interrupt, with a given sentence."""
     errors.print(escape(sentence), soft_wrap=True)
     raise ReportedExit(EXIT_INTERRUPTED)
 
 
 def exit_usage_error(sentence: str, command: str) -> NoReturn:
-    """Exit because of a usage error on the command line, and say where to read how it is right."""
+    """Exit because of a usage error on the command line, with a reference to the help."""
     read = f"see `{command}`."
     if sentence.endswith("?"):
         _stop(f"{sentence} {read.capitalize()}", EXIT_INPUT)
@@ -169,13 +170,13 @@ def exit_usage_error(sentence: str, command: str) -> NoReturn:
 
 
 def exit_by_verdict(sentence: str, code: int) -> NoReturn:
-    """Exit because the verdict, with --strict, is none that can be accepted."""
+    """Exit because the verdict, with --strict, is not acceptable."""
     errors.print(escape(sentence), soft_wrap=True, highlight=False)
     raise ReportedExit(code)
 
 
 def _exit_broken_pipe() -> NoReturn:
-    """Exit without a word: what read the output has gone."""
+    """Exit silently: the reader of the output has ended."""
     # What is still buffered goes nowhere, so that Python has nothing to complain of at its end.
     with suppress(OSError, ValueError):
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
@@ -228,14 +229,14 @@ class RunProgress:
         return f"{self.finished} of {self.total} designs"
 
     def step(self, text: str) -> None:
-        """Name the step that begins, and take the last one for done."""
+        """Name the step that begins, and count the last one as done."""
         if self._task is not None:
             task = self._bar.tasks[-1]
             self._bar.update(self._task, completed=task.total, refresh=True)
         self._task = self._bar.add_task(text, total=1, pace="")
 
     def design(self, finished: int, total: int, newest: Outcome | None) -> None:
-        """Move the bar; tell the pace, and of a design that failed."""
+        """Advance the bar; report the pace, and a failed design."""
         now = time.monotonic()
         if newest is None:
             self._before, self._began, self._said = finished, now, now
@@ -260,13 +261,13 @@ class RunProgress:
         print_warning(text)
 
     def finish(self) -> None:
-        """Take the last step for done."""
+        """Count the last step as done."""
         if self._task is not None:
             self._bar.update(self._task, completed=self._bar.tasks[-1].total, refresh=True)
 
 
 def progress_text(finished: int, seconds: float, left: int) -> str:
-    """Say how fast designs get finished, and how long the others will take.
+    """State the pace of designs, and the time left.
 
     Examples
     --------
@@ -297,15 +298,23 @@ def parse_pairs(
     convert: Callable[[str, str], Value],
     example: str = "web_width=300mm",
 ) -> dict[str, Value]:
-    """Read name=value pairs from the command line; `example` stands in the message.
+    """Read name=value pairs from the command line; `example` is used in the message.
 
     Raises
     ------
     InputError
-        If a pair has no equals sign or a name is given twice.
+        If a pair has no equals sign, a name is given twice, or a unit is apart from its number.
     """
     found: dict[str, Value] = {}
-    for pair in pairs:
+    given = list(pairs)
+    apart = split_quantity(given)
+    if apart is not None:
+        pair, unit = apart
+        raise InputError(
+            f"{pair.partition('=')[0]}: given {pair} and {unit} as two words; write number and unit as one, "
+            f'{pair}{unit}, or in quotes, "{pair} {unit}".'
+        )
+    for pair in given:
         name, equals, text = pair.partition("=")
         if not equals or not name.strip():
             raise InputError(f"{pair}: given without a value; write name=value, like {example}.")

@@ -1,4 +1,4 @@
-"""The start of the command line: an interrupt is answered in a sentence, even during the imports."""
+"""The start of the command line: an interrupt is reported in a sentence, even during imports."""
 
 import gc
 import os

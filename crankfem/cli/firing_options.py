@@ -9,7 +9,7 @@ from dynamics.engine.firing import MOST_CYLINDERS, firing_order_from_text
 
 
 def firing_angles_deg(order: str | None, angles: str | None, *, strokes: int) -> list[float]:
-    """Return the shaft angle at which each cylinder fires [deg]; none where no option tells.
+    """Return the shaft angle at which each cylinder fires [deg]; none without options.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""Interrupts: answered in one sentence, whatever Python is doing just then."""
+"""Interrupts: reported in one sentence, whatever Python is doing at that time."""
 
 import os
 import signal
@@ -19,17 +19,17 @@ A_MOMENT = 0.02
 
 
 def interrupted_sentence() -> str:
-    """What to say of an interrupt, by the command that was given."""
+    """The message for an interrupt, by the command."""
     if sys.argv[1:2] == [CONTINUED]:
         return "Stopped. Finished designs are kept; the same command continues where it stopped."
     return "Stopped."
 
 
 def end_at_once(*_: object) -> None:
-    """Answer an interrupt without raising anything: an exception could be told of by its traceback.
+    """Handle an interrupt without raising an exception, which could print its traceback.
 
-    Python prints one that is raised while an object is cleared away or a module is loaded, and goes
-    on.
+    Python prints an exception raised while an object is destroyed or a module is loaded, and
+    continues.
     """
     os.write(STANDARD_ERROR, f"{interrupted_sentence()}\n".encode())
     # A module that is not loaded has written nothing.
@@ -69,7 +69,7 @@ def _interrupt(*_: object) -> None:
 
 @contextmanager
 def interrupts_raise() -> Iterator[None]:
-    """Within work that has to be closed, such as a store or a bar, interrupts are exceptions again."""
+    """While something is open that has to be closed, such as a store or a bar, interrupts raise again."""
     if signal.getsignal(signal.SIGINT) is not end_at_once:
         yield
         return
@@ -84,7 +84,7 @@ def interrupts_raise() -> Iterator[None]:
 
 
 def _again(unraisable: Any) -> None:
-    """Raise an interrupt once more that came where Python would only have told of it."""
+    """Raise an interrupt again that Python would only have printed."""
     if issubclass(unraisable.exc_type, KeyboardInterrupt):
         # A moment later, for here an exception would be told of too.
         threading.Timer(A_MOMENT, _interrupt_main).start()
@@ -93,7 +93,7 @@ def _again(unraisable: Any) -> None:
 
 
 def _interrupt_main() -> None:
-    """Interrupt the main thread, also where it waits."""
+    """Interrupt the main thread, even if it waits."""
     main = threading.main_thread().ident
     if hasattr(signal, "pthread_kill") and main is not None:
         signal.pthread_kill(main, signal.SIGINT)

@@ -1,4 +1,4 @@
-"""What stands on the command line for a compliance model: dimensions with units, labels, limits."""
+"""Command-line arguments for a compliance model: dimensions with units, labels, limits."""
 
 import re
 from collections.abc import Mapping, Sequence

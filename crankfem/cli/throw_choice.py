@@ -1,4 +1,4 @@
-"""Which throw of a file a command takes."""
+"""The throw of a file that a command uses."""
 
 from collections.abc import Sequence
 from pathlib import Path
@@ -17,16 +17,16 @@ from geometry.throw import CrankThrow
 def select_throw(
     engine: str | TomlFile, name: str | None = None, quiet: bool = False
 ) -> tuple[CrankThrow, Material]:
-    """Select the throw of a name; without one that at the free end, and say so where there are others.
+    """Select the throw of a name; by default that at the free end, with a note if there are others.
 
     Parameters
     ----------
     engine : str or TomlFile
-        File, or the name of a shipped engine; or its sections, read already.
+        File, or the name of a shipped engine; or its sections, if already read.
     name : str, optional
-        As `--throw` gives it.
+        From `--throw`.
     quiet : bool
-        Whether to say nothing.
+        Whether to omit notes.
 
     Raises
     ------
@@ -44,18 +44,18 @@ def select_throw(
 def select_part(
     engine: str, name: str | None, pins: Sequence[str] | None, quiet: bool = False
 ) -> tuple[Throw, Material]:
-    """Select a throw of a file, or read the CAD part of steel that a STEP file holds.
+    """Select a throw of a file, or read a CAD part of steel from a STEP file.
 
     Parameters
     ----------
     engine : str
         File, or the name of a shipped engine.
     name : str, optional
-        As `--throw` gives it, for files of dimensions.
+        From `--throw`, for files of dimensions.
     pins : sequence of str, optional
         Names of the pins' faces, for STEP files.
     quiet : bool
-        Whether to say nothing.
+        Whether to omit notes.
 
     Raises
     ------

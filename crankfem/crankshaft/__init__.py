@@ -1,4 +1,4 @@
-"""The whole crankshaft of superelements: modes, response, and how far a chain suffices.
+"""The whole crankshaft of superelements: modes, response, and its comparison with chains.
 
 Begin with `whole_shaft(engine, analysis)`: its throws are those of `cf.analyze_throw`.
 

@@ -1,4 +1,4 @@
-"""Dampers: viscous, of rubber, axial; their best tuning, and their size for a limit.
+"""Dampers: viscous, rubber, axial; their optimum tuning, and their size for a limit.
 
 >>> import crankfem as cf
 >>> chain = cf.Chain([0.1, 0.78], [9e5])

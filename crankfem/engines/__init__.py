@@ -1,4 +1,4 @@
-"""Engines: what the vibration of one is made of, and the mechanism that its file describes.
+"""Engines: the parts of an engine's vibration, and the mechanism in its file.
 
 >>> import crankfem as cf
 >>> engine = cf.load_engine("6chn25-34")

@@ -21,7 +21,7 @@ Record = Mapping[str, Any]
 RESONANT = ("at resonance", "near resonance")
 # Of what orders at resonance make together, the share from which a mode is named.
 LEAST_SHARE = 0.1
-NOT_JUDGED = "Not judged: no gas pressure is given"
+NOT_JUDGED, NOT_ACCEPTABLE = "Not judged: no gas pressure is given", "Not acceptable"
 DIGITS = 3
 
 
@@ -33,7 +33,18 @@ def headline(results: Record) -> str:
     results : mapping
         Content of results.json.
     """
-    vibration = results["vibration"]
+    said = _of_vibration(results["vibration"])
+    if too_weak(results) and said != NOT_ACCEPTABLE:
+        return f"{said}; the crankshaft is not strong enough by UR M53"
+    return said
+
+
+def too_weak(results: Record) -> bool:
+    """Whether the crankshaft's strength was judged, and is less than required."""
+    return (results.get("strength") or {}).get("passed") is False
+
+
+def _of_vibration(vibration: Record) -> str:
     assessment = vibration["assessment"]
     if assessment is None:
         return NOT_JUDGED
@@ -76,8 +87,13 @@ def verdict_line(results: Record) -> str:
         return f"Verdict: {NOT_JUDGED}."
     worst = assessment["checks"][0]
     used = "unbounded" if worst["used"] is None else f"{format_usage(worst['used'])} of its limit"
-    firing = ". With all cylinders firing" if misfiring_decides(results["vibration"]) else ""
-    return f"Verdict: {headline(results)}{firing}: {worst['limit']} {used}."
+    said = headline(results)
+    of = ""
+    if misfiring_decides(results["vibration"]):
+        of = ". With all cylinders firing"
+    elif too_weak(results) and said != NOT_ACCEPTABLE:
+        of = ". Vibration"
+    return f"Verdict: {said}{of}: {worst['limit']} {used}."
 
 
 def conclusions(results: Record) -> list[str]:
@@ -171,7 +187,7 @@ def _ranges(assessment: Record) -> list[str]:
 
 
 def _assumed(results: Record) -> str:
-    """Say what decides by assumption, which limits are assumed, what is not judged, and the load."""
+    """State what decides by assumption, which limits are assumed, what is not judged, and the load."""
     vibration, inputs = results["vibration"], results["inputs"]
     assessment = vibration["assessment"]
     limits = assessment["limits"]
@@ -222,7 +238,7 @@ def _axial_amplitude(results: Record) -> str:
 
 
 def _misfiring(vibration: Record) -> str:
-    """Say what misfiring does; nothing of older runs, which have not calculated it."""
+    """State what misfiring does; nothing of older runs, which have not calculated it."""
     found = vibration.get("misfiring")
     said = vibration.get("misfiring_note") if found is None else found["sentence"]
     return with_three_digits(sentence(said)) if said else ""
@@ -254,7 +270,7 @@ def failed_checks(checks: Sequence[dict[str, Any]]) -> str:
 
 
 def _other_models(vibration: Record) -> str:
-    """Say how the whole crankshaft differs, and whether the verdict hangs on its bearings."""
+    """State how the whole crankshaft differs, and whether the verdict hangs on its bearings."""
     bearings = vibration.get("bearings") or {}
     found = [*vibration["assessment"].get("beside", ())]
     found += bearings.get("sentences", ()) if bearings.get("flips") else ()
@@ -262,7 +278,7 @@ def _other_models(vibration: Record) -> str:
 
 
 def _advice(assessment: Record) -> str:
-    """Say whether more damping can help at the worst place, where a limit is exceeded.
+    """Return whether more damping can help at the worst place, where a limit is exceeded.
 
     What the orders away from resonance make at the instant of the peak, their sum reaches at least; so where
     that alone exceeds the limit, no damping keeps it.
@@ -297,7 +313,7 @@ def _warned(results: Record) -> list[str]:
     if not fields:
         return []
     noun = "1 warning" if len(warnings) == 1 else f"{len(warnings)} warnings"
-    return [f"Check the input: {noun} about {', '.join(fields)}; see the report's inputs."]
+    return [f"Check the input: {noun} about {', '.join(fields)} (report: Inputs and assumptions)."]
 
 
 def _without_forces(results: Record) -> list[str]:

@@ -7,7 +7,7 @@ from crankbase.units.number_formats import compact, nano, significant
 from crankfem.analyses.record import Record
 from crankfem.analyses.throw.throw_tables import error_words
 from crankfem.analyses.vibration.tables import factor_range
-from crankfem.report.conclusions import conclusions, failed_checks, headline, undecided
+from crankfem.report.conclusions import conclusions, failed_checks, headline, too_weak, undecided
 from crankfem.report.text_filters import quantity
 from dynamics.engine.firing import repeating_intervals
 
@@ -35,6 +35,8 @@ def summary(results: Mapping[str, Any]) -> Record:
     status = "open" if assessment is None else known.get(assessment["status"], "barred")
     if assessment is not None and undecided(assessment):
         status = "barred"
+    if too_weak(results):
+        status = "bad"
     return {
         "facts": engine_facts(results),
         "status": status,
@@ -98,7 +100,7 @@ def _firing(intervals: Sequence[float] | None) -> str:
 
 
 def uncertain_sentence(vibration: Record, kind: str) -> str:
-    """Say what is uncertain of one kind of vibration, and what that does to the crankshaft's first mode."""
+    """State what is uncertain of one kind of vibration, and what that does to the crankshaft's first mode."""
     uncertain = vibration["assessment"]["uncertainty"][kind]
     found = [f"{one['name']} {factor_range(one)} the value used" for one in uncertain["spreads"]]
     bearings = vibration.get("bearings")
@@ -200,11 +202,12 @@ def _frequency(vibration: Mapping[str, Any], kind: str) -> Record:
         bounds = assessment["uncertainty"][kind]["frequencies"][shown["number"] - 1]
         details[0] = f"uncertainty range of the chain {_bounds(bounds)}"
     if whole is not None and whole["chains"].get(kind, {}).get("modes"):
-        shaft = whole["chains"][kind]["modes"][0]["shaft_frequency"]
+        mode = whole["chains"][kind]["modes"][0]
+        alike = (mode["shaft_frequency"], mode.get("further_frequency"))
+        shaft = " and ".join(_hertz(one) for one in sorted(filter(None, alike)))
+        shaft = f"{shaft} Hz" if shaft else "no mode like it"
         swept = _swept(vibration, kind)
-        details.append(
-            f"whole crankshaft in its bearings: {_hertz(shaft)} Hz{f' ({swept})' if swept else ''}"
-        )
+        details.append(f"whole crankshaft in its bearings: {shaft}{f' ({swept})' if swept else ''}")
     beside = elastic.index(shown) if shown is not None else len(elastic)
     if beside:
         lower = ", ".join(_hertz(mode["frequency"]) for mode in elastic[:beside])

@@ -109,7 +109,7 @@ def _service_routes(settings: Settings) -> APIRouter:
 
     @routes.get("", **described(Service))
     async def read_service() -> Response:
-        """Tell what serves, and its limits."""
+        """Return what serves, and its limits."""
         return answer(about)
 
     @routes.post(SESSION.removeprefix("/api"), **described(Service, KeyQuestion))

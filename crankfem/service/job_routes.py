@@ -154,7 +154,7 @@ def job_routes(store: JobStore, runner: JobRunner, bounds: Bounds) -> APIRouter:
 
     @routes.get("/jobs/{name}", tags=["jobs"], **described(Job, None, 404))
     async def read_job(name: str) -> Response:
-        """Tell how far a job is."""
+        """Return how far a job is."""
         return answer(job_named(name))
 
     @routes.delete("/jobs/{name}", tags=["jobs"], **described(Job, None, 404, 409))

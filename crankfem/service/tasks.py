@@ -38,7 +38,7 @@ class ToldProgress:
         self._tell({"step": text})
 
     def design(self, finished: int, total: int, _: Outcome | None = None) -> None:
-        """Tell how many designs of a study are finished."""
+        """Return how many designs of a study are finished."""
         self._tell({"finished": finished, "total": total})
 
     def note(self, text: str) -> None:

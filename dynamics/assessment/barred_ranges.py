@@ -1,4 +1,4 @@
-"""Ranges of speed in which running is barred: where limits are exceeded, widened and merged."""
+"""Barred speed ranges: where limits are exceeded, widened by the rule and merged."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -26,15 +26,15 @@ HALVINGS = 40
 
 @dataclass(frozen=True)
 class BarredRangeRule:
-    """How far around a critical speed running is barred, and up to where that is allowed.
+    """Width of the barred range around a critical speed, and the highest speed that may be barred.
 
     Parameters
     ----------
     rated_speed : float
         n0 [rad/s].
     highest_ratio : float, optional
-        Share of the rated speed above which nothing may be barred, whatever limits say. Not given, it
-        is that of each limit, and 0.8 where a limit says nothing.
+        Share of the rated speed above which nothing may be barred, for all limits. By default that of
+        each limit, and 0.8 where a limit states none.
     source : str
         Of both.
 
@@ -60,12 +60,12 @@ class BarredRangeRule:
 
     @property
     def highest(self) -> float:
-        """Speed above which nothing may be barred, where the limit says nothing [rad/s]."""
+        """Speed above which nothing may be barred, where the limit states none [rad/s]."""
         ratio = USUAL_HIGHEST_RATIO if self.highest_ratio is None else self.highest_ratio
         return ratio * self.rated_speed
 
     def highest_by(self, limit: VibrationLimit) -> float:
-        """Return the speed above which nothing may be barred that exceeds a limit [rad/s]."""
+        """Return the speed above which no range that exceeds a limit may be barred [rad/s]."""
         own = np.inf if limit.passing is None else limit.passing.high
         if np.isinf(own):
             return self.highest
@@ -92,7 +92,7 @@ class BarredRangeRule:
 
 @dataclass(frozen=True)
 class ExceededRange:
-    """A range of speeds without a gap in which one limit is exceeded.
+    """A continuous range of speeds in which one limit is exceeded.
 
     Parameters
     ----------
@@ -102,7 +102,7 @@ class ExceededRange:
         Speeds at which the use of the limit has a maximum [rad/s]; also that of a flank which the
         range ends on, though it lies beyond. Where the limit begins on a falling flank is none.
     cut_off : bool
-        Whether the range reaches the first or last speed calculated, so that it may go on beyond.
+        Whether the range reaches the first or last calculated speed, so that it may continue beyond.
     used : float
         Largest use of the limit in it.
     """
@@ -133,9 +133,9 @@ def exceeded_ranges(
 
     Notes
     -----
-    Between two speeds calculated the amplitude is straight, and the limit as it is: a range ends where it
-    jumps. On the flank of a resonance the amplitude is hollow, so that the chord lies above it and the range
-    comes out a little too wide; beside an unbounded value it reaches to the next speed calculated.
+    Between two calculated speeds the amplitude is interpolated linearly. The limit is not: a range ends
+    where it jumps. The flank of a resonance is concave up, so the chord is above it and the range is
+    slightly too wide. Next to an unbounded value the range extends to the next calculated speed.
     """
     speeds, used = curve.speeds, usage(limit, curve)
     found = []
@@ -169,20 +169,20 @@ def barred_ranges(
     findings : sequence of pairs of VibrationLimit and AmplitudeCurve
     rule : BarredRangeRule
     running_range : tuple of two floats
-        Lowest and highest speed at which the engine runs [rad/s]. Ranges that end below the lowest
-        one are passed on every start, and only need to be passable.
+        Lowest and highest running speed [rad/s]. Ranges that end below the lowest one are passed on
+        every start, and only have to be passable.
 
     Returns
     -------
     tuple of BarredRange
-        Ascending and apart; the ones that cannot be accepted say why.
+        Ascending and separate; those that are not acceptable state the reason.
 
     Notes
     -----
     Each range in which a limit is exceeded is widened to the rule's bounds about each of its peaks;
-    those that meet become one. A range may be barred if it ends below the highest speed that the
-    limit and the rule let be barred, stays within the limit for passing, and leaves some of the running
-    range: as ranges that meet are one, those that stand apart always leave speeds between them.
+    touching ranges become one. A range may be barred if it ends below the highest speed that the
+    limit and the rule allow to be barred, stays within the limit for passing, and leaves part of the
+    running range free: since touching ranges are merged, separate ones always leave speeds between them.
     """
     widened = [
         _Widened(*_widened(found, rule), found, limit, curve.name)
@@ -207,7 +207,7 @@ def limit_end_speed(limit: VibrationLimit, running_range: tuple[float, float]) -
 
 @dataclass(frozen=True)
 class _Widened:
-    """A range in which a limit is exceeded at one place, with the ends that the rule gives it."""
+    """A range in which a limit is exceeded at one position, with the ends that the rule gives it."""
 
     low: float
     high: float
@@ -289,7 +289,7 @@ def _barred(
 
 
 def _ends(group: Sequence[_Widened], rule: BarredRangeRule) -> str:
-    """Say where limits are exceeded first and last, and how the rule widens the range, if it does."""
+    """State where limits are exceeded first and last, and how the rule widens the range, if it does."""
     first = min(group, key=lambda item: item.exceeded.low)
     last = max(group, key=lambda item: item.exceeded.high)
     said = [
@@ -334,7 +334,7 @@ def _widened(found: ExceededRange, rule: BarredRangeRule) -> tuple[float, float]
 
 
 def _runs(flags: NDArray[np.bool_]) -> list[tuple[int, int]]:
-    """Return first and last place of each run of true values."""
+    """Return first and last index of each run of true values."""
     edges = np.diff(np.concatenate(([0], flags.astype(int), [0])))
     starts, stops = np.flatnonzero(edges == 1), np.flatnonzero(edges == -1) - 1
     return list(zip(starts.tolist(), stops.tolist(), strict=True))
@@ -343,7 +343,7 @@ def _runs(flags: NDArray[np.bool_]) -> list[tuple[int, int]]:
 def _crossing(
     limit: VibrationLimit, curve: AmplitudeCurve, used: FloatArray, place: int, step: int
 ) -> float:
-    """Return the speed at which the use is 1, from the last place above it one step outwards."""
+    """Return the speed at which the use is 1, outwards from the last index above it."""
     speeds, values = curve.speeds, curve.values
     other = place + step
     if not 0 <= other < speeds.size:
@@ -361,7 +361,7 @@ def _crossing(
 
 
 def _peaks_to(speeds: FloatArray, used: FloatArray, highest: float) -> tuple[float, ...]:
-    """Return the speeds of the local maxima up to a speed, and of the one to which that is a flank."""
+    """Return the speeds of the local maxima up to a speed, and of the maximum on whose flank that is."""
     peaks = _peaks(speeds, used)
     inside = tuple(peak for peak in peaks if at_most(peak, highest))
     beyond = peaks[len(inside) :]
@@ -371,7 +371,7 @@ def _peaks_to(speeds: FloatArray, used: FloatArray, highest: float) -> tuple[flo
 
 
 def _peaks(speeds: FloatArray, used: FloatArray) -> tuple[float, ...]:
-    """Return the speeds of the local maxima; of equal neighbors the first."""
+    """Return the speeds of the local maxima; the first of equal neighbors."""
     beside = np.concatenate(([-np.inf], used, [-np.inf]))
     top = (used > beside[:-2]) & (used >= beside[2:])
     return tuple(speeds[top].tolist())

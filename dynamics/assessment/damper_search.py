@@ -1,6 +1,6 @@
-"""The search behind the sizing of dampers: least peaks, and the smallest size that keeps a limit.
+"""The search that sizes dampers: least peaks, and the smallest size that keeps a limit.
 
-Everything is searched by logarithms, as sizes are. Nothing is random.
+The search uses logarithms of all values and is deterministic.
 """
 
 from collections.abc import Callable, Sequence
@@ -33,7 +33,7 @@ class TrialSize:
     ----------
     size : float
     settings : ndarray of shape (d,)
-        The best ones found for it.
+        The best settings found for it.
     used : float
         Largest share of the permitted amplitude with them; inf if unbounded.
     """
@@ -52,7 +52,7 @@ def smallest_sufficient(tried: Sequence[TrialSize]) -> TrialSize:
 
 
 def without_close_sizes(tried: Sequence[TrialSize]) -> tuple[TrialSize, ...]:
-    """Leave out sizes close to others, as the end of a search brings: a hundredth of the range.
+    """Drop sizes within a hundredth of the range of another, such as those at the end of a search.
 
     Parameters
     ----------
@@ -62,7 +62,7 @@ def without_close_sizes(tried: Sequence[TrialSize]) -> tuple[TrialSize, ...]:
     Returns
     -------
     tuple of Tried
-        With the first, the last and the one that is picked.
+        Includes the first, the last and the selected one.
     """
     places = np.log([one.size for one in tried])
     close = AT_END * float(places[-1] - places[0])
@@ -76,17 +76,17 @@ def without_close_sizes(tried: Sequence[TrialSize]) -> tuple[TrialSize, ...]:
 def search_sizes(
     at: Callable[[float, TrialSize | None], TrialSize], low: float, high: float, points: int
 ) -> tuple[TrialSize, ...]:
-    """Look for the smallest size that keeps a limit.
+    """Search for the smallest size that keeps a limit.
 
     Parameters
     ----------
     at : callable
-        Size and the nearest one tried before (None at first) to what is best for that size.
+        Maps a size, and the nearest size tried before (None at first), to the best result for it.
     low, high : float
         Range of the size.
     points : int
-        Of the scan that comes first; then the least use is looked for if none keeps the limit, and
-        the size at which the limit is met if one does.
+        Number of sizes of the initial scan. It is followed by a search for the least use if no size keeps
+        the limit, or for the size at which the limit is met if one does.
 
     Returns
     -------
@@ -131,12 +131,12 @@ def minimize_usage(
     Parameters
     ----------
     used : callable
-        Settings (d,) to the use of the limit, d up to two that are not fixed.
+        Maps settings (d,) to the use of the limit; at most two are free.
     ranges : sequence of d pairs of floats
         Equal ends fix a setting.
     last : ndarray of shape (d,) or None
-        Best settings of a neighboring size: a factor about them is searched, and all of the ranges
-        only if the best lie at an end of that.
+        Best settings of a neighboring size: searched within a factor about them, and over the whole
+        ranges only if the best ones are at an end of that interval.
 
     Returns
     -------
@@ -159,7 +159,7 @@ def minimize_usage(
 
 
 def range_end_remark(name: str, value: float, low: float, high: float) -> str:
-    """Say that a best value lies at an end of its range; nothing if it does not."""
+    """State that a best value is at an end of its range; empty if it is not."""
     if not low < high:
         return ""
     for end, word in ((low, "least"), (high, "largest")):
@@ -169,14 +169,14 @@ def range_end_remark(name: str, value: float, low: float, high: float) -> str:
 
 
 def finite(used: float) -> float:
-    """Return a rising function of the use that stays finite where the vibration is unbounded."""
+    """Return an increasing function of the use that stays finite where the vibration is unbounded."""
     return 1.0 if np.isinf(used) else used / (1.0 + used)
 
 
 def _minimum_usage(
     used: Callable[[FloatArray], float], ends: FloatArray, points: int
 ) -> tuple[FloatArray, float]:
-    """Find where the usage is least within ranges of logarithms, and how much it is there."""
+    """Find the least usage within ranges of logarithms, and where it occurs."""
     free = np.flatnonzero(ends[:, 1] > ends[:, 0])
 
     def at(values: FloatArray) -> float:

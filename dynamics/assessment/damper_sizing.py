@@ -50,15 +50,15 @@ def size_viscous_damper(
     chain : Chain
         Torsional, without the damper.
     node : int or str
-        Where it sits, by number from 0 or by name.
+        Number (from 0) or name of the node with the damper.
     result : callable
-        Chain, with a damper and its ring as last node, to the limited quantity over the speed.
+        Maps a chain, with a damper and its ring as the last node, to the limited quantity over the speed.
     limit : VibrationLimit
     ring_inertia : float or tuple of two floats
-        The ring's, or the range to search [kg m^2]; with a single value the damping that leaves the
-        least vibration is found.
+        Of the ring, or the range to search [kg m^2]; for a single value only the damping with the least
+        vibration is found.
     damping : float or tuple of two floats, optional
-        The damper's, or the range to search [N m s/rad]; by default c / (2 I w_1) from 0.02 to 5.
+        Of the damper, or the range to search [N m s/rad]; by default c / (2 I w_1) from 0.02 to 5.
     hub_inertia : float
         Of the housing, which turns with the shaft [kg m^2].
 
@@ -73,9 +73,9 @@ def size_viscous_damper(
 
     Notes
     -----
-    For each size the damping with the least peak is looked for, by a scan and Brent's method on the
-    logarithm; on the sizes stands a scan and a bracketed search for where the limit is met. Limits
-    that a larger ring of the range keeps and a smaller one too, but none between, are not looked for.
+    For each size a scan and Brent's method on the logarithm find the damping with the least peak. A scan
+    over the sizes and a bracketed search find the size at which the limit is met. If the limit is kept
+    only between two sizes of the scan, the search misses it.
     """
     sizes = _checked_range("ring_inertia", ring_inertia, "kg m^2")
     per_size = 2.0 * _first_frequency(chain)
@@ -113,8 +113,8 @@ def size_rubber_damper(
     loss_factor : float or tuple of two floats
         Of the rubber, or the range to search.
     tuning : float or tuple of two floats, optional
-        Angular frequency of the ring on a shaft held still, or the range to search [rad/s]; by
-        default from 0.4 to 2.5 times the chain's first elastic one. The stiffness follows from it.
+        Angular frequency of the ring with the shaft held, or the range to search [rad/s]; by
+        default from 0.4 to 2.5 times the chain's first elastic one. It determines the stiffness.
 
     Returns
     -------
@@ -127,7 +127,7 @@ def size_rubber_damper(
 
     Notes
     -----
-    As there, with the method of Nelder and Mead on the logarithms where tuning and loss factor are
+    As there, with the Nelder-Mead method on the logarithms if tuning and loss factor are
     both free.
     """
     sizes = _checked_range("ring_inertia", ring_inertia, "kg m^2")
@@ -156,7 +156,7 @@ def size_axial_damper(
     stiffness: float = 0.0,
     mass: float = 0.0,
 ) -> SizedDamper:
-    """Find the axial damper of least damping that keeps a limit.
+    """Find the axial damper with the least damping that keeps a limit.
 
     Parameters
     ----------
@@ -180,8 +180,8 @@ def size_axial_damper(
 
     Notes
     -----
-    Too much damping holds the shaft like a spring and leaves it without any: the damping of least
-    vibration is found first, then the least one below it that keeps the limit.
+    Too much damping locks the collar, so that only the stiffness to ground acts: the damping with the
+    least vibration is found first, then the least damping below it that keeps the limit.
     """
     sizes = _checked_range("damping", damping, "N s/m")
 
@@ -194,7 +194,7 @@ def size_axial_damper(
 
 @dataclass(frozen=True, eq=False)
 class _Sizing:
-    """What is to be damped, how a damper is made, and ranges of settings, which may depend on its size."""
+    """Target and construction of a damper, and ranges of settings, which may depend on its size."""
 
     chain: Chain
     node: int | str

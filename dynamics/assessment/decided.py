@@ -1,4 +1,4 @@
-"""Whether a verdict holds for all values that something assumed may have, and what decides if it does not."""
+"""Whether a verdict holds for all possible values of an assumption, and which values decide."""
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
@@ -17,23 +17,23 @@ Acceptance = Literal["acceptable", "not acceptable", "undecided"]
 @summarized("field", "value", "unit", "status", "taken")
 @dataclass(frozen=True)
 class Trial:
-    """The verdict with one of the values that something assumed may have.
+    """The verdict with one possible value of an assumption.
 
     Parameters
     ----------
     field : str
-        Where the value can be given, such as "limits.tensile_strength".
+        Field of the value, such as "limits.tensile_strength".
     name : str
-        What it is of, such as "tensile strength".
+        Name of the value, such as "tensile strength".
     value : float
         [unit]
     unit : str
         SI unit.
     status : {"fine", "barred range needed", "not acceptable"}
     taken : bool
-        Whether it is the value that the calculation took.
+        Whether this is the value used in the calculation.
     why : str
-        Why it may have another value, where it is not just assumed.
+        Why another value is possible, if the value is not simply assumed.
     """
 
     field: str
@@ -46,7 +46,7 @@ class Trial:
 
     @property
     def acceptable(self) -> bool:
-        """Whether the engine may run, if need be with speeds barred."""
+        """Whether the engine may run, with barred speeds if necessary."""
         return self.status != "not acceptable"
 
     @property
@@ -55,7 +55,7 @@ class Trial:
         return format_quantity(self.value, self.unit, 4)
 
     def row(self) -> Row:
-        """Return what a table of trials shows, each value with its unit; see `table_of`."""
+        """Return the columns of a table of trials, each value with its unit; see `table_of`."""
         return {
             "field": (self.field, ""),
             "value": (self.value, "SI, see the column unit"),
@@ -68,14 +68,14 @@ class Trial:
 @summarized("status", "sentence", "trials")
 @dataclass(frozen=True)
 class Decision:
-    """What can be concluded in spite of what is assumed.
+    """What can be concluded despite the assumptions.
 
     Parameters
     ----------
     status : {"acceptable", "not acceptable", "undecided"}
         "undecided" if the engine is acceptable with some of the values tried and not with others.
     sentence : str
-        What decides, and in which fields it is given; empty if nothing of the verdict changes.
+        What decides, and the fields that give it; empty if no trial changes the verdict.
     trials : tuple of Trial
     """
 
@@ -100,14 +100,14 @@ class Decision:
 
 
 def decide(status: Status, trials: Iterable[Trial]) -> Decision:
-    """Conclude from the verdict with the values taken, and those with the others that are possible.
+    """Compare the verdict with the values used and those with other possible values.
 
     Parameters
     ----------
     status : {"fine", "barred range needed", "not acceptable"}
         Of the calculation.
     trials : iterable of Trial
-        Of one or more fields, each varied by itself, the value taken among its values.
+        Of one or more fields, each varied separately; the value used is among its values.
 
     Returns
     -------
@@ -144,7 +144,7 @@ def decide(status: Status, trials: Iterable[Trial]) -> Decision:
 
 
 def _values(kept: Sequence[bool], trials: Sequence[Trial]) -> str:
-    """Tell with which values something holds and with which it does not: the two beside its one change."""
+    """State with which values something holds and with which it does not: the two on either side."""
     runs = [list(own) for _, own in groupby(zip(kept, trials, strict=True), key=lambda one: one[0])]
     if len(runs) == 2:
         ends = dict(own for runs_own in (runs[0][-1:], runs[1][:1]) for own in runs_own)
@@ -171,11 +171,11 @@ def _shown(trial: Trial) -> str:
 
 
 def _word(trial: Trial) -> str:
-    """What the value taken is called."""
+    """Label of the value used."""
     return "used" if trial.why else "assumed"
 
 
 def changes(trials: Sequence[Trial]) -> list[tuple[Trial, Trial]]:
-    """Return the neighbors by value between which the engine becomes acceptable, or ceases to be."""
+    """Return the adjacent values between which the engine becomes acceptable, or stops being so."""
     ordered = sorted(trials, key=lambda one: one.value)
     return [pair for pair in pairwise(ordered) if pair[0].acceptable != pair[1].acceptable]

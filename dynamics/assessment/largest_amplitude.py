@@ -1,4 +1,4 @@
-"""The largest amplitude of all orders together among many speeds and places, with few sums over cycles."""
+"""Largest synthesized amplitude over many speeds and points, with few sums over the cycle."""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,20 +18,20 @@ def largest_amplitude(series: OrderSeries, weights: FloatArray) -> tuple[float, 
     ----------
     series : OrderSeries
     weights : ndarray of shape (S,)
-        Of each speed, such as one over what is permitted; none below zero, zero where it does not count.
+        Of each speed, such as the reciprocal of the limit; not negative, zero where the speed is ignored.
 
     Returns
     -------
     amplitude : float
         Without its weight, in the unit of the series; inf where unbounded.
     speed, place : int
-        Their numbers.
+        Their indices.
 
     Notes
     -----
-    No amplitude exceeds the plain sum of the orders' amplitudes: sums over the cycle are made in the
-    order of these bounds, until no bound left exceeds the largest that was found. The result is that of
-    all sums, of which most are never made.
+    No amplitude exceeds the plain sum of the orders' amplitudes. Sums over the cycle are formed in the
+    order of these bounds, until no remaining bound exceeds the largest sum found. The result equals that
+    of all sums, most of which are never formed.
     """
     endless = np.any(series.unbounded, axis=0) & (weights > 0.0)
     if np.any(endless):
@@ -58,7 +58,7 @@ def largest_amplitude(series: OrderSeries, weights: FloatArray) -> tuple[float, 
 def speeds_above(
     series: OrderSeries, weights: FloatArray, known: NDArray[np.bool_]
 ) -> NDArray[np.bool_]:
-    """Tell at which speeds the weighted amplitude of any place exceeds one, (S,).
+    """Return at which speeds the weighted amplitude of any point exceeds one, (S,).
 
     Parameters
     ----------
@@ -66,7 +66,7 @@ def speeds_above(
     weights : ndarray of shape (S,)
         As for `largest_amplitude`.
     known : ndarray of shape (S,), bool
-        Speeds that are not looked at, for they count already.
+        Speeds that are skipped, because they exceed it already.
     """
     above = known | (np.any(series.unbounded, axis=0) & (weights > 0.0))
     bounds = weights[:, np.newaxis] * np.sum(np.abs(series.values), axis=0)

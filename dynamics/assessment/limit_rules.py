@@ -1,4 +1,4 @@
-"""Limits of torsional stress that can be picked: those of classification rules, with their source."""
+"""Limits of torsional stress from classification rules, with their sources."""
 
 import math
 from collections.abc import Callable
@@ -59,7 +59,7 @@ def propulsion_shaft_limit(
     alloy: bool = False,
     applies_to: str = "",
 ) -> VibrationLimit:
-    """Pick the torsional stress that classification permits in a ship's propulsion shaft.
+    """Return the torsional stress that classification permits in a ship's propulsion shaft.
 
     Parameters
     ----------
@@ -70,17 +70,17 @@ def propulsion_shaft_limit(
     rated_speed : float
         Maximum continuous speed of the shaft [rad/s].
     feature : str
-        The weakest one, a key of `SHAFT_FEATURES`: it sets c_K.
+        The weakest feature, a key of `SHAFT_FEATURES`: it sets c_K.
     alloy : bool
-        Whether the steel is a low alloy one; carbon and carbon-manganese steel otherwise.
+        Whether the steel is low-alloy; carbon and carbon-manganese steel otherwise.
     applies_to : str
-        What to call the shaft; the feature otherwise.
+        Name of the shaft; by default the feature.
 
     Returns
     -------
     VibrationLimit
-        Amplitude of the nominal torsional stress [Pa] up to 1.05 of the rated speed, and while a
-        barred range is passed up to 0.8.
+        Amplitude of the nominal torsional stress [Pa] up to 1.05 of the rated speed, and up to 0.8 while
+        a barred range is passed.
 
     Raises
     ------
@@ -142,10 +142,10 @@ def crankshaft_limit(
     yield_strength: float = BASE_YIELD,
     alloy: bool = False,
 ) -> VibrationLimit:
-    """Pick the torsional stress that one class permits in the crankshaft of a ship's main engine.
+    """Return the torsional stress that one class permits in the crankshaft of a ship's main engine.
 
-    It serves where the engine maker states none: a crankshaft whose strength was calculated is
-    approved up to the stress that its maker specifies, and that is the limit then.
+    Use it where the engine maker states none: a crankshaft whose strength was calculated is
+    approved up to the stress that its maker specifies, which then is the limit.
 
     Parameters
     ----------
@@ -161,18 +161,18 @@ def crankshaft_limit(
         ends at a tensile strength of 590 MPa for carbon steel and 835 MPa for low alloy steel; for a
         stronger one give 835 MPa.
     alloy : bool
-        Whether the steel is a low alloy one; carbon steel otherwise.
+        Whether the steel is low-alloy; carbon steel otherwise.
 
     Returns
     -------
     VibrationLimit
-        Amplitude of the nominal torsional stress [Pa] up to 1.15 of the rated speed, and while a
-        barred range is passed up to 0.8.
+        Amplitude of the nominal torsional stress [Pa] up to 1.15 of the rated speed, and up to 0.8 while
+        a barred range is passed.
 
     Raises
     ------
     InputError
-        If strokes or kind are others, or the strength is above the range of the formula (590 MPa for
+        If strokes or kind are unknown, or the strength is above the range of the formula (590 MPa for
         carbon steel, 835 MPa for low alloy steel).
 
     Notes
@@ -180,7 +180,7 @@ def crankshaft_limit(
     With the ratio r of the speed to the rated one, in N/mm2: 45 - 24 r^2 (two-stroke engines and
     other V engines 45 - 29 r^2) up to r = 1, then 21 (16) + 237 (r - 0.8) sqrt(r - 1) up to 1.15;
     twice the former while passing, up to 0.8. They are multiplied by 1 + 2/3 (T / 440 - 1), those
-    while passing by Y / 225, if T or Y are above these.
+    while passing by Y / 225, if T or Y exceed these values.
     """
     rated = checked_rated_speed(rated_speed)
     even = _has_limits_of_engines_in_line(strokes, kind, firing_interval_deg)
@@ -216,7 +216,7 @@ def generator_set_limit(
     yield_strength: float = BASE_YIELD,
     alloy: bool = False,
 ) -> VibrationLimit:
-    """Pick the torsional stress that one class permits in a generator set of constant speed.
+    """Return the torsional stress that one class permits in a generator set of constant speed.
 
     Parameters
     ----------
@@ -230,14 +230,14 @@ def generator_set_limit(
     -------
     VibrationLimit
         Amplitude of the nominal torsional stress [Pa] from 0.9 to 1.1 of the rated speed: 21 N/mm2 in
-        the crankshaft (two-stroke engines and other V engines 16), 31 in the generator shaft. A set does
-        not run below 0.9: there its speeds are passed, with 90 and 118. Strong materials raise them as
+        the crankshaft (two-stroke engines and other V engines 16), 31 in the generator shaft. Below 0.9
+        a set only passes the speeds, with 90 and 118. Strong materials raise the limits as
         in `crankshaft_limit`.
 
     Raises
     ------
     InputError
-        As `crankshaft_limit`, and if the part is another.
+        As `crankshaft_limit`, and if the part is unknown.
     """
     rated = checked_rated_speed(rated_speed)
     check_choice("part", part, ("crankshaft", "generator shaft"), "the rule limits these")
@@ -270,14 +270,14 @@ def _has_limits_of_engines_in_line(strokes: int, kind: str, interval: float | No
 def crankshaft_material_factors(
     tensile: float, yielding: float, *, alloy: bool
 ) -> tuple[float, float]:
-    """Return by what a strong material raises the limits of kept and of passed speeds.
+    """Return the factors by which a strong material raises the limits for running and for passing.
 
     Parameters
     ----------
     tensile, yielding : float
         Specified minimum strengths [Pa].
     alloy : bool
-        Whether the steel is a low alloy one.
+        Whether the steel is low-alloy; carbon steel otherwise.
 
     Raises
     ------

@@ -1,4 +1,4 @@
-"""How far limits are used, and over which speeds, in words."""
+"""Sentences on the use of limits and the speeds concerned."""
 
 import numpy as np
 
@@ -10,7 +10,7 @@ from dynamics.assessment.limits import VibrationLimit
 def use_in_words(
     limit: VibrationLimit, speed: float, value: float, permitted: float, digits: int = 4
 ) -> str:
-    """Say what a quantity reaches at a speed [rad/s] of what is permitted there."""
+    """State the value of a quantity at a speed [rad/s] and the permitted value there."""
     at = format_quantity(speed, "rad/s", 4)
     reached, allowed = quantities_apart(value, permitted, limit.unit, digits)
     used = value / permitted
@@ -21,7 +21,7 @@ def use_in_words(
 
 
 def limit_at(name: str, place: str) -> str:
-    """Name a limit and where it is judged; a limit on that place alone has its name already."""
+    """Name a limit and where it is assessed; a limit for that location alone already has it in its name."""
     return name if name.endswith(f" of {place}") else f"{name}, {place}"
 
 

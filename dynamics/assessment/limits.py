@@ -1,4 +1,4 @@
-"""What vibration may reach at each speed: limits with their source, given by the user or picked."""
+"""Permitted vibration over the speed: limits with their source, given or from rules."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
@@ -23,14 +23,14 @@ Values = Callable[[FloatArray], FloatArray]
 @summarized("low [rad/s]", "high [rad/s]")
 @dataclass(frozen=True, eq=False)
 class LimitCurve:
-    """A permitted value over the speed, within the range of speeds in which it is stated.
+    """A permitted value over the speed, within the range of speeds for which it is stated.
 
     Parameters
     ----------
     values : callable
         Speeds (S,) [rad/s] to permitted values (S,).
     low, high : float
-        Speeds from and to which the value is stated [rad/s], both counting; all by default.
+        First and last speed for which the value is stated [rad/s], both included; all by default.
 
     Raises
     ------
@@ -73,27 +73,27 @@ class LimitCurve:
 )
 @dataclass(frozen=True, eq=False)
 class VibrationLimit:
-    """What a quantity may reach, all the time and while a barred range is passed.
+    """The permitted value of a quantity in continuous running and while a barred range is passed.
 
     Parameters
     ----------
     quantity : str
         What is limited, such as "torsional stress".
     applies_to : str
-        Where, such as "crankshaft" or "free end".
+        Where, for example "crankshaft" or "free end".
     unit : str
         SI unit of the values: Pa, N m, N, rad or m.
     continuous : LimitCurve
-        Permitted amplitude at speeds that are kept.
+        Permitted amplitude in continuous running.
     source : str
         Source of the value, in words.
     passing : LimitCurve or None
         Permitted amplitude at speeds that are only passed quickly; above its range nothing may be
         barred. None if the source has none.
     assumed : bool
-        Whether the value is a typical or derived one that nobody gave.
+        Whether the value is typical or derived, not given by anybody.
     remark : str
-        What else the source asks for.
+        Further requirements of the source.
     """
 
     quantity: str
@@ -119,7 +119,7 @@ class VibrationLimit:
 
     @property
     def misfiring(self) -> LimitCurve:
-        """Permitted while a cylinder misfires: as in passing where that is stated, else as at kept speeds."""
+        """Permitted while a cylinder misfires: that for passing where stated, else that for running."""
         if self.passing is None:
             return self.continuous
         kept, passed = self.continuous, self.passing
@@ -192,12 +192,12 @@ def constant_curve(value: float, low: float = 0.0, high: float = np.inf) -> Limi
 @summarized("name", "speeds [rad/s]", "peak")
 @dataclass(frozen=True, eq=False)
 class AmplitudeCurve:
-    """An amplitude over the speed, to be held against a limit.
+    """An amplitude over the speed, for comparison with a limit.
 
     Parameters
     ----------
     name : str
-        Where it was calculated, such as "shaft cylinder 5 - cylinder 6".
+        Location, for example "shaft cylinder 5 - cylinder 6".
     speeds : array_like of shape (S,)
         Ascending [rad/s].
     values : array_like of shape (S,)
@@ -206,7 +206,7 @@ class AmplitudeCurve:
     Raises
     ------
     InputError
-        If speeds do not ascend, numbers differ, or a value is negative or no number.
+        If speeds do not ascend, lengths differ, or a value is negative or not a number.
     """
 
     name: str
@@ -238,13 +238,13 @@ class AmplitudeCurve:
 
 
 def usage(limit: VibrationLimit, curve: AmplitudeCurve) -> FloatArray:
-    """Return how much of the permitted amplitude is used at each speed, (S,).
+    """Return the share of the permitted amplitude that is used at each speed, (S,).
 
     Returns
     -------
     ndarray of shape (S,)
         Value over permitted value: above 1 where the limit is exceeded, inf where the vibration is
-        unbounded, 0 at speeds for which the limit states nothing.
+        unbounded, 0 at speeds without a stated limit.
     """
     permitted = limit.continuous.at(curve.speeds)
     stated = np.isfinite(permitted)
@@ -278,7 +278,7 @@ def axial_force_limit(
     Parameters
     ----------
     permissible_stress : float
-        Permitted amplitude of the nominal stress in a web [Pa]: fillets raise it locally.
+        Permitted amplitude of the nominal stress in a web [Pa], without the stress concentration of fillets.
     crank_radius, web_width, web_thickness : float
         [m].
     source : str
@@ -296,11 +296,11 @@ def axial_force_limit(
 
     Notes
     -----
-    A force F along the axis of the main journals reaches the crankpin with the lever R of the crank
-    radius. In a throw whose ends tilt freely (pinned) the web carries, where it meets the pin, the
+    A force F along the axis of the main journals acts on the crankpin with the crank radius R as
+    lever. In a throw whose ends tilt freely (pinned), the web next to the pin carries the
     bending moment F R and the force F itself, so that its nominal stress is
-    F (6 R / (B h^2) + 1 / (B h)). Ends that are hindered from tilting lower the moment: the limit
-    lies on the safe side.
+    F (6 R / (B h^2) + 1 / (B h)). Ends that are hindered from tilting reduce the moment: the limit
+    is conservative.
     """
     stress, radius, width, thickness = (
         positive_number(name, value, unit, "it is that of a crankshaft")
@@ -342,14 +342,14 @@ def checked_running_range(running_range: tuple[float, float]) -> tuple[float, fl
 def positive_range(
     field: str, ends: ArrayLike, unit: str, of: str, allowed: str
 ) -> tuple[float, float]:
-    """Return the ends of a range of what is above zero; they may be one.
+    """Return the ends of a range of positive values; they may be equal.
 
     Parameters
     ----------
     field : str
     ends : array_like of shape (2,)
     unit, of, allowed : str
-        Their unit, why they are above zero, what the two are and why.
+        Their unit, why they are positive, what the two ends are and why.
 
     Raises
     ------
@@ -377,7 +377,7 @@ def checked_rated_speed(rated_speed: float) -> float:
 
 
 def check_findings(findings: Sequence[tuple[VibrationLimit, AmplitudeCurve]]) -> None:
-    """Refuse findings that are not pairs of a limit and amplitudes over the speed.
+    """Refuse findings that are not pairs of a limit and an amplitude curve.
 
     Raises
     ------

@@ -1,4 +1,4 @@
-"""Major critical speeds near the rated one, which one class rules out."""
+"""Major critical speeds near the rated speed, which one class forbids."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -20,15 +20,15 @@ CLEAR = {"propeller": (0.8, 1.1), "generator": (0.9, 1.1)}
 @summarized("orders", "clear [rad/s]", "found", "passed")
 @dataclass(frozen=True)
 class MajorCriticals:
-    """Critical speeds of the orders that one class calls major, and the speeds to be kept clear of them.
+    """Critical speeds of the orders that one class calls major, and the speeds they must avoid.
 
     Attributes
     ----------
     orders : tuple of float
     clear : tuple of two floats
-        Speeds between which none may lie [rad/s].
+        Speeds between which none may be [rad/s].
     found : tuple of CriticalSpeed
-        Those that lie there.
+        Those within the range.
     """
 
     orders: tuple[float, ...]
@@ -37,7 +37,7 @@ class MajorCriticals:
 
     @property
     def passed(self) -> bool:
-        """Whether none lies there."""
+        """Whether none is within the range."""
         return not self.found
 
 
@@ -49,7 +49,7 @@ def major_criticals(
     strokes: int,
     drives: str = "propeller",
 ) -> MajorCriticals:
-    """Find the major critical speeds that lie too near to the rated speed.
+    """Find the major critical speeds that are too near to the rated speed.
 
     Parameters
     ----------
@@ -69,7 +69,7 @@ def major_criticals(
     Notes
     -----
     With n cylinders in line the major orders are n / 2 and n of four-stroke engines and n of two-stroke
-    engines; no critical speed of theirs may lie between 0.8 and 1.1 of the rated speed, 0.9 and 1.1 for
+    engines. None of their critical speeds may be between 0.8 and 1.1 of the rated speed, 0.9 and 1.1 for
     generating sets (`MAJOR_SOURCE`).
     """
     rated = checked_rated_speed(rated_speed)

@@ -1,4 +1,4 @@
-"""Amplitudes over the speed, all orders together: what limits are held against."""
+"""Amplitudes of all orders together over the speed, for comparison with limits."""
 
 from collections.abc import Callable
 
@@ -39,27 +39,27 @@ def node_amplitude(
     elastic: bool = False,
     magnifier: float | None = None,
 ) -> Callable[[Chain], AmplitudeCurve]:
-    """Make a function that finds the amplitude of one node of a chain over the speed.
+    """Return a function that gives the amplitude of one node of a chain over the speed.
 
-    **It counts the rolling of the whole shaft as a rigid body**, unless `elastic` is set. That is large
-    at low speeds, where low orders swing a free shaft to and fro, and strains nothing; the free end's
-    amplitude of an engine's forced vibration, and the limits on it, are without it.
+    **It includes the motion of the whole shaft as a rigid body**, unless `elastic` is set. This motion is
+    large at low speeds, where low orders swing a free shaft to and fro, and causes no strain. The free
+    end's amplitude of an engine's forced vibration, and the limits on it, exclude it.
 
     Parameters
     ----------
     excitation : OrderExcitation
-        Forces on the nodes; nodes of the chain beyond these, as the ring of a damper, are free.
+        Forces on the nodes; further nodes of the chain, such as the ring of a damper, are free.
     node : int or str
     elastic : bool
-        Whether only the motion beside that of the rigid body counts.
+        Whether only the motion relative to that of the rigid body counts.
     magnifier : float, optional
         Damping added to each mode; see `forced_response`.
 
     Returns
     -------
     callable
-        Chain to AmplitudeCurve [rad or m]: for `size_viscous_damper` and the like. To the speeds of the
-        excitation it adds those of the chain's resonances, so that none hides between two of them.
+        Chain to AmplitudeCurve [rad or m]: for `size_viscous_damper` and similar functions. It adds the
+        speeds of the chain's resonances to those of the excitation, so that no peak is missed.
     """
 
     def curve(chain: Chain) -> AmplitudeCurve:
@@ -78,7 +78,7 @@ def element_load(
     section: float = 1.0,
     magnifier: float | None = None,
 ) -> Callable[[Chain], AmplitudeCurve]:
-    """Make a function that finds the load or the nominal stress of one element over the speed.
+    """Return a function that gives the load or the nominal stress of one element over the speed.
 
     Parameters
     ----------
@@ -87,8 +87,8 @@ def element_load(
     element : int
         From 0.
     section : float
-        Section modulus in torsion [m^3] or area [m^2]: the result is the stress [Pa]. Without it,
-        the load that strains the element [N m or N].
+        Section modulus in torsion [m^3] or area [m^2]: the result is the stress [Pa]. By default the
+        load of the element [N m or N].
 
     Returns
     -------
@@ -113,7 +113,7 @@ def element_load(
 
 
 def with_resonances(excitation: OrderExcitation, chain: Chain) -> OrderExcitation:
-    """Return an excitation for all nodes of a chain, at the speeds of its resonances too.
+    """Return an excitation for all nodes of a chain, with the speeds of its resonances added.
 
     Parameters
     ----------
@@ -124,8 +124,8 @@ def with_resonances(excitation: OrderExcitation, chain: Chain) -> OrderExcitatio
     Returns
     -------
     OrderExcitation
-        With the speeds between the first and last given at which an order meets a damped natural
-        frequency; forces there lie on straight lines between those given.
+        Adds the speeds, between the first and the last one given, at which an order meets a damped natural
+        frequency; forces there are interpolated linearly.
 
     Raises
     ------
@@ -157,8 +157,8 @@ def with_resonances(excitation: OrderExcitation, chain: Chain) -> OrderExcitatio
 def damped_frequencies(chain: Chain) -> FloatArray:
     """Return the angular frequencies of the chain's damped free vibrations [rad/s], ascending.
 
-    Those of viscous damping; loss factors hardly shift frequencies and are left out. Modes that
-    creep back without vibrating are left out too.
+    Only viscous damping counts: loss factors hardly shift frequencies. Overdamped modes are
+    excluded.
     """
     expand = chain.expansion()
     mass, stiffness, damping = (

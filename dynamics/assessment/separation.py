@@ -1,4 +1,4 @@
-"""How far critical speeds stay away from the speeds at which an engine runs."""
+"""Separation of critical speeds from the speeds at which an engine runs."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
@@ -25,7 +25,7 @@ USUAL_MARGIN = 0.10
 @summarized("mode", "order", "nominal [rad/s]", "low [rad/s]", "high [rad/s]", "margin")
 @dataclass(frozen=True)
 class CriticalRange:
-    """Where the critical speed of one mode and order may lie, and its distance from running speeds.
+    """Possible range of the critical speed of one mode and order, and its distance from running speeds.
 
     Parameters
     ----------
@@ -34,10 +34,10 @@ class CriticalRange:
     order : float
         In cycles per crankshaft revolution.
     nominal, low, high : float
-        Critical speed, and what it may be at least and at most [rad/s].
+        Critical speed: nominal, and its least and largest possible value [rad/s].
     margin : float
         Distance of the nearest possible critical speed from the nearest running speed, as a share of
-        the latter; 0 where one may be met.
+        the latter; 0 where they may coincide.
     nominal_margin : float
         The same for the nominal critical speed.
     """
@@ -51,12 +51,12 @@ class CriticalRange:
     nominal_margin: float
 
     def kept(self, margin: float = USUAL_MARGIN) -> bool:
-        """Tell whether at least this margin is kept, whatever the truth within the ranges."""
+        """Return whether at least this margin is kept for all values within the ranges."""
         return self.margin >= margin
 
     @property
     def sentence(self) -> str:
-        """Such as "mode 1 with order 6: 1500 1/min (1450 to 1560 1/min), 12 % off running speeds"."""
+        """For example "mode 1 with order 6: 1500 1/min (1450 to 1560 1/min), 12 % off running speeds"."""
         away = (
             f"{100.0 * self.margin:.3g} % off running speeds"
             if self.margin > 0.0
@@ -68,7 +68,7 @@ class CriticalRange:
         )
 
     def row(self) -> Row:
-        """Return what a table of critical speeds shows, each value with its unit; see `table_of`."""
+        """Return the columns of a table of critical speeds, each value with its unit; see `table_of`."""
         return {
             "mode": (self.mode, "1"),
             "order": (self.order, "1"),
@@ -83,7 +83,7 @@ class CriticalRange:
 def separation_margin(
     low: ArrayLike, high: ArrayLike, running_range: tuple[float, float]
 ) -> FloatArray:
-    """Return how far critical speeds between two bounds stay from a running range.
+    """Return the separation of critical speeds between two bounds from a running range.
 
     Parameters
     ----------
@@ -96,13 +96,13 @@ def separation_margin(
     -------
     ndarray of shape (m,)
         1 - high / lowest running speed below the range, low / highest running speed - 1 above it,
-        0 where they meet it. At a given speed that is also the distance between natural frequency
+        0 where they overlap. At a given speed this is also the distance between natural frequency
         and excitation as a share of the latter.
 
     Raises
     ------
     InputError
-        If a speed is negative, or the running range is upside down.
+        If a speed is negative, or the running range is reversed.
     """
     least = nonnegative_vector("low", low, "rad/s", "it is a speed")
     most = nonnegative_vector("high", high, "rad/s", "it is a speed")
@@ -121,13 +121,13 @@ def critical_ranges(
     damped: Callable[[Chain, int, float], Sequence[float]] | None = None,
     others: Sequence[Chain] = (),
 ) -> tuple[CriticalRange, ...]:
-    """Find where critical speeds may lie that come near the speeds at which an engine runs.
+    """Find the possible critical speeds near the speeds at which an engine runs.
 
     Parameters
     ----------
     chain : Chain
     spreads : sequence of Spread
-        What is not known well; none for the nominal critical speeds alone.
+        Uncertain values; none for the nominal critical speeds alone.
     orders : array_like of shape (K,)
         Of the excitation, in cycles per crankshaft revolution.
     running_range : tuple of two floats
@@ -135,11 +135,11 @@ def critical_ranges(
     within : float
         Critical speeds with a larger margin are left out.
     damped : callable, optional
-        Chain, mode, 1 the lowest, and order to the critical speeds with damping over that without: one for
-        each peak, none where the order has no peak at the mode, which then is left out. It is asked for
-        the chain and for each of the others. Undamped speeds by default.
+        Chain, mode (1 the lowest) and order to the critical speeds with damping over those without: one
+        for each peak; empty where the order has no peak at the mode, which is then left out. It is called
+        for the chain and for each of the others. By default undamped speeds are used.
     others : sequence of Chain, optional
-        That the chain may be as well; see `frequency_bounds`.
+        Other possible chains; see `frequency_bounds`.
 
     Returns
     -------
@@ -149,13 +149,13 @@ def critical_ranges(
     Raises
     ------
     InputError
-        If orders are not above zero, the running range is upside down, or a place of a spread does
+        If orders are not above zero, the running range is reversed, or a node or element of a spread does
         not exist.
 
     Notes
     -----
-    Without damping the bounds are exact, those of `frequency_bounds` over the order. With it each chain
-    has its own peaks, of which those nearest to the nominal one count, and each of them moves with the
+    Without damping the bounds are exact: those of `frequency_bounds` over the order. With damping each
+    chain has its own peaks; those nearest to the nominal one count, and each of them shifts with the
     spreads as the frequency does.
     """
     excited = positive_vector("orders", orders, "", "they count cycles per revolution")

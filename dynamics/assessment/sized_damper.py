@@ -1,4 +1,4 @@
-"""What an optimization of a damper found."""
+"""Result of the optimization of a damper."""
 
 from dataclasses import dataclass
 from typing import Literal
@@ -23,14 +23,14 @@ Damper = TorsionalDamper | AxialDamper
 @summarized("damper", "used", "used_without", "reached", "sizes")
 @dataclass(frozen=True, eq=False)
 class SizedDamper:
-    """What an optimization of a damper found.
+    """Result of the optimization of a damper.
 
     Parameters
     ----------
     damper : ViscousDamper, RubberDamper or AxialDamper
-        The smallest one that keeps the limit; if none does, the one that comes closest.
+        The smallest one that keeps the limit; if none does, the one with the least excess.
     chain : Chain
-        With it.
+        Chain with this damper.
     reached : bool
         Whether the limit is kept.
     limit : VibrationLimit
@@ -39,12 +39,12 @@ class SizedDamper:
     used, used_without : float
         Largest share of the permitted amplitude over the speeds.
     sizes : ndarray of shape (m,)
-        Sizes tried, ascending, those of a search's end that are almost the best one left out: ring
+        Sizes tried, ascending, without those at the end of the search that nearly equal the best: ring
         inertia [kg m^2] or damping of an axial damper [N s/m].
     used_at_best : ndarray of shape (m,)
         Least share of the permitted amplitude found for each of them.
     sentence : str
-        The result, or why the limit cannot be kept.
+        The result, or why no damper keeps the limit.
     """
 
     damper: Damper
@@ -62,19 +62,19 @@ class SizedDamper:
     def plot(
         self, axes: Axes | None = None, *, show: Literal["amplitude", "sizes"] = "amplitude"
     ) -> Axes:
-        """Draw the amplitude with and without the damper, or what dampers of each size can reach.
+        """Draw the amplitude with and without the damper, or the best result of each size.
 
         Parameters
         ----------
         axes : matplotlib.axes.Axes, optional
-            Where to draw; those of a new figure if not given.
+            Where to draw; new axes by default.
         show : {"amplitude", "sizes"}, optional
-            Amplitude over the speed, or what each size can reach.
+            Amplitude over the speed, or the best result of each size.
 
         Returns
         -------
         matplotlib.axes.Axes
-            The dashed line is what is permitted.
+            The dashed line is the permitted value.
 
         Raises
         ------
@@ -108,7 +108,7 @@ class SizedDamper:
         return axes
 
     def to_pandas(self) -> DataFrame:
-        """Return a row for each size: the least share of the permitted amplitude found.
+        """Return a row for each size, with the least share of the permitted amplitude found.
 
         Returns
         -------

@@ -1,4 +1,4 @@
-"""Ranges of what is not known well: factors on the values of a chain, and chains scaled by them.
+"""Uncertain values: ranges of factors on the values of a chain, and chains scaled by them.
 
 Compliances by finite elements have an error and formulas a spread; inertias, dampings and the
 stiffness of a thrust bearing are often estimates. Each such range is a `Spread`: factors on the
@@ -51,7 +51,7 @@ DAMPINGS = ("damping", "loss_factor", "ground_damping", "dashpots")
 @summarized("name", "kind", "low", "high", "places")
 @dataclass(frozen=True)
 class Spread:
-    """A range of factors on one kind of value, at all places or at some that change together.
+    """A range of factors on one kind of value, everywhere or at some elements or nodes together.
 
     Parameters
     ----------
@@ -60,11 +60,11 @@ class Spread:
         to elements, inertia, ground stiffness and ground damping to nodes. Or "all damping", of
         the whole chain.
     low, high : float
-        Least and largest factor on the nominal value; 1 lies between them.
+        Least and largest factor on the nominal value; 1 is between them.
     places : tuple of int or str, optional
         Elements, nodes or dashpots by number from 0 or by name; all by default.
     name : str
-        What to call it; the kind by default.
+        Its name; the kind by default.
 
     Raises
     ------
@@ -124,13 +124,13 @@ def scaled_chain(chain: Chain, spreads: Sequence[Spread], factors: ArrayLike) ->
     ----------
     chain : Chain
     spreads : sequence of p Spread
-        Say what each factor acts on; where two act on the same value it takes both.
+        They state what each factor acts on; a value with two factors gets both.
     factors : array_like of shape (p,)
 
     Raises
     ------
     InputError
-        If a place does not exist, or a factor is not above zero.
+        If an element or node does not exist, or a factor is not above zero.
     """
     given = positive_vector("factors", factors, "", "it is a factor on a positive value")
     scales = scale_factors(chain, spreads, given[np.newaxis])

@@ -1,4 +1,4 @@
-"""What ranges of a chain's values do to its frequencies and amplitudes: bounds and samples."""
+"""Effect of uncertain values on a chain's frequencies and amplitudes: bounds and samples."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
@@ -26,7 +26,7 @@ MOST_CALCULATED = 100_000
 @summarized("values", "nominal", "spreads")
 @dataclass(frozen=True, eq=False)
 class Samples:
-    """Results for many possible systems.
+    """Results of many possible systems.
 
     Parameters
     ----------
@@ -45,14 +45,14 @@ class Samples:
     nominal: FloatArray
 
     def percentile(self, percent: float) -> FloatArray:
-        """Return the value that so many percent of the samples do not exceed, shape (...).
+        """Return the value that a given percentage of the samples does not exceed, shape (...).
 
-        It is one of the values found, the first not below that share; so inf stays what it is.
+        It is one of the samples, the first that reaches that share, so inf is kept.
 
         Raises
         ------
         InputError
-            If the share is none.
+            If the percentage is out of range.
         """
         if not (is_number(percent) and 0.0 <= percent <= 100.0):
             raise InputError(
@@ -78,16 +78,16 @@ class Samples:
         label: str = "result [SI]",
         bins: int = 20,
     ) -> Axes:
-        """Draw how often one result lies where, with the nominal one and the middle 90 percent.
+        """Draw the distribution of one result, with the nominal value and the middle 90 percent.
 
         Parameters
         ----------
         axes : matplotlib.axes.Axes, optional
-            Where to draw; those of a new figure if not given.
+            Where to draw; new axes by default.
         place : int, optional
             Which of several results, from 0; several dimensions are counted in rows.
         label : str, optional
-            Of the axis, with the unit.
+            Of the axis, including the unit.
         bins : int, optional
             Number of bars.
 
@@ -99,7 +99,7 @@ class Samples:
         Raises
         ------
         InputError
-            If there is no such place, no sample is bounded there, or the number of bars is not 1 or
+            If there is no such result, no sample of it is bounded, or the number of bars is not 1 or
             more.
         """
         columns = self.values.reshape(len(self.values), -1)
@@ -132,7 +132,7 @@ class Samples:
 def sampled_factors(
     spreads: Sequence[Spread], samples: int = DEFAULT_SAMPLES, seed: int = DEFAULT_SEED
 ) -> FloatArray:
-    """Draw factors by a Latin hypercube: each spread is covered evenly, in every share 1/N of it.
+    """Draw factors by a Latin hypercube: each of N equal shares of a spread has one sample.
 
     Parameters
     ----------
@@ -145,8 +145,8 @@ def sampled_factors(
     Returns
     -------
     ndarray of shape (N, p)
-        Evenly spread over the logarithm, so that a compliance and the stiffness that is its
-        reciprocal are spread alike.
+        Uniform over the logarithm, so that a compliance and its reciprocal stiffness have the same
+        distribution.
 
     Raises
     ------
@@ -184,8 +184,8 @@ def frequency_samples(
     Returns
     -------
     Samples
-        Of frequencies [Hz], (N, q) ascending in each sample: where two modes pass each other, the
-        place counts and not the shape.
+        Of frequencies [Hz], (N, q) ascending in each sample: where two modes cross, the index follows
+        the frequency, not the shape.
     """
     factors = sampled_factors(spreads, samples, seed)
     both = _frequencies(chain, spreads, np.vstack((np.ones(len(spreads)), factors)))
@@ -202,7 +202,7 @@ def frequency_bounds(
     chain : Chain
     spreads : sequence of Spread
     others : sequence of Chain, optional
-        That the chain may be as well, such as in bearings of other stiffness: of the same nodes, with the
+        Other possible chains, such as in bearings of other stiffness: with the same nodes and the
         same spreads. The bounds hold for all of them.
 
     Returns
@@ -213,16 +213,16 @@ def frequency_bounds(
     Raises
     ------
     InputError
-        If a place does not exist.
+        If an element or node does not exist.
 
     Notes
     -----
     Each squared frequency is a minimum over subspaces of a maximum of x' K x / x' M x (Courant and
-    Fischer). Any stiffness, of an element or to ground, that grows adds k (c' x)^2 to the numerator
-    and any inertia that grows adds to the denominator, so that the quotient rises with the one and
-    falls with the other for every x, and with it every minimum of maxima. All frequencies are
-    therefore lowest together with all stiffnesses least and all inertias largest, and highest the
-    other way round: two corners of the box of factors bound the whole of it.
+    Fischer). A stiffness, of an element or to ground, that grows adds k (c' x)^2 to the numerator
+    and an inertia that grows adds to the denominator, so the quotient increases with the first and
+    decreases with the second for every x, and so does every minimum of maxima. All frequencies are
+    therefore lowest with all stiffnesses least and all inertias largest, and highest in the
+    opposite case: two corners of the box of factors bound all of it.
     """
     ends = np.array([[spread.low, spread.high] for spread in spreads]).reshape(-1, 2)
     softer = np.array([_softens(spread) for spread in spreads], dtype=bool)
@@ -300,8 +300,8 @@ def chain_samples(
 
     Notes
     -----
-    Amplitudes are not monotone in stiffness and inertia, which move resonances about: the extremes
-    of the samples are no bounds of what is possible.
+    Amplitudes are not monotonic in stiffness and inertia, which shift resonances: the extremes
+    of the samples are not bounds of the possible values.
     """
     return function_samples(
         lambda factors: result(scaled_chain(chain, spreads, factors)), spreads, samples, seed
@@ -321,14 +321,14 @@ def function_samples(
     result : callable
         Factors (p,) to a number or an array of always the same shape.
     spreads : sequence of p Spread
-        Their kinds and places are left to the function.
+        Kinds and elements are interpreted by the function.
     samples, seed : int
         See `sampled_factors`.
 
     Raises
     ------
     InputError
-        As `sampled_factors`, and if there are more samples than can be calculated one by one.
+        As `sampled_factors`, and if there are too many samples for individual calculation.
     """
     factors = sampled_factors(spreads, samples, seed)
     if samples > MOST_CALCULATED:
@@ -378,6 +378,6 @@ def _frequencies(chain: Chain, spreads: Sequence[Spread], factors: FloatArray) -
 
 
 def _softens(spread: Spread) -> bool:
-    """Tell whether a larger factor lowers the frequencies."""
+    """Return whether a larger factor lowers the frequencies."""
     field, power = FIELDS.get(spread.kind, ("", 0))
     return (field in STIFF and power < 0) or field in HEAVY

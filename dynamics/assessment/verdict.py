@@ -1,4 +1,4 @@
-"""The verdict: vibration over the speed held against limits, and what is to be done about it."""
+"""The verdict: vibration over the speed compared with limits, and the measures required."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -41,23 +41,23 @@ Status = Literal["fine", "barred range needed", "not acceptable"]
 )
 @dataclass(frozen=True, eq=False)
 class LimitCheck:
-    """One curve held against one limit.
+    """One curve compared with one limit.
 
     Parameters
     ----------
     limit : VibrationLimit
     curve : AmplitudeCurve
     worst_speed : float
-        Where most of the limit is used, among the speeds judged: from the lowest at which the engine
-        runs to the highest, or to the end of the limit's rule above it [rad/s].
+        Speed at which most of the limit is used, among the speeds judged: from the lowest running speed
+        to the highest, or to the end of the limit's rule above it [rad/s].
     worst_value, permitted : float
-        Amplitude there (inf if unbounded) and what is permitted, in the unit of the limit.
+        Amplitude (inf if unbounded) and permitted value at that speed, in the unit of the limit.
     remarks : tuple of str
-        Speeds that the limit or the calculation leaves out.
+        Speeds not covered by the limit or the calculation.
     judged : tuple of two floats
         The speeds judged [rad/s].
     cause : PeakCause or None
-        The orders that make the amplitude at the worst speed, where they are known.
+        Contributions of orders to the amplitude at the worst speed, if known.
     highest_running : float
         The highest running speed [rad/s]; speeds judged above it are reported separately.
     """
@@ -105,7 +105,7 @@ class LimitCheck:
 
     @property
     def sentence(self) -> str:
-        """What was found, with its numbers and the limit's source."""
+        """The finding with its numbers and the limit's source."""
         source = self.limit.source + (", assumed" if self.limit.assumed else "")
         found = use_in_words(self.limit, self.worst_speed, self.worst_value, self.permitted)
         if self.running and not at_most(self.worst_speed, self.highest_running):
@@ -117,12 +117,12 @@ class LimitCheck:
         return f"{text} {self.cause.reasons[0].upper()}{self.cause.reasons[1:]}."
 
     def plot(self, axes: Axes | None = None) -> Axes:
-        """Draw the amplitude over the speed with what is permitted, and a dot at the worst speed.
+        """Draw the amplitude and the permitted value over the speed, with a dot at the worst speed.
 
         Parameters
         ----------
         axes : matplotlib.axes.Axes, optional
-            Where to draw; those of a new figure if not given.
+            Where to draw; new axes by default.
 
         Returns
         -------
@@ -175,7 +175,7 @@ class LimitCheck:
         )
 
     def row(self) -> Row:
-        """Return what a table of checks shows, each value with its unit; see `table_of`.
+        """Return the columns of a table of checks, each value with its unit; see `table_of`.
 
         The worst value and the permitted one are in the unit that the row names.
         """
@@ -196,7 +196,7 @@ class LimitCheck:
 @summarized("status", "checks", "barred", "running_range [rad/s]")
 @dataclass(frozen=True, eq=False)
 class Verdict:
-    """What limits say of an engine's vibration.
+    """Result of comparing an engine's vibration with its limits.
 
     Parameters
     ----------
@@ -211,7 +211,7 @@ class Verdict:
     running_range : tuple of two floats
         [rad/s].
     remarks : tuple of str
-        What was left open.
+        Open questions.
     """
 
     status: Status
@@ -223,7 +223,7 @@ class Verdict:
 
     @property
     def ranges_to_bar(self) -> list[tuple[float, float]]:
-        """Speed ranges that may be barred, whatever limit asks for them [rad/s]."""
+        """Speed ranges that may be barred, for any limit [rad/s]."""
         return [(one.low, one.high) for one in self.barred if one.allowed]
 
     @property
@@ -240,18 +240,18 @@ class Verdict:
         return f"Barred range needed, {ranges}: {worst.sentence}"
 
     def plot(self, axes: Axes | None = None) -> Axes:
-        """Draw which share of each limit is used over the speed, with ranges that may be barred shaded.
+        """Draw the share of each limit that is used over the speed, with barred ranges shaded.
 
         Parameters
         ----------
         axes : matplotlib.axes.Axes, optional
-            Where to draw; those of a new figure if not given.
+            Where to draw; new axes by default.
 
         Returns
         -------
         matplotlib.axes.Axes
-            Over all speeds judged, of which some may lie above the running range. The dashed line is
-            what is permitted; gaps are where the vibration is unbounded or the limit states nothing.
+            Over all speeds judged, including those above the running range. The dashed line is the
+            permitted value; gaps are where the vibration is unbounded or no limit is stated.
             Of more than five checks the five with the worst use are drawn, and the legend counts the
             others.
         """
@@ -307,27 +307,27 @@ def judge(
     running_range: tuple[float, float],
     rule: BarredRangeRule,
 ) -> Verdict:
-    """Hold vibration against its limits and propose barred speed ranges.
+    """Compare vibration with its limits and propose barred speed ranges.
 
     Parameters
     ----------
     findings : sequence of pairs of VibrationLimit and AmplitudeCurve
         Amplitudes over the speed with their limits; one limit may be used in many pairs.
     running_range : tuple of two floats
-        Lowest and highest speed at which the engine runs [rad/s]; every curve must cover it. A limit
-        that its source states up to a higher speed is held up to there as far as it was calculated.
+        Lowest and highest running speed [rad/s]; every curve must cover it. A limit
+        that its source states up to a higher speed is judged up to there, as far as calculated.
     rule : BarredRangeRule
 
     Returns
     -------
     Verdict
         "fine" if all limits are kept at running speeds, and speeds below can be passed on starting;
-        "barred range needed" if ranges can be barred so that they are; "not acceptable" otherwise.
+        "barred range needed" if barring ranges achieves this; "not acceptable" otherwise.
 
     Raises
     ------
     InputError
-        If there are no findings or one is no such pair, the running range is upside down or a curve does
+        If there are no findings or one is not such a pair, the running range is reversed or a curve does
         not cover it.
     """
     check_findings(findings)

@@ -1,4 +1,4 @@
-"""The speeds at which most of a limit is used, found between those calculated."""
+"""The speeds at which most of a limit is used, refined between the calculated ones."""
 
 from collections.abc import Callable
 
@@ -17,17 +17,17 @@ Uses = Callable[[FloatArray], FloatArray]
 
 
 def refined_maxima(uses_at: Uses, speeds: FloatArray, least: float = np.inf) -> FloatArray:
-    """Find the speeds of the largest values of curves, closer than the speeds calculated.
+    """Find the speeds of the largest values of curves, more closely than the calculated speeds.
 
     Parameters
     ----------
     uses_at : callable
-        Speeds (S,) [rad/s] to the values (C, S) of the curves, such as the used share of limits; none
-        below zero, inf where unbounded.
+        Speeds (S,) [rad/s] to the values (C, S) of the curves, such as the used share of limits; not
+        negative, inf where unbounded.
     speeds : ndarray of shape (S,)
         Ascending [rad/s].
     least : float, optional
-        In each range in which a curve is above this, its first and last maximum are refined too.
+        In each range in which a curve exceeds this, its first and last maximum are refined too.
 
     Returns
     -------
@@ -36,10 +36,10 @@ def refined_maxima(uses_at: Uses, speeds: FloatArray, least: float = np.inf) -> 
 
     Notes
     -----
-    Each maximum lies between the neighbors of the largest value calculated. Values are calculated at
-    even steps between them, and the neighbors of the largest bound it from then on: after three rounds
-    they are 64 times closer. On a grid that steps by an eighth of the half bandwidth near resonances,
-    the speed is then known to 1/512 of it, and the value, as a peak is round, to 1e-6 of it.
+    Each maximum is between the neighbors of the largest calculated value. Values are calculated at
+    even steps between them, and the neighbors of the new largest value are the next bounds: after three
+    rounds they are 64 times closer. On a grid that steps by an eighth of the half bandwidth near
+    resonances, this gives the speed to 1/512 of it and the value, as a peak is round, to 1e-6.
     """
     values = uses_at(speeds)
     curves, tops = _maxima(values, least)
@@ -70,7 +70,7 @@ def refined_maxima(uses_at: Uses, speeds: FloatArray, least: float = np.inf) -> 
 
 
 def _maxima(values: FloatArray, least: float) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
-    """Return curve and place of each maximum to be refined; an unbounded one is where it is."""
+    """Return curve and index of each maximum to be refined; an unbounded one needs no refinement."""
     chosen = set()
     for curve, own in enumerate(values):
         beside = np.concatenate(([-1.0], own, [-1.0]))

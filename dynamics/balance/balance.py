@@ -1,4 +1,4 @@
-"""What the inertia of the moving parts leaves over: forces and moments on the engine, by order."""
+"""Residual inertia forces and moments of the moving parts on the engine, by order."""
 
 import cmath
 import math
@@ -68,7 +68,7 @@ class OrderBalance:
     Parameters
     ----------
     order : int
-        Cycles per turn of the shaft.
+        Cycles per revolution of the shaft.
     total : Resultant
         All parts together.
     reciprocating : Resultant
@@ -76,11 +76,11 @@ class OrderBalance:
     rotating : Resultant
         Of the masses at the crankpins and of counterweights; first order only.
     lateral : Resultant
-        Of what lies beside the rods' axes, slave pins included; zero in the two-mass model.
+        Of masses off the rods' axes, slave pins included; zero in the two-mass model.
     force_scale : float
-        Sum of all moving masses times R w^2 [N].
+        Scale of the forces: sum of all moving masses times R w^2 [N].
     moment_scale : float
-        That times the largest distance of a cylinder from the point [N m].
+        Scale of the moments: the former times the largest distance of a cylinder from the point [N m].
     """
 
     order: int
@@ -103,12 +103,12 @@ class OrderBalance:
 
     @property
     def force_balanced(self) -> bool:
-        """Whether the force is round-off."""
+        """Whether the force is zero within round-off."""
         return self.force.major <= BALANCED * self.force_scale
 
     @property
     def moment_balanced(self) -> bool:
-        """Whether the moment is round-off."""
+        """Whether the moment is zero within round-off."""
         return self.moment.major <= BALANCED * self.moment_scale
 
 
@@ -121,9 +121,9 @@ class Balance:
     ----------
     engine : EngineLayout
     speed : float
-        Of the shaft [rad/s]; forces grow with its square.
+        Of the shaft [rad/s]; forces are proportional to its square.
     about : float
-        Where on the shaft axis moments are taken [m].
+        Point of the shaft axis about which moments are taken [m].
     model : str
         "rigid" or "two-mass".
     rows : tuple of OrderBalance
@@ -142,7 +142,7 @@ class Balance:
         Raises
         ------
         InputError
-            If it was not asked for.
+            If the balance does not include it.
         """
         for row in self.rows:
             if row.order == order:
@@ -153,12 +153,12 @@ class Balance:
         )
 
     def plot(self, axes: Axes | None = None, *, show: Literal["force", "moment"] = "force") -> Axes:
-        """Draw the forces or moments that are left over, a curve for each order not balanced.
+        """Draw the residual forces or moments, a curve for each order that is not balanced.
 
         Parameters
         ----------
         axes : matplotlib.axes.Axes, optional
-            Where to draw; those of a new figure if not given.
+            Where to draw; new axes by default.
         show : {"force", "moment"}, optional
 
         Returns
@@ -194,7 +194,7 @@ class Balance:
         ------
         MissingLibraryError
             If pandas is not installed.
-            A direction is not a number where the curve is a circle or a point.
+            The direction is NaN where the curve is a circle or a point.
         """
         columns: dict[str, tuple[list[object], str]] = {
             "order": ([row.order for row in self.rows], "1")
@@ -232,16 +232,16 @@ def balance(
     Parameters
     ----------
     engine : EngineLayout
-        Its `rotating` masses are counterweights, and what its throws have out of balance.
+        With `rotating` masses for counterweights and the unbalance of the throws.
     speed : float
         Of the shaft [rad/s].
     orders : sequence of int, optional
-        Cycles per turn of the shaft.
+        Cycles per revolution of the shaft.
     about : float, optional
-        Where on the shaft axis moments are taken [m]; the middle of the cylinders if not given.
+        Point of the shaft axis about which moments are taken [m]; by default the middle of the cylinders.
     model : str, optional
-        "rigid": pistons and rods as they are. "two-mass": masses at the ends of the rods only, a
-        hinged rod's foot shared out to the main rod's ends; differs where something lies beside a
+        "rigid": pistons and rods exactly. "two-mass": masses at the ends of the rods only; a
+        hinged rod's foot is distributed to the main rod's ends. They differ if a mass is off a
         rod's axis.
 
     Returns
@@ -251,14 +251,14 @@ def balance(
     Raises
     ------
     InputError
-        If the speed is not above zero, an order is not a whole number of 1 or more, cylinders of one
-        bank stand in the same place, or there is no such model.
+        If the speed is not above zero, an order is not a whole number of 1 or more, two cylinders of a
+        bank are at the same position, or there is no such model.
 
     Notes
     -----
     The force is minus the sum of mass times acceleration, exact: orders come from a fast Fourier
-    transform of so many samples that nothing is folded back on them. A hinged rod's foot acts in
-    the plane of the main rod. Gas forces leave no force on the engine, nor a moment about x or y.
+    transform with enough samples to avoid aliasing. A hinged rod's foot acts in
+    the plane of the main rod. Gas forces leave no net force on the engine, nor a moment about x or y.
 
     Examples
     --------

@@ -1,4 +1,4 @@
-"""What hinged rods change in the inertia forces, against rods side by side on the crankpin."""
+"""Effect of hinged rods on the inertia forces, compared with rods side by side on the crankpin."""
 
 import math
 from collections.abc import Sequence
@@ -18,14 +18,14 @@ from dynamics.plots.hodographs import FORCE_LABELS, draw_hodographs
 
 @dataclass(frozen=True)
 class HodographChange:
-    """How one hodograph differs from another.
+    """The difference between two hodographs.
 
     Parameters
     ----------
     major, minor : float or None
         Change of the semi-axes as a share of the other's; none where the other's is zero.
     turn_deg : float or None
-        Turn of the major axis about +z [deg], -90 to 90; none where one has no major axis.
+        Rotation of the major axis about +z [deg], -90 to 90; none where one has no major axis.
     """
 
     major: float | None
@@ -49,21 +49,21 @@ def hodograph_change(hodograph: Hodograph, reference: Hodograph) -> HodographCha
 @summarized("order", "curves")
 @dataclass(frozen=True)
 class HingedRodEffects:
-    """Inertia forces of one order [N], with rods side by side and hinged, and what makes it up.
+    """Inertia forces of one order [N], with rods side by side and hinged, and the separate effects.
 
     Parameters
     ----------
     order : int
-        Cycles per turn of the shaft.
+        Cycles per revolution of the shaft.
     side_by_side : Hodograph
         Each hinged rod replaced by a copy of the main rod, and its reciprocating mass by that of
         the main rod's cylinder.
     kinematics : Hodograph
-        The pistons move as they do, the masses are those of the main rods' cylinders.
+        Actual piston motion, masses of the main rods' cylinders.
     masses : Hodograph
-        The pistons move as with rods side by side, the masses are their own.
+        Piston motion of rods side by side, actual masses.
     hinged : Hodograph
-        Movement and masses as they are.
+        Actual motion and masses.
     """
 
     order: int
@@ -83,12 +83,12 @@ class HingedRodEffects:
         }
 
     def plot(self, axes: Axes | None = None) -> Axes:
-        """Draw the four forces as the free end shows them: y up, x to the left.
+        """Draw the four forces as seen from the free end: y up, x to the left.
 
         Parameters
         ----------
         axes : matplotlib.axes.Axes, optional
-            Where to draw; those of a new figure if not given.
+            Where to draw; new axes by default.
 
         Returns
         -------
@@ -128,7 +128,7 @@ def hinged_rod_effects(
     orders: Sequence[int] = (1, 2),
     cylinders: Sequence[int] | None = None,
 ) -> tuple[HingedRodEffects, ...]:
-    """Tell the effects of the hinged rods' kinematics and masses on the inertia forces apart.
+    """Separate the effects of the hinged rods' kinematics and masses on the inertia forces.
 
     Parameters
     ----------
@@ -137,10 +137,10 @@ def hinged_rod_effects(
     speed : float
         Of the shaft [rad/s].
     orders : sequence of int, optional
-        Cycles per turn of the shaft.
+        Cycles per revolution of the shaft.
     cylinders : sequence of int, optional
-        Numbers of the cylinders whose forces are added, such as the two of one throw; all if not
-        given.
+        Numbers of the cylinders whose forces are added, such as the two of one throw; all by
+        default.
 
     Returns
     -------

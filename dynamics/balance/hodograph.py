@@ -1,4 +1,4 @@
-"""Hodographs: the curve that the head of a plane vector runs along as the shaft turns."""
+"""Hodographs: the curve traced by the head of a plane vector as the shaft turns."""
 
 import cmath
 import math
@@ -31,13 +31,13 @@ FOLD = 1e-9
 class Hodograph:
     """One order of a plane vector: F(phi) = P exp(i k phi) + Q exp(-i k phi), an ellipse.
 
-    Vectors are complex in the engine's frame, y - i x: the real part points up, and angles count
+    Vectors are complex in the engine's frame, y - i x: the real part points up; angles count
     from there about +z, in the sense of rotation.
 
     Parameters
     ----------
     order : int
-        k, cycles per turn of the shaft.
+        k, cycles per revolution of the shaft.
     forward : complex
         P, the part that turns with the shaft, k times as fast.
     backward : complex
@@ -90,7 +90,7 @@ class Hodograph:
     def angle_deg(self) -> float | None:
         """Direction of the major axis [deg], above -90 to 90; none for a circle or a point.
 
-        Half the sum of the arguments of P and Q.
+        Mean of the arguments of P and Q.
         """
         if self._is_round:
             return None
@@ -100,9 +100,9 @@ class Hodograph:
 
     @property
     def largest_at_deg(self) -> float | None:
-        """First shaft angle from zero at which the vector lies along the major axis [deg].
+        """First shaft angle from zero at which the vector is along the major axis [deg].
 
-        It does so again every half cycle, 180/k. None for a circle or a point.
+        This repeats every half cycle, 180/k. None for a circle or a point.
         """
         if self._is_round:
             return None
@@ -129,7 +129,7 @@ class Hodograph:
         Raises
         ------
         InputError
-            If the direction is no finite number.
+            If the direction is not a finite number.
 
         Notes
         -----
@@ -155,7 +155,7 @@ class Hodograph:
         Raises
         ------
         InputError
-            If the number is none of 1 or more.
+            If the count is not a whole number of 1 or more.
         """
         count = whole_number("count", count, 1, "so many points are wanted")
         vectors = self.at(
@@ -164,30 +164,30 @@ class Hodograph:
         return -vectors.imag, vectors.real
 
     def times(self, factor: complex) -> "Hodograph":
-        """Return the hodograph of the vector times a complex number: stretched and turned."""
+        """Return the hodograph of the vector times a complex number: scaled and turned."""
         return Hodograph(self.order, self.forward * factor, self.backward * factor)
 
     def plot(
         self, axes: Axes | None = None, *, quantity: Literal["force", "moment"] = "force"
     ) -> Axes:
-        """Draw the curve of the vector as the free end shows it: y up, x to the left.
+        """Draw the curve of the vector as seen from the free end: y up, x to the left.
 
         Parameters
         ----------
         axes : matplotlib.axes.Axes, optional
-            Where to draw; those of a new figure if not given.
+            Where to draw; new axes by default.
         quantity : {"force", "moment"}, optional
-            What the vector is, for the labels; N and N m are shown as kN and kN m.
+            Quantity of the vector, for the labels; N and N m are shown as kN and kN m.
 
         Returns
         -------
         matplotlib.axes.Axes
-            A dot marks the vector at shaft angle zero, an arrowhead the way that it goes.
+            A dot marks the vector at shaft angle zero, an arrowhead the direction of motion.
 
         Raises
         ------
         InputError
-            If the quantity is neither.
+            If the quantity is unknown.
         """
         check_choice("quantity", quantity, ("force", "moment"), "the axes have the unit of one")
         labels = FORCE_LABELS if quantity == "force" else MOMENT_LABELS
@@ -195,7 +195,7 @@ class Hodograph:
         return draw_hodographs(axes, {name: self}, labels, title=f"{quantity} of {name}")
 
     def to_pandas(self, unit: str = "N", count: int = 181) -> DataFrame:
-        """Return the vector at so many even shaft angles over one turn, both ends included.
+        """Return the vector at evenly spaced shaft angles over one revolution, both ends included.
 
         Parameters
         ----------
@@ -243,20 +243,20 @@ def hodograph_sum(order: int, hodographs: Iterable[Hodograph]) -> Hodograph:
 
 
 def _accurate_sum(numbers: Iterable[complex]) -> complex:
-    """Sum without the round-off of the sum, so that what cancels leaves that of its terms only."""
+    """Return the sum with round-off set to zero where terms cancel."""
     given = list(numbers)
     return complex(math.fsum(one.real for one in given), math.fsum(one.imag for one in given))
 
 
 def order_vectors(vectors: ArrayLike, orders: Sequence[int]) -> tuple[Hodograph, ...]:
-    """Return the hodographs of some orders of a vector sampled over a turn.
+    """Return the hodographs of some orders of a vector sampled over a revolution.
 
     Parameters
     ----------
     vectors : complex array_like of shape (m,)
-        y - i x at m shaft angles, evenly over one turn from zero, the closing one left out.
+        y - i x at m shaft angles, evenly over one revolution from zero, without the closing one.
     orders : sequence of int
-        Cycles per turn of the shaft.
+        Cycles per revolution of the shaft.
 
     Returns
     -------

@@ -1,4 +1,4 @@
-"""What moves to and fro and what turns: masses at the ends of the rods, and their forces by order."""
+"""Reciprocating and rotating masses at the ends of the rods, and their forces by order."""
 
 import cmath
 import math
@@ -22,7 +22,7 @@ PlacedForce = tuple[float, Hodograph]
 @summarized("reciprocating [kg]", "rotating [kg]", "lateral [kg m]")
 @dataclass(frozen=True)
 class MovingMasses:
-    """The masses of one cylinder's moving parts, as the inertia forces see them.
+    """The masses of one cylinder's moving parts that cause the inertia forces.
 
     Parameters
     ----------
@@ -31,8 +31,8 @@ class MovingMasses:
     rotating : float
         At the crankpin [kg]; zero for a hinged rod, whose share is in the main rod's.
     lateral : float
-        Static moment of what lies beside the rod's axis, positive to the side to which the crankpin
-        moves as it passes the top [kg m]: the part that two masses on the axis leave out.
+        Static moment of mass off the rod's axis, positive to the side to which the crankpin
+        moves as it passes the top [kg m]: the part that two masses on the axis omit.
     """
 
     reciprocating: float
@@ -54,11 +54,11 @@ def moving_masses(engine: EngineLayout) -> tuple[MovingMasses, ...]:
     Notes
     -----
     A point of a rod at u + i v moves as (1 - u/L) A + (u/L) B + i v exp(-i beta), A and B its
-    ends. So a rod of mass M puts M u/L at B and M (1 - u/L) at A, exactly, and keeps the static
+    ends. So a rod of mass M contributes exactly M u/L at B and M (1 - u/L) at A, and a static
     moment M v. A hinged rod's A is the slave pin, the point p + i q of the main rod, and is shared
     out again: (p/L) and (1 - p/L) of its mass go to the main rod's ends, and the static moment
-    grows by q times it. Mikhina, Vyalkov 2024, Politekhnicheskiy molodezhnyy zhurnal no. 05 (94),
-    does the same and leaves the static moment out.
+    increases by q times it. Mikhina, Vyalkov 2024, Politekhnicheskiy molodezhnyy zhurnal no. 05 (94),
+    do the same but neglect the static moment.
 
     Examples
     --------
@@ -73,7 +73,7 @@ def moving_masses(engine: EngineLayout) -> tuple[MovingMasses, ...]:
     lateral = [0.0] * len(engine.cylinders)
 
     def share_out(place: int, mass: float, point: complex) -> float:
-        """Share a mass out to the ends of a rod; return what falls to its foot."""
+        """Distribute a mass to the ends of a rod; return the part at its foot."""
         at_piston = mass * point.real / engine.cylinders[place].rod.length
         reciprocating[place] += at_piston
         lateral[place] += mass * point.imag
@@ -93,16 +93,16 @@ def moving_masses(engine: EngineLayout) -> tuple[MovingMasses, ...]:
 def balancing_masses(
     engine: EngineLayout, reciprocating_share: float = 0.0
 ) -> tuple[RotatingMass, ...]:
-    """Return counterweights that cancel the rods' rotating masses, and a share of the others.
+    """Return counterweights that cancel the rods' rotating masses, and a share of the reciprocating ones.
 
     Parameters
     ----------
     engine : EngineLayout
-        What it has as `rotating` is not counted.
+        Its own `rotating` masses are not counted.
     reciprocating_share : float, optional
-        Share of the reciprocating masses of the throw that is balanced, too. With 0.5 nothing of
-        the first order is left that turns with the shaft, but for what lies beside the rods' axes:
-        in a V engine of 90 deg nothing at all, in others what turns against it.
+        Share of the throw's reciprocating masses that is balanced as well. With 0.5 no first-order part
+        that turns with the shaft is left, except that of mass off the rods' axes: in a V engine of
+        90 deg nothing at all, in others the part that turns against the shaft.
 
     Returns
     -------
@@ -159,7 +159,7 @@ def reciprocating_forces(
     speed : float
         Of the shaft [rad/s].
     orders : sequence of int
-        Cycles per turn of the shaft.
+        Cycles per revolution of the shaft.
 
     Returns
     -------
@@ -191,7 +191,7 @@ def cylinder_forces(
     forces : callable
         Takes shaft angles (m,) [rad] and returns forces s + i n (n, m) [N].
     orders : sequence of int
-        Cycles per turn of the shaft.
+        Cycles per revolution of the shaft.
 
     Returns
     -------

@@ -1,8 +1,8 @@
-"""Dampers of best size for one mode, by closed forms: absorbers on a single main inertia.
+"""Optimum dampers for one mode, by closed forms: absorbers on a single main inertia.
 
-A mode of a chain acts at a node like one inertia on one spring to ground: with the shape x of modal
+At a node, a mode of a chain acts like one inertia on one spring to ground: with the shape x of modal
 inertia x' M x, the main inertia at node i is x' M x / x_i^2, and its frequency that of the mode.
-Other modes are left out, which is good while they are far; the sizes are a start for a search.
+Other modes are neglected, which is accurate while they are far away; the sizes start a search.
 """
 
 import math
@@ -35,7 +35,7 @@ class AbsorberOptimum:
     loss_factor : float
         That of the absorber's spring; 0 where the damping is viscous.
     magnifier : float
-        Largest amplitude over all frequencies, beside the static deflection.
+        Largest amplitude over all frequencies, relative to the static deflection.
     """
 
     tuning: float
@@ -64,7 +64,7 @@ def untuned_optimum(mass_ratio: float) -> AbsorberOptimum:
         |x|^2 = (g^2 + 4 z^2) / (g^2 (1 - g^2)^2 + 4 z^2 (1 - (1 + mu) g^2)^2).
 
     Where |1 - g^2| = |1 - (1 + mu) g^2|, which is at g^2 = 2 / (2 + mu), it does not depend on z:
-    x = (2 + mu) / mu. No damping gets below that point, and the best one has its peak there: with
+    x = (2 + mu) / mu. No damping gives a lower maximum, and the best one has its peak there: with
     N and D for numerator and denominator as functions of g^2, N' = |x|^2 D' gives
     z^2 = 1 / (2 (1 + mu) (2 + mu)).
     """
@@ -97,11 +97,11 @@ def tuned_optimum(mass_ratio: float) -> AbsorberOptimum:
         |x|^2 = (A^2 + 4 z^2 g^2) / (C^2 + 4 z^2 g^2 E^2),
         A = f^2 - g^2,  C = (1 - g^2) A - mu f^2 g^2,  E = 1 - (1 + mu) g^2.
 
-    At the two frequencies where A / C = - 1 / E the damping does not matter. They are as high as
-    each other for f = 1 / (1 + mu), then both E^2 = mu / (2 + mu) and |x|^2 = 1 + 2 / mu. A level
-    tangent asks for another z at either; the mean of their squares is
-    z^2 = 3 mu / (8 (1 + mu)^3). The peak then lies above the fixed points, by 0.2 % for mu = 0.1 and
-    by 0.8 % for mu = 0.5; `magnifier` is that of the fixed points, which no damping gets below.
+    At the two frequencies where A / C = - 1 / E the damping does not matter. Their amplitudes are
+    equal for f = 1 / (1 + mu), then both E^2 = mu / (2 + mu) and |x|^2 = 1 + 2 / mu. A horizontal
+    tangent requires a different z at each; the mean of their squares is
+    z^2 = 3 mu / (8 (1 + mu)^3). The peak is then above the fixed points, by 0.2 % for mu = 0.1 and
+    by 0.8 % for mu = 0.5; `magnifier` is that of the fixed points, the lower bound for any damping.
     J. P. Den Hartog, Mechanical Vibrations, section on the damped vibration absorber.
     """
     mu = _checked_ratio(mass_ratio)
@@ -128,13 +128,13 @@ def rubber_optimum(mass_ratio: float) -> AbsorberOptimum:
 
     Notes
     -----
-    With the loss factor h, h f^2 stands where a viscous absorber has 2 z g, see `tuned_optimum`:
-    fixed points and tuning are the same. With x = g^2, R = 1 + 2 / mu and C' = dC/dx a level
-    tangent there asks for
+    With the loss factor h, h f^2 replaces the 2 z g of a viscous absorber, see `tuned_optimum`:
+    fixed points and tuning are the same. With x = g^2, R = 1 + 2 / mu and C' = dC/dx a horizontal
+    tangent there requires
 
         h^2 = (f^2 - x + R C C') / (R f^4 (1 + mu) E),
 
-    and the mean of both values is h^2 = mu (3 + 2 mu) / (2 + mu). The peak then lies above the fixed
+    and the mean of both values is h^2 = mu (3 + 2 mu) / (2 + mu). The peak is then above the fixed
     points by 1.3 % for mu = 0.05, 2.7 % for 0.1, 5.3 % for 0.2 and 13 % for 0.5.
     """
     mu = _checked_ratio(mass_ratio)
@@ -191,14 +191,14 @@ def viscous_damper_for(
     hub_inertia: float = 0.0,
     name: str = "damper ring",
 ) -> ViscousDamper:
-    """Return the viscous damper of a given ring that suits one mode best.
+    """Return the optimum viscous damper with a given ring for one mode.
 
     Parameters
     ----------
     chain : Chain
         Torsional, without the damper but with its hub.
     node : str or int
-        Where the damper will sit.
+        Node of the damper.
     ring_inertia : float
         [kg m^2]
     mode : int, optional
@@ -227,7 +227,7 @@ def rubber_damper_for(
     hub_inertia: float = 0.0,
     name: str = "damper ring",
 ) -> RubberDamper:
-    """Return the rubber damper of a given ring that suits one mode best; see `viscous_damper_for`.
+    """Return the optimum rubber damper with a given ring for one mode; see `viscous_damper_for`.
 
     Raises
     ------

@@ -1,4 +1,4 @@
-"""What stands at the ends of an engine: driven machines behind couplings, and propellers."""
+"""Bodies at the ends of an engine: driven machines behind couplings, and propellers."""
 
 from dataclasses import dataclass
 
@@ -14,7 +14,7 @@ TYPICAL_ENTRAINED_MASS_SHARE = 0.60
 
 @dataclass(frozen=True)
 class DrivenMachine:
-    """What the engine drives: one inertia behind a coupling.
+    """A driven machine: one inertia behind a coupling.
 
     Parameters
     ----------
@@ -31,7 +31,7 @@ class DrivenMachine:
     name : str, optional
         Of its node.
     on : str, optional
-        Name of the node that the coupling sits on; the flywheel by default.
+        Name of the node with the coupling; the flywheel by default.
 
     Raises
     ------
@@ -64,7 +64,7 @@ class DrivenMachine:
 
 @dataclass(frozen=True)
 class Propeller:
-    """A propeller and the water that vibrates with it.
+    """A propeller with its entrained water.
 
     Parameters
     ----------
@@ -73,9 +73,9 @@ class Propeller:
     dry_mass : float
         [kg]
     entrained_inertia, entrained_mass : float, optional
-        Of the water that moves with it in torsion [kg m^2] and along the shaft [kg].
+        Of the entrained water in torsion [kg m^2] and along the shaft [kg].
     entrained_inertia_share, entrained_mass_share : float, optional
-        The same as shares of the dry values, in their place; 0.25 to 0.30 and about 0.60 are often
+        Alternatively as shares of the dry values; 0.25 to 0.30 and about 0.60 are often
         assumed.
     damping : float, optional
         Torque per speed of torsional vibration [N m s/rad].
@@ -88,7 +88,7 @@ class Propeller:
     ------
     InputError
         If inertia or mass are not above zero, another value is negative, or the water is not given
-        in exactly one of the two ways: there is no default, because it shifts the frequencies.
+        in exactly one of the two ways: it has no default, because it shifts the frequencies.
     """
 
     dry_inertia: float

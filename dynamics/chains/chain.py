@@ -53,7 +53,7 @@ class Chain:
     stiffness : array_like of shape (e,)
         Stiffness of each element [N m/rad] or [N/m].
     ground : array_like of shape (n,) or mapping of int to float, optional
-        Stiffness of each node to ground [N m/rad] or [N/m], or that of single nodes by their
+        Stiffness of each node to ground [N m/rad] or [N/m], or of single nodes by their
         number from 0. None by default.
     connections : sequence of e pairs of int, optional
         Nodes that each element joins; by default the chain is a row of n - 1 elements between
@@ -66,9 +66,9 @@ class Chain:
         Viscous (absolute) damping of nodes to ground [N m s/rad] or [N s/m].
     distributed_inertia : array_like of shape (e,), optional
         Inertia spread evenly along each element [kg m^2] or [kg], by consistent mass: two elements
-        of a uniform shaft are enough where lumps at nodes would need ten.
+        of a uniform shaft are as accurate as ten lumps at nodes.
     dashpots : sequence of Dashpot, optional
-        Viscous couplings that no spring accompanies, as between hub and ring of a viscous damper.
+        Viscous couplings without a spring, as between hub and ring of a viscous damper.
     gears : sequence of Gear, optional
         Rigid speed ratios between nodes.
     names : sequence of n str, optional
@@ -79,7 +79,7 @@ class Chain:
     InputError
         If an inertia or a stiffness is not above zero (an inertia may be zero where an element or a
         gear brings some), another value is negative, lengths do not fit, a value is not a finite
-        number, the chain falls apart, or gears contradict each other.
+        number, the chain is not connected, or gears contradict each other.
 
     Examples
     --------
@@ -160,7 +160,7 @@ class Chain:
             self._check_moving()
 
     def _check_moving(self) -> None:
-        """Refuse a node that neither itself nor by elements and gears has any inertia."""
+        """Refuse a node without inertia of its own, of its elements or of gears."""
         expand = self.expansion()
         bare = np.diag(expand.T @ self.mass_matrix() @ expand) == 0.0
         if np.any(bare):
@@ -182,7 +182,7 @@ class Chain:
 
     @property
     def speed_ratios(self) -> FloatArray:
-        """Speed of each node beside that of node 0 (of its part's first node), shape (n,)."""
+        """Speed of each node relative to node 0 (to its part's first node), shape (n,)."""
         return speed_ratios(self.connections, self.gears, self.inertia.size)[1]
 
     def expansion(self) -> FloatArray:
@@ -190,7 +190,7 @@ class Chain:
         return gear_groups(self.gears, self.inertia.size)
 
     def elongations(self) -> FloatArray:
-        """Return of shape (e, n) what each element is twisted (lengthened) per motion of each node."""
+        """Return the twist (lengthening) of each element per motion of each node, shape (e, n)."""
         return _differences(self.connections, self.inertia.size)
 
     def dashpot_elongations(self) -> FloatArray:
@@ -254,9 +254,9 @@ class Chain:
 
         Notes
         -----
-        The frequencies keep an error of round-off times the highest one; see `elastic_modes`.
-        Where a mode of a row dies out towards an end, its small displacements follow from the
-        equations of the nodes there, so that in a free row mode j has j nodes as theory wants.
+        The round-off error of all frequencies is relative to the highest one; see `elastic_modes`.
+        Where a mode of a row decays towards an end, its small displacements follow from the
+        equations of the nodes there, so in a free row mode j has exactly j nodes, as in theory.
         """
         expand, rows = self.expansion(), self.spring_rows()
         rigid, names = self.rigid_motions()
@@ -296,7 +296,7 @@ class Chain:
         )
 
     def _with_accurate_tails(self, shapes: FloatArray, frequencies: FloatArray) -> FloatArray:
-        """Return the modes, one per column, right down to their far ends."""
+        """Return the modes, one per column, accurate up to their far ends."""
         root_inertia = np.sqrt(self.inertia)
         diagonal = np.diag(self.stiffness_matrix()) / self.inertia
         off_diagonal = -self.stiffness / (root_inertia[:-1] * root_inertia[1:])
@@ -339,7 +339,7 @@ def _checked_inertias(inertia: ArrayLike, *, zero_allowed: bool) -> FloatArray:
 
 
 def _of_elements(field: str, values: ArrayLike, count: int, unit: str) -> FloatArray:
-    """Return one value per element, none negative; a single number stands for all."""
+    """Return one non-negative value per element; a single number applies to all."""
     why = "it is that of a passive element"
     return read_only(one_for_each(field, values, count, "elements", unit, why))
 

@@ -1,4 +1,4 @@
-"""Natural frequencies and modes of a chain, right in every digit, and what takes part in them."""
+"""Natural frequencies and modes of a chain, accurate in every digit, and their energy shares."""
 
 from dataclasses import dataclass
 from itertools import pairwise
@@ -26,7 +26,7 @@ EQUAL_DISPLACEMENT = 1e-9
 class Modes:
     """Natural frequencies and mode shapes of a chain of n inertias, ascending.
 
-    Gears take unknowns away: q is n less their number.
+    Gears remove unknowns: q is n minus their number.
 
     Parameters
     ----------
@@ -37,9 +37,9 @@ class Modes:
         first node that reaches it.
     rigid : int
         Number of rigid-body modes, which come first: 1 for a free chain, 0 with any stiffness to
-        ground; one more for each part that only a dashpot holds.
+        ground; one more for each part held by dashpots only.
     node_positions : tuple of tuple of float
-        For each mode, where it does not move: 2.37 lies at 37 % of the element number 2, from its
+        For each mode, positions of its nodes of vibration: 2.37 is at 37 % of the element number 2, from its
         first to its second node. In a row that is between nodes 2 and 3; the first node is 0.
     residual : float
         Largest residual of the modes, relative to the largest eigenvalue.
@@ -80,7 +80,7 @@ class Modes:
         """Natural frequencies without those of rigid-body modes [Hz], shape (q - rigid,), ascending.
 
         A chain that turns freely has one rigid-body mode, and one more with the ring of each viscous
-        damper, which nothing but its oil holds.
+        damper, which only its oil holds.
         """
         return self.frequencies[self.rigid :]
 
@@ -99,14 +99,14 @@ class Modes:
         Parameters
         ----------
         axes : matplotlib.axes.Axes, optional
-            Where to draw; those of a new figure if not given.
+            Where to draw; new axes by default.
         count : int, optional
             How many modes.
 
         Returns
         -------
         matplotlib.axes.Axes
-            Lines join nodes that an element joins; a cross marks where a mode does not move.
+            Lines join nodes connected by an element; a cross marks a node of vibration.
 
         Raises
         ------
@@ -202,9 +202,9 @@ def elastic_modes(rows: FloatArray, mass: FloatArray, count: int) -> tuple[Float
 
     Notes
     -----
-    With M = L L' the natural angular frequencies are the singular values of C L'^(-1) and its right
-    singular vectors L' times the modes. Frequencies found so keep an error of round-off times the
-    highest frequency; from K itself the error would be that of the squares, and the lowest
+    With M = L L' the natural angular frequencies are the singular values of C L'^(-1), and its right
+    singular vectors are L' times the modes. The error of these frequencies is round-off times the
+    highest frequency; with K itself it would be that of the squares, and the lowest
     frequency of a stiff chain would lose twice the digits.
     """
     if np.array_equal(mass, np.diag(np.diag(mass))):
@@ -244,8 +244,8 @@ def eigen_residual(
 def row_zero_crossings(shape: FloatArray, pairs: tuple[tuple[int, int], ...]) -> tuple[float, ...]:
     """Return where a mode shape crosses zero in a row, in element indices, by interpolation.
 
-    A displacement of zero at a node, between neighbors that move, counts once, at that node. One
-    that is small beside one neighbor only belongs to a mode that dies out there, and has a sign.
+    A displacement of zero at a node, between neighbors that move, counts once, at that node. A
+    displacement that is small relative to one neighbor only belongs to a decaying mode, and has a sign.
     """
     assert len(pairs) == shape.size - 1
     size = np.pad(np.abs(shape), 1)

@@ -1,4 +1,4 @@
-"""What joins the nodes of a chain: springs by pairs, dashpots and gears; what hangs together."""
+"""Connections of the nodes of a chain: springs by pairs, dashpots and gears; connected parts."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -78,12 +78,12 @@ class Gear:
 
 
 def checked_pairs(connections: Sequence[tuple[int, int]] | None, count: int) -> Pairs:
-    """Return the pairs of nodes that springs join; by default those of neighbors in a row.
+    """Return the pairs of nodes that springs join; by default the neighbors in a row.
 
     Raises
     ------
     InputError
-        If a pair is no pair of different nodes.
+        If a pair does not consist of different nodes.
     """
     if connections is None:
         return tuple(pairwise(range(count)))
@@ -121,7 +121,7 @@ def _pair(field: str, pair: Sequence[int], count: int) -> tuple[int, int]:
 def speed_ratios(
     pairs: Pairs, gears: Sequence[Gear], count: int
 ) -> tuple[NDArray[np.int64], FloatArray]:
-    """Find which nodes hang together by springs and gears, and how they turn in rigid motion.
+    """Find which nodes springs and gears connect, and their relative speeds in rigid motion.
 
     Parameters
     ----------
@@ -133,14 +133,14 @@ def speed_ratios(
     Returns
     -------
     parts : ndarray of shape (n,)
-        Number of the part that each node belongs to, from 0, in the order of first nodes.
+        Number of the part of each node, from 0, in the order of first nodes.
     ratios : ndarray of shape (n,)
         Motion of each node per motion of its part's first node.
 
     Raises
     ------
     InputError
-        If two ways through gears ask for different ratios of the same node.
+        If two paths through gears require different ratios of the same node.
     """
     neighbors: list[list[tuple[int, float]]] = [[] for _ in range(count)]
     for left, right in pairs:
@@ -172,12 +172,12 @@ def speed_ratios(
 
 
 def check_connected(parts: NDArray[np.int64], dashpots: Sequence[Dashpot]) -> None:
-    """Refuse a chain that falls apart.
+    """Refuse a chain that is not connected.
 
     Raises
     ------
     InputError
-        Naming the nodes that nothing joins to the first one.
+        Naming the nodes that are not connected to the first one.
     """
     reached = {0}
     pairs = [(int(parts[d.left]), int(parts[d.right])) for d in dashpots]
@@ -196,7 +196,7 @@ def check_connected(parts: NDArray[np.int64], dashpots: Sequence[Dashpot]) -> No
 def gear_groups(gears: Sequence[Gear], count: int) -> FloatArray:
     """Return T of shape (n, q): motion of the nodes per motion of the q that gears leave free.
 
-    Each group of nodes that gears couple moves with its first node.
+    Each group of nodes coupled by gears moves with its first node.
     """
     groups, ratios = speed_ratios((), gears, count)
     expand = np.zeros((count, int(groups.max()) + 1))

@@ -11,7 +11,7 @@ from dynamics.chains.editing import add_node, with_ground, with_inertia
 
 @dataclass(frozen=True)
 class ViscousDamper:
-    """Torsional damper of a ring that floats in silicone oil in a housing; it has no spring.
+    """Viscous torsional damper: a ring that floats in silicone oil in a housing, without a spring.
 
     Parameters
     ----------
@@ -55,18 +55,18 @@ class ViscousDamper:
 
 @dataclass(frozen=True)
 class RubberDamper:
-    """Torsional damper of a ring on a rubber spring, tuned to a frequency of the shaft.
+    """Tuned torsional damper: a ring on a rubber spring.
 
     Parameters
     ----------
     ring_inertia : float
         Of the ring [kg m^2].
     stiffness : float
-        Of the rubber, dynamic, at the frequency and strain that matter [N m/rad].
+        Of the rubber, dynamic, at the relevant frequency and strain [N m/rad].
     loss_factor : float, optional
         Of the rubber: its complex stiffness is k (1 + i loss_factor).
     damping : float, optional
-        Viscous damping beside it [N m s/rad].
+        Viscous damping parallel to it [N m s/rad].
     hub_inertia : float, optional
         Of the hub, which turns with the shaft [kg m^2].
     name : str, optional
@@ -96,7 +96,7 @@ class RubberDamper:
 
     @property
     def angular_frequency(self) -> float:
-        """Natural frequency of the ring on a shaft held still [rad/s]."""
+        """Natural frequency of the ring with the shaft held [rad/s]."""
         return float((self.stiffness / self.ring_inertia) ** 0.5)
 
     def attached(self, chain: Chain, node: str | int) -> Chain:

@@ -1,7 +1,7 @@
-"""Change chains: add nodes, join chains, add what holds, links or damps them.
+"""Edit chains: add nodes, join chains, add supports, links and dampers.
 
-Every function returns a new chain. Nodes and elements that were there keep their numbers and new
-ones come after them, so that numbers and names taken from the old chain hold for the new one. A
+Every function returns a new chain. Existing nodes and elements keep their numbers and new
+ones follow, so that numbers and names of the old chain remain valid in the new one. A
 node is given by its name or by its number from 0.
 """
 
@@ -20,10 +20,10 @@ OF_ELEMENTS = ("stiffness", "damping", "loss_factor", "distributed_inertia")
 
 
 class Attachable(Protocol):
-    """What can be put on a node of a chain, such as a damper."""
+    """Something that can be attached to a node of a chain, such as a damper."""
 
     def attached(self, chain: Chain, node: str | int) -> Chain:
-        """Return the chain with this on one of its nodes."""
+        """Return the chain with this attached to one of its nodes."""
         ...
 
 
@@ -35,7 +35,7 @@ def find_node(chain: Chain, node: str | int, field: str = "node") -> int:
     chain : Chain
     node : str or int
     field : str, optional
-        What to call it in messages.
+        Name of the node in messages.
 
     Raises
     ------
@@ -64,7 +64,7 @@ def add_node(
     distributed_inertia: float = 0.0,
     ratio: float | None = None,
 ) -> Chain:
-    """Return the chain with one more node, joined to one that is there.
+    """Return the chain with one more node, joined to an existing one.
 
     Parameters
     ----------
@@ -74,14 +74,14 @@ def add_node(
     inertia : float
         [kg m^2] or [kg].
     to : str or int
-        Node that it is joined to.
+        Node to join it to.
     stiffness : float, optional
-        Of the element between the two [N m/rad] or [N/m]. Without it and without `ratio`, a
+        Of the element between the two [N m/rad] or [N/m]. Without stiffness and `ratio`, a
         dashpot of the given damping joins them.
     damping, loss_factor, distributed_inertia : float, optional
         Those of the element.
     ratio : float, optional
-        Joins the new node by a gear instead: its motion per motion of the other.
+        Joins the new node by a gear instead: its motion per motion of the other node.
 
     Returns
     -------
@@ -91,8 +91,8 @@ def add_node(
     Raises
     ------
     InputError
-        If the node to join is unknown, the name is taken, nothing joins the new node or both a
-        spring and a gear do, or a value cannot be.
+        If the node to join is unknown, the name exists already, nothing joins the new node or both a
+        spring and a gear do, or a value is not allowed.
     """
     at = find_node(chain, to, "to")
     check_new_names(chain.names, [name])
@@ -126,22 +126,22 @@ def join_chains(
     at : str or int
         Node of `chain`.
     other : Chain
-        What is joined to it; its nodes follow.
+        Chain to join; its nodes follow.
     other_at : str or int, optional
         Node of `other`; its first by default.
     stiffness, damping, loss_factor : float, optional
-        Of an element between the two nodes [N m/rad] or [N/m]. With neither stiffness, damping
-        nor ratio the two nodes become one: their inertias and what holds them to ground add up,
-        and the name is that of `chain`.
+        Of an element between the two nodes [N m/rad] or [N/m]. Without stiffness, damping
+        and ratio the two nodes become one: inertias and connections to ground add up,
+        and the name is that in `chain`.
     ratio : float, optional
-        Gear between the two nodes: motion of that of `other` per motion of that of `chain`.
+        Gear between the two nodes: motion of the node of `other` per motion of the node of `chain`.
     prefix : str, optional
-        Put before the names of the other's nodes.
+        Prefix of the names of the other's nodes.
 
     Raises
     ------
     InputError
-        If a node is unknown, a name is taken, both a spring and a gear are given, or the gears
+        If a node is unknown, a name exists already, both a spring and a gear are given, or the gears
         contradict each other.
     """
     left, right = find_node(chain, at, "at"), find_node(other, other_at, "other_at")
@@ -189,7 +189,7 @@ def with_element(
     Raises
     ------
     InputError
-        If a node is unknown, both are one, or a value cannot be.
+        If a node is unknown, both are the same, or a value is not allowed.
     """
     values = _values_of(chain)
     ends = find_node(chain, left, "left"), find_node(chain, right, "right")
@@ -203,7 +203,7 @@ def with_dashpot(chain: Chain, left: str | int, right: str | int, damping: float
     Raises
     ------
     InputError
-        If a node is unknown, both are one, or the damping [N m s/rad] or [N s/m] is not above zero.
+        If a node is unknown, both are the same, or the damping [N m s/rad] or [N s/m] is not above zero.
     """
     link = Dashpot(find_node(chain, left, "left"), find_node(chain, right, "right"), damping)
     return replace(chain, dashpots=(*chain.dashpots, link))
@@ -215,7 +215,7 @@ def with_gear(chain: Chain, driver: str | int, driven: str | int, ratio: float) 
     Raises
     ------
     InputError
-        If a node is unknown, both are one, the ratio is zero, or gears contradict each other.
+        If a node is unknown, both are the same, the ratio is zero, or gears contradict each other.
     """
     link = Gear(find_node(chain, driver, "driver"), find_node(chain, driven, "driven"), ratio)
     return replace(chain, gears=(*chain.gears, link))
@@ -227,7 +227,7 @@ def with_inertia(chain: Chain, node: str | int, added: float) -> Chain:
     Raises
     ------
     InputError
-        If the node is unknown, or what is added is negative.
+        If the node is unknown, or the addition is negative.
     """
     value = nonnegative_number("added", added, "", "it adds to the node's own inertia")
     return replace(chain, inertia=_added_at(chain, node, chain.inertia, value))
@@ -257,24 +257,24 @@ def with_damper(chain: Chain, node: str | int, damper: Attachable) -> Chain:
     Raises
     ------
     InputError
-        If the node is unknown, or the name of the damper's ring is taken.
+        If the node is unknown, or the name of the damper's ring exists already.
     """
     return damper.attached(chain, node)
 
 
 def with_names(chain: Chain, names: Sequence[str]) -> Chain:
-    """Return the chain with other names of its nodes.
+    """Return the chain with its nodes renamed.
 
     Raises
     ------
     InputError
-        If there is not a different one for each.
+        If there is not exactly one distinct name for each node.
     """
     return replace(chain, names=tuple(names))
 
 
 def check_new_names(taken: Sequence[str], names: Sequence[str]) -> None:
-    """Refuse a name that a node has already.
+    """Refuse a name that a node already has.
 
     Raises
     ------
@@ -289,7 +289,7 @@ def check_new_names(taken: Sequence[str], names: Sequence[str]) -> None:
 
 
 def _values_of(chain: Chain) -> dict[str, Any]:
-    """Return what a chain is made of, as lists that can be added to."""
+    """Return the parts of a chain as lists that can be extended."""
     values: dict[str, Any] = {
         field: getattr(chain, field).tolist() for field in (*AT_NODES, *OF_ELEMENTS)
     }
@@ -305,7 +305,7 @@ def _link(
     element: tuple[float | None, float, float, float],
     ratio: float | None,
 ) -> None:
-    """Add what joins two nodes to the values of a chain; an element's are those of `OF_ELEMENTS`."""
+    """Add a connection of two nodes to the values of a chain; an element's are those of `OF_ELEMENTS`."""
     if ratio is not None:
         for field, value in zip(OF_ELEMENTS, element, strict=True):
             if value:

@@ -48,7 +48,7 @@ class EngineChain:
     chain : Chain
         Inertias and stiffnesses; its nodes have names.
     kind : {"axial", "torsional"}
-        Motion of the chain, which sets its units.
+        Kind of motion of the chain, which sets its units.
     throw_nodes : tuple of int
         Torsional: node of each throw, from the free end. Axial: empty.
     sections : tuple of int
@@ -73,7 +73,7 @@ class EngineChain:
 
     @property
     def crank_elements(self) -> int:
-        """Number of elements of the crankshaft itself, free end to flywheel: the first of the chain."""
+        """Number of elements of the crankshaft, free end to flywheel: the first ones of the chain."""
         return self.throws if self.kind == "axial" else self.throw_nodes[-1] + 1
 
     def crankshaft_shares(self, modes: Modes) -> FloatArray:
@@ -86,9 +86,9 @@ class EngineChain:
         return np.asarray(1.0 - modes.strain_shares[others].sum(axis=0))
 
     def first_mode(self, modes: Modes) -> int | None:
-        """Return the lowest elastic mode of the crankshaft itself, rigid ones counted.
+        """Return the index of the lowest elastic mode of the crankshaft itself, rigid modes counted.
 
-        Modes of a coupling, a damper's ring or a shaft line are passed over. None if there is no other.
+        Modes of a coupling, a damper's ring or a shaft line are skipped. None if there is no other.
         """
         own = np.flatnonzero(self.crankshaft_shares(modes)[modes.rigid :] >= CRANKSHAFT_MODE)
         return modes.rigid + int(own[0]) if own.size else None
@@ -99,7 +99,7 @@ class EngineChain:
         Raises
         ------
         InputError
-            If nodes of the old chain are missing or stand elsewhere.
+            If nodes of the old chain are missing or have moved.
         """
         if chain.names[: len(self.chain.names)] != self.chain.names:
             raise InputError(
@@ -127,7 +127,7 @@ def axial_chain(
     """Build the axial chain of a crankshaft: masses at the middles of the main journals.
 
     Section 0 is the middle of the main journal at the free end, section n that at the flywheel;
-    throw i joins sections i - 1 and i, and half of its mass goes to either.
+    throw i joins sections i - 1 and i, and contributes half of its mass to each.
 
     Parameters
     ----------
@@ -154,7 +154,7 @@ def axial_chain(
     damper : AxialDamper, optional
         At the free end.
     shaft_line : Chain, optional
-        Axial chain of what follows the flywheel; its first node becomes section n.
+        Axial chain of the shaft line behind the flywheel; its first node becomes section n.
 
     Returns
     -------
@@ -246,12 +246,12 @@ def torsional_chain(
     throw_damping : float or array_like of shape (n,), optional
         Viscous (absolute) damping at each throw, or at all [N m s/rad].
     cylinders : int or sequence of n int, optional
-        How many cylinders work on each throw, or on all. Where it is one everywhere the nodes are
+        Number of cylinders on each throw, or on all. If it is one everywhere the nodes are
         called "cylinder 1" and so on, otherwise "throw 1" and so on.
     damper : ViscousDamper or RubberDamper, optional
-        At the free end; its hub's inertia adds to that there.
+        At the free end; its hub's inertia is added there.
     shaft_line : Chain, optional
-        Torsional chain of what follows the flywheel; its first node becomes the flywheel.
+        Torsional chain of the shaft line behind the flywheel; its first node becomes the flywheel.
 
     Returns
     -------
@@ -263,13 +263,13 @@ def torsional_chain(
     ------
     InputError
         If a compliance or an inertia is not above zero, a damping or the inertia at the free end
-        is negative, lengths differ, or a damper has no free end with inertia to sit on.
+        is negative, lengths differ, or a damper has no free end with inertia to be mounted on.
 
     Notes
     -----
-    The inertia of a throw sits at its crank, in the middle of its compliance: throws i and
+    The inertia of a throw is at its crank, in the middle of its compliance: throws i and
     i + 1 are joined by half of either throw's compliance; free end and flywheel are joined by half
-    of the throw next to them, the journal stubs beyond the last middles being counted as stiff.
+    of the adjacent throw; the journal stubs beyond the last middles count as rigid.
     """
     compliances = _checked_compliances(throw_compliances, "rad/(N m)")
     inertias = positive_vector(
@@ -338,7 +338,7 @@ def throw_names(cylinders: int | Sequence[int], count: int) -> list[str]:
     Raises
     ------
     InputError
-        If there are not so many numbers of cylinders as throws, or one of them is below 1.
+        If the numbers of cylinders are not one for each throw, or one of them is below 1.
     """
     given = [cylinders] * count if isinstance(cylinders, int | np.integer) else list(cylinders)
     if len(given) != count:

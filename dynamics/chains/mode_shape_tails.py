@@ -1,4 +1,4 @@
-"""The far ends of a mode shape, where the vibration has almost died out."""
+"""The far ends of a mode shape, where the vibration has nearly decayed."""
 
 import numpy as np
 
@@ -11,12 +11,12 @@ TAIL_SHARE = 1e-5
 def with_accurate_tails(
     normalized: FloatArray, diagonal: FloatArray, off_diagonal: FloatArray, eigenvalue: float
 ) -> FloatArray:
-    """Return a mode whose displacements at the far ends are right in sign and in every digit.
+    """Return a mode whose displacements at the far ends have the right sign and full accuracy.
 
-    A mode of a long chain may live in a few inertias and decay by a factor at each further one;
-    an eigenvalue routine leaves round-off of the largest displacement there. The equation of
+    A mode of a long chain may be confined to a few inertias and decay by a factor at each further one;
+    there an eigenvalue routine leaves round-off of the largest displacement. The equation of
     motion of the end node gives the ratio of its displacement to that of its neighbor, the next
-    equation the next ratio, and so on; run from the end inwards this is stable in the tail.
+    equation the next ratio, and so on; from the end inwards this is stable in the tail.
 
     Parameters
     ----------
@@ -30,7 +30,7 @@ def with_accurate_tails(
     Returns
     -------
     ndarray of shape (n,)
-        The mode, its well-determined part untouched.
+        The mode, its well-determined part unchanged.
     """
     shape = normalized.copy()
     large = np.flatnonzero(np.abs(shape) >= TAIL_SHARE * np.max(np.abs(shape)))

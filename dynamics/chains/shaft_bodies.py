@@ -1,4 +1,4 @@
-"""What stands on a shaft line between its pieces of shaft: couplings and rigid bodies."""
+"""Couplings and rigid bodies between the sections of a shaft line."""
 
 from dataclasses import dataclass
 
@@ -14,9 +14,9 @@ class Coupling:
     Parameters
     ----------
     torsional_stiffness, axial_stiffness : float, optional
-        Dynamic ones [N m/rad] and [N/m]; each is needed for chains of its kind only.
+        Dynamic stiffness [N m/rad] and [N/m]; each is required only for chains of its kind.
     left_inertia, right_inertia : float, optional
-        Of either half [kg m^2].
+        Of each half [kg m^2].
     left_mass, right_mass : float, optional
         [kg]
     torsional_damping, axial_damping : float, optional
@@ -79,7 +79,7 @@ class Coupling:
 
 @dataclass(frozen=True)
 class RigidBody:
-    """A body on a shaft that does not yield: a disk, a wheel, a rotor.
+    """A rigid body on a shaft: a disk, a wheel, a rotor.
 
     Parameters
     ----------
@@ -88,7 +88,7 @@ class RigidBody:
     mass : float
         [kg]
     name : str
-        Of the node that it sits on.
+        Of its node.
 
     Raises
     ------

@@ -1,8 +1,8 @@
-"""Pieces of a shaft of classical shape: axial and torsional compliance, mass, inertia by theory.
+"""Shaft pieces of classical shape: axial and torsional compliance, mass, inertia by theory.
 
 Cross sections stay plane: compliance is the integral of 1 / (E A) or 1 / (G I_p) along the piece.
-That is exact for cylinders, good for slender cones, and too stiff next to steps of the diameter,
-where the force spreads; a cone of one to two in place of a step is a usual remedy.
+This is exact for cylinders, good for slender cones, and too stiff next to steps of the diameter,
+where the force spreads; a cone of one to two in place of a step is a usual correction.
 """
 
 import math
@@ -82,7 +82,7 @@ class ShaftCone:
     bore : float, optional
         Diameter of a cylindrical bore, or at the left end that of a proportional one [m].
     bore_shape : {"cylindrical", "proportional"}, optional
-        A proportional bore keeps the same share of the outer diameter all along.
+        A proportional bore is a constant share of the outer diameter.
     material : optional
         Anything with youngs_modulus, shear_modulus and density; steel by default.
     name : str, optional
@@ -94,7 +94,7 @@ class ShaftCone:
 
     Notes
     -----
-    With D going evenly from D_1 to D_2 over L, and a bore d, the integrals along the piece are
+    With D linear from D_1 to D_2 over L, and a bore d, the integrals along the piece are
 
         solid: int dz / D^2 = L / (D_1 D_2),
                int dz / D^4 = L (D_1^2 + D_1 D_2 + D_2^2) / (3 D_1^3 D_2^3),
@@ -159,12 +159,12 @@ class ShaftCone:
         return math.pi / 16.0 * (outer**4 - inner**4) / outer
 
     def divided(self, parts: int) -> tuple["ShaftCone", ...]:
-        """Return the piece cut into equally long ones, at most 10,000.
+        """Return the piece divided into equally long ones, at most 10,000.
 
         Raises
         ------
         InputError
-            If the number is no such.
+            If the number is not such a number.
         """
         why = "a piece of a shaft is cut into some parts"
         parts = whole_within("parts", parts, 1, MOST_PARTS, why)
@@ -267,7 +267,7 @@ def shaft_flange(
     material: ElasticMaterial = SHAFT_STEEL,
     name: str = "",
 ) -> ShaftCone:
-    """Return a flange: a short cylinder of large diameter, which gives inertia and hardly yields.
+    """Return a flange: a short cylinder of large diameter, with inertia and little compliance.
 
     Parameters
     ----------
@@ -286,8 +286,8 @@ def shaft_flange(
 
     Notes
     -----
-    The compliance is that of the whole cross section; the shaft's torque does not reach the rim of
-    a thin flange, so that this is its least. Bolts and joint are counted as rigid.
+    The compliance is that of the whole cross section. As the shaft's torque does not reach the rim of
+    a thin flange, this is a lower bound. Bolts and joint count as rigid.
     """
     positive_number("flange.thickness", thickness, "m", "a flange has a thickness")
     return shaft_cylinder(thickness, diameter, bore, material, name)

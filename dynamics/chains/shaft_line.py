@@ -1,4 +1,4 @@
-"""Shaft lines: pieces in a row, and the chain that they lead to."""
+"""Shaft lines: pieces in a row, and the chain built from them."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -28,14 +28,14 @@ class ShaftLine:
     Parameters
     ----------
     pieces : sequence of ShaftCone, Coupling, RigidBody or Propeller
-        Bodies and propellers sit at the joint where they stand in the row.
+        Bodies and propellers are at the joint given by their position in the row.
     name : str, optional
-        Joints without a body are called by it and their number.
+        Joints without a body are named by it and their number.
 
     Raises
     ------
     InputError
-        If there is no piece, or something else is given.
+        If there is no piece, or an element is of another type.
     """
 
     pieces: Sequence[Piece]
@@ -56,17 +56,17 @@ class ShaftLine:
 
     @property
     def length(self) -> float:
-        """Of its pieces of shaft [m]."""
+        """Length of its pieces of shaft [m]."""
         return sum(piece.length for piece in self._shafts)
 
     @property
     def mass(self) -> float:
-        """Of its pieces of shaft, without couplings and bodies [kg]."""
+        """Mass of its pieces of shaft, without couplings and bodies [kg]."""
         return sum(piece.mass for piece in self._shafts)
 
     @property
     def polar_inertia(self) -> float:
-        """Of its pieces of shaft, without couplings and bodies [kg m^2]."""
+        """Inertia of its pieces of shaft, without couplings and bodies [kg m^2]."""
         return sum(piece.polar_inertia for piece in self._shafts)
 
     @property
@@ -91,7 +91,7 @@ class ShaftLine:
         Raises
         ------
         InputError
-            If the kind is unknown, or a coupling lacks its stiffness.
+            If the kind is unknown, or a coupling has no stiffness.
         """
         check_choice("kind", kind, get_args(Motion), "a chain is one of them")
         return sum(_compliance(piece, kind) for piece in self.pieces)
@@ -110,10 +110,10 @@ class ShaftLine:
         ----------
         kind : {"torsional", "axial"}, optional
         parts : int, optional
-            Elements that each piece of shaft is cut into.
+            Number of elements for each piece of shaft.
         inertia : {"consistent", "lumped"}, optional
-            Spread along each element, which puts frequencies too high, or half of it at either end,
-            which puts those of a uniform shaft too low; both errors fall with the square of the
+            Distributed along each element, which makes frequencies too high, or half at either end,
+            which makes those of a uniform shaft too low; both errors are proportional to the square of the
             element length.
         loss_factor : float, optional
             Of the pieces of shaft; couplings have their own.
@@ -126,7 +126,7 @@ class ShaftLine:
         Raises
         ------
         InputError
-            If a choice is unknown, a coupling lacks its stiffness, or a joint between two couplings
+            If a choice is unknown, a coupling has no stiffness, or a joint between two couplings
             has no inertia.
         """
         check_choice("kind", kind, get_args(Motion), "a chain is one of them")
@@ -150,7 +150,7 @@ class ShaftLine:
 
 
 class _Row:
-    """The values of a row of nodes, as it grows to the right."""
+    """The values of a row of nodes, extended to the right."""
 
     def __init__(self) -> None:
         self.inertia, self.ground_damping = [0.0], [0.0]

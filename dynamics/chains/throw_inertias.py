@@ -40,7 +40,7 @@ def throw_inertia(
         Moment of inertia of the solid throw about the shaft axis, counterweights included
         [kg m^2].
     rod_rotating_mass : float or array_like
-        Share of the connecting rod that turns with the crankpin [kg]; one value for each rod where
+        Share of the connecting rod that rotates with the crankpin [kg]; one value for each rod where
         a throw carries several.
     reciprocating_mass : float or array_like
         Piston with pin, and the share of the rod that moves with it [kg]; one for each cylinder.
@@ -60,11 +60,11 @@ def throw_inertia(
     Notes
     -----
     The piston moves by R (sin a + (lambda / 2) sin 2a) per radian of crank angle, so that its
-    inertia at the shaft varies over the revolution; half the reciprocating mass is the mean of
+    inertia at the shaft varies over the revolution; half of the reciprocating mass is the mean of
     that over the cycle to zeroth order in the crank ratio lambda (the next term is
     m_rec R^2 lambda^2 / 8). `throw_inertias` gives the exact mean, for hinged rods too. The
     variation itself, which excites secondary resonances in slow engines with heavy pistons, is
-    left out of a chain of constant inertias.
+    not included in a chain of constant inertias.
     """
     solid = positive_number(
         "solid_inertia_about_shaft", solid_inertia_about_shaft, "kg m^2", "every throw has inertia"
@@ -92,11 +92,11 @@ def throw_inertias(
         Moment of inertia of each solid throw about the shaft axis, counterweights included, or of
         all [kg m^2].
     reciprocating : {"half", "mean"}, optional
-        "half" puts the rod as two masses at its pins, and takes half of what moves with the piston
-        (and for a hinged rod, with the slave pin as if it were at the crankpin). "mean" takes the
-        mean over a revolution of the inertia exactly reduced to the crank, rods as rigid bodies.
+        "half" replaces the rod by two masses at its pins, and takes half of the mass that moves with the
+        piston (for a hinged rod, with the slave pin as if it were at the crankpin). "mean" takes the
+        mean over a revolution of the inertia exactly reduced to the crank, with rigid rods.
     throws : sequence of n int, optional
-        Throw of each cylinder, from 0 at the free end; found from positions and angles by default.
+        Throw of each cylinder, from 0 at the free end; by default found from positions and angles.
 
     Returns
     -------
@@ -110,8 +110,8 @@ def throw_inertias(
 
     Notes
     -----
-    Exactly, a cylinder adds m_p |x_p'|^2 + m |x_c'|^2 + J beta'^2, primes being derivatives by the
-    shaft angle: piston, rod's center, rod's turning.
+    Exactly, a cylinder contributes m_p |x_p'|^2 + m |x_c'|^2 + J beta'^2, primes being derivatives by
+    the shaft angle: piston, rod's center, rod's rotation.
     """
     why = "these are the constants that represent the inertia of pistons"
     check_choice("reciprocating", reciprocating, get_args(Reciprocating), why)
@@ -141,7 +141,7 @@ def cylinder_inertia(
     number : int
         Of the cylinder, from 1.
     rod : ConnectingRod or RodModel
-        What stands for its rod.
+        Model of its rod.
     angles : ndarray of shape (m,)
         Of the shaft [rad].
 
@@ -149,7 +149,7 @@ def cylinder_inertia(
     -------
     ndarray of shape (m,)
         m_p |x_p'|^2 + m |x_c'|^2 + J beta'^2, primes being derivatives by the shaft angle: piston,
-        rod's center, rod's turning [kg m^2].
+        rod's center, rod's rotation [kg m^2].
     """
     motion = parts_motion(engine, number, angles)
     inertia = engine.cylinders[number - 1].piston_mass * np.abs(motion.piston.first) ** 2

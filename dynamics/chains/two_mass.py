@@ -1,4 +1,4 @@
-"""The quick check of a crankshaft as two inertias on one shaft, and of its resonant order."""
+"""Quick check of a crankshaft as two inertias on one shaft, and of its resonant order."""
 
 import math
 from dataclasses import dataclass
@@ -22,7 +22,7 @@ class TwoMassCheck:
     angular_frequency : float
         w_c1, natural angular frequency [rad/s].
     order : float
-        Order looked at, in cycles per crankshaft revolution.
+        Order considered, in cycles per crankshaft revolution.
     harmonics : Harmonics or None
         Those of the exciting torque [N m], if given.
     """
@@ -59,7 +59,7 @@ class TwoMassCheck:
 
     @property
     def statement(self) -> str:
-        """One sentence on whether the given torque can show an excitation of the order."""
+        """One sentence on whether the given torque can resolve the order."""
         if self.harmonics is None:
             return f"No torque table is given: how strongly order {self.order:g} excites is open."
         table = self.harmonics
@@ -163,14 +163,14 @@ def two_mass_check(
     inertia_1, inertia_2 : float
         J_MAX and J_np [kg m^2].
     order : float
-        Order to look at, in cycles per crankshaft revolution.
+        Order to consider, in cycles per crankshaft revolution.
     harmonics : Harmonics, optional
-        Those of the exciting torque [N m], to tell whether they hold the order at all.
+        Those of the exciting torque [N m], to check whether they resolve the order.
 
     Returns
     -------
     TwoMassCheck
-        Stiffness, natural frequency, resonant speed, and what the torque says about the order.
+        Stiffness, natural frequency, resonant speed, and whether the torque resolves the order.
 
     Raises
     ------

@@ -1,7 +1,7 @@
-"""Stiffness, mass and damping of a whole crankshaft, and the motions that nothing resists.
+"""Stiffness, mass and damping of a whole crankshaft, and its rigid motions.
 
-The frame turns with the shaft and its bearings are alike in all directions, so that the matrices are
-constant. Coriolis' and the centrifugal forces of vibration in this frame are left out: see
+The frame rotates with the shaft and its bearings are alike in all directions, so the matrices are
+constant. Coriolis and centrifugal forces of vibration in this frame are neglected: see
 `rotation_ratio`.
 """
 
@@ -30,8 +30,8 @@ class AssembledShaft:
     """A crankshaft by its matrices.
 
     The u unknowns are the motions of the n + 1 sections in the shaft's frame, six each, the amplitudes
-    of what the sections do beside these, those of the throws' shapes, and the rotations of damper ring and
-    driven machine; those that supports hold are left out.
+    of the sections' bending, those of the throws' shapes, and the rotations of damper ring and
+    driven machine; those held by supports are left out.
 
     Attributes
     ----------
@@ -43,12 +43,11 @@ class AssembledShaft:
     sections : (6 (n + 1), u) array
         Motions of the sections per unknown, zero where they are held.
     pins : (3 p, u) array
-        Mean motion of each pin along the force that turns the shaft, towards the shaft axis and along
-        it.
+        Mean motion of each pin along the tangential force, along the radial force and along the shaft.
     stations : Stations
-        Slices of the shaft that classify the energy of its motion.
+        Slices of the shaft for the classification of its energy of motion.
     added : (a, u) array
-        Rotation of damper ring and driven machine, as far as they are there.
+        Rotation of damper ring and driven machine, if present.
     added_inertia : (a,) array
         [kg m^2]
     added_springs : (a, u) array
@@ -56,7 +55,7 @@ class AssembledShaft:
     dashpots : (d, u) array
         Directions in which dashpots act.
     positions : (n + 1,) array
-        Places of the sections along the shaft, from main bearing 1 [m].
+        Positions of the sections along the shaft, from main bearing 1 [m].
     pin_throws : (p,) array of int
         Throw of each pin.
     names : tuple of str
@@ -104,14 +103,14 @@ def assemble_crankshaft(
     *,
     turning_sense: int = 1,
 ) -> AssembledShaft:
-    """Put throws, bearings, end bodies and dampers together.
+    """Assemble throws, bearings, end bodies and dampers.
 
     Parameters
     ----------
     throws : sequence of n ShaftThrow
         From the free end to the flywheel.
     around : ShaftSurroundings, optional
-        By default nothing: the shaft is free in space.
+        By default none: the shaft is free in space.
     turning_sense : {1, -1}
         1 if the shaft turns about +z, else -1: tangential forces act in the sense of rotation.
 
@@ -122,7 +121,7 @@ def assemble_crankshaft(
     Raises
     ------
     InputError
-        If there is no throw, their sections move in other ways, or a support or a pin's mass has no place.
+        If there is no throw, their sections move differently, or a support or a pin's mass has no position.
     """
     if not throws or not all(isinstance(throw, ShaftThrow) for throw in throws):
         raise InputError(

@@ -1,4 +1,4 @@
-"""A whole crankshaft beside its uncoupled chains, and whether the chains suffice."""
+"""A whole crankshaft compared with its uncoupled chains, and whether the chains are adequate."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -32,7 +32,7 @@ RESPONSE_LIMIT = 0.10
 class ResponseMatch:
     """Amplitude of the free end by a chain and by the whole shaft.
 
-    Half of the range over the working cycle, all orders together, motion of the rigid body left out.
+    Half of the range over the working cycle, all orders together, without rigid-body motion.
 
     Attributes
     ----------
@@ -71,7 +71,7 @@ class ResponseMatch:
         Parameters
         ----------
         axes : matplotlib.axes.Axes, optional
-            Where to draw; those of a new figure if not given.
+            Where to draw; new axes by default.
 
         Returns
         -------
@@ -109,16 +109,16 @@ class ResponseMatch:
 @summarized("kind", "suffices", "reasons", "modes")
 @dataclass(frozen=True)
 class ChainVerdict:
-    """Whether a chain suffices in place of the whole shaft.
+    """Whether a chain is an adequate model of the whole shaft.
 
     Attributes
     ----------
     kind : {"axial", "torsional"}
     suffices : bool
     reasons : tuple of str
-        Why not, a sentence each; empty if it does.
+        Why it is inadequate, a sentence each; empty if it is adequate.
     modes : tuple of ModeMatch
-        That were looked at.
+        The modes compared.
     response : ResponseMatch or None
     """
 
@@ -189,7 +189,7 @@ def matching_response(
 def chain_verdict(
     modes: Sequence[ModeMatch], response: ResponseMatch | None = None
 ) -> ChainVerdict:
-    """Say whether a chain suffices.
+    """Decide whether a chain is adequate.
 
     Parameters
     ----------
@@ -208,8 +208,8 @@ def chain_verdict(
 
     Notes
     -----
-    The criterion: every mode of the chain within the frequencies of interest has its match within 3 %, of
-    which 95 % of the energy are of the chain's kind, and the largest amplitude of the free end over the
+    The criterion: every mode of the chain within the frequencies of interest has a match within 3 %, with
+    at least 95 % of its energy of the chain's kind, and the largest amplitude of the free end over the
     speeds agrees within 10 %.
     """
     if not modes:
@@ -222,6 +222,13 @@ def chain_verdict(
         name = f"{kind} mode of the chain at {match.chain_frequency:.1f} Hz"
         if match.shaft_frequency is None:
             reasons.append(f"The whole shaft has no mode like the {name}.")
+            continue
+        if match.divided:
+            modes_told = " and ".join(
+                f"{frequency:.1f} Hz ({100.0 * share:.0f} % {kind})"
+                for frequency, share in match.divided
+            )
+            reasons.append(f"The whole shaft has two modes like the {name}: {modes_told}.")
             continue
         if abs(match.difference) > FREQUENCY_LIMIT:
             reasons.append(

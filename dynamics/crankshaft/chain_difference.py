@@ -1,4 +1,4 @@
-"""What makes the frequencies of a whole crankshaft differ from those of its chain, cause by cause."""
+"""Causes of the difference in frequency between a whole crankshaft and its chain."""
 
 from dataclasses import dataclass, replace
 
@@ -36,12 +36,12 @@ class FrequencyDifference:
     chain, shaft : float
         In the engine's bearings: of the chain, and of the whole crankshaft [Hz].
     causes : dict of str to float
-        What each adds to the frequency [Hz]; from `rigid_chain` their sum leads to `shaft`. "bearings": the
-        journals move sideways. "mass distribution": inertia along each throw in place of lumps, and
+        Contributions to the frequency [Hz]; their sum with `rigid_chain` is `shaft`. "bearings":
+        lateral motion of the journals. "mass distribution": inertia along each throw in place of lumps, and
         inertia loads within the shaft, which the journals' reactions carry from throw to throw.
         "flywheel tilt": mass and diametral inertia of the end bodies resist the tilting of their sections.
         "lateral inertia": that of the throws as if centered on the axis. "eccentric masses": the throws'
-        centers of mass beside the axis.
+        centers of mass off the axis.
     """
 
     kind: str
@@ -62,7 +62,7 @@ class FrequencyDifference:
 
     @property
     def shown_causes(self) -> str:
-        """What makes the whole crankshaft differ from the chain in the same bearings, the most first.
+        """Causes of the difference between crankshaft and chain in the same bearings, largest first.
 
         Causes of less than 0.05 Hz are left out.
         """
@@ -75,7 +75,7 @@ class FrequencyDifference:
 
     @property
     def largest(self) -> str:
-        """Cause that moves the frequency most."""
+        """Cause with the largest effect on the frequency."""
         return max(self.causes, key=lambda name: abs(self.causes[name]))
 
 
@@ -101,12 +101,12 @@ def frequency_difference(
     Raises
     ------
     InputError
-        If the chain has no such mode, or the whole crankshaft none like it.
+        If the chain has no such mode, or the whole crankshaft has none similar to it.
 
     Notes
     -----
-    Masses are added one kind after another, and the mode most like the chain's is followed. The share of a
-    cause depends on the order of the steps; the sum does not.
+    Masses are added one kind after another, and the mode most similar to the chain's is followed. The
+    contribution of a cause depends on the order of the steps; the sum does not.
     """
     frequencies = [_elastic(rigid_chain, mode), _elastic(chain, mode)]
     for tilt, lateral in ((False, False), (True, False), (True, True)):
@@ -127,15 +127,15 @@ def frequency_difference(
 @summarized("kind", "mode", "without [Hz]", "shaft [Hz]")
 @dataclass(frozen=True)
 class FlywheelTilt:
-    """What the flywheel's inertia about a diameter does to a mode of the whole crankshaft.
+    """Effect of the flywheel's diametral inertia on a mode of the whole crankshaft.
 
     Attributes
     ----------
     kind : {"axial", "torsional"}
     mode : int
-        Elastic mode of the chain, from 1, that the mode is like.
+        Elastic mode of the chain, from 1, that matches the mode.
     without, shaft : float
-        Frequency with no such inertia, and with that of the shaft [Hz].
+        Frequency without this inertia, and with that of the shaft [Hz].
     """
 
     kind: str
@@ -150,13 +150,13 @@ class FlywheelTilt:
 
     @property
     def sentence(self) -> str:
-        """Such as "torsional mode 1 from 75.0 Hz without to 84.0 Hz with it"."""
+        """For example "torsional mode 1 from 75.0 Hz without to 84.0 Hz with it"."""
         name = f"{self.kind} mode {self.mode}"
         return f"{name} from {self.without:.1f} Hz without to {self.shaft:.1f} Hz with it"
 
 
 def flywheel_tilt(shaft: AssembledShaft, chain: EngineChain, mode: int = 1) -> FlywheelTilt:
-    """Find what the flywheel's inertia about a diameter, often assumed, does to a mode.
+    """Find the effect of the flywheel's diametral inertia, often assumed, on a mode.
 
     Parameters
     ----------
@@ -205,7 +205,7 @@ def _matched(shaft: AssembledShaft, chain: EngineChain, mode: int) -> float:
 
 
 def _centered_mass(shaft: AssembledShaft, *, tilt: bool, lateral: bool) -> FloatArray:
-    """Mass matrix with all mass on the shaft axis: along and about it, and as wanted across it."""
+    """Mass matrix with all mass on the shaft axis: along and about it, and as requested across it."""
     stations: Stations = shaft.stations
     count = len(stations.axial_mass)
     bodies = np.arange(count) >= shaft.section_count + len(shaft.pin_throws)

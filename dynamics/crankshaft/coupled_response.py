@@ -1,4 +1,4 @@
-"""Coupled forced vibration of a whole crankshaft, and what tangential and radial forces do apart."""
+"""Coupled forced vibration of a whole crankshaft, with separate effects of tangential and radial forces."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -30,7 +30,7 @@ from dynamics.response.synthesis import synthesis
 @summarized("orders", "speeds [rad/s]")
 @dataclass(frozen=True, eq=False)
 class CoupledResponse:
-    """Steady vibration of a whole crankshaft by orders, with both kinds of force kept apart.
+    """Steady vibration of a whole crankshaft by orders, separately for both kinds of force.
 
     Attributes
     ----------
@@ -55,7 +55,7 @@ class CoupledResponse:
 
     @property
     def unbounded(self) -> NDArray[np.bool_]:
-        """Where either answer has no bounds, (K, S)."""
+        """Where either response is unbounded, (K, S)."""
         return self.tangential.unbounded | self.radial.unbounded
 
     def motion(self, point: str) -> ComplexArray:
@@ -70,9 +70,9 @@ class CoupledResponse:
         return np.asarray(self.tangential.motion[:, :, row] + self.radial.motion[:, :, row])
 
     def split(self, point: str) -> "SplitMotion":
-        """Return what both kinds of force do at a point, order by order and summed over a cycle.
+        """Return the motion of a point under both kinds of force, by order and synthesized.
 
-        The motion of the shaft as a rigid body, which strains nothing, is left out.
+        Rigid-body motion of the shaft, which causes no strain, is left out.
 
         Raises
         ------
@@ -122,12 +122,12 @@ class CoupledResponse:
         return SplitMotion(point=point, orders=self.orders, speeds=self.speeds, **found)
 
     def plot(self, axes: Axes | None = None, point: str = "main bearing 1 uz") -> Axes:
-        """Draw the amplitude of a point over the speed by tangential forces, by radial ones, by all.
+        """Draw the amplitude of a point over the speed by tangential, by radial and by all forces.
 
         Parameters
         ----------
         axes : matplotlib.axes.Axes, optional
-            Where to draw; those of a new figure if not given.
+            Where to draw; new axes by default.
         point : str, optional
             Such as "main bearing 1 uz", the free end along the shaft.
 
@@ -154,7 +154,7 @@ class CoupledResponse:
         ------
         MissingLibraryError
             If xarray is not installed.
-            Motions are infinite where unbounded; points that turn are in rad.
+            Motions are infinite where unbounded; rotations are in rad.
         """
         over = ("order", "speed", "point")
         names = self.crankshaft.names
@@ -183,7 +183,7 @@ class CoupledResponse:
 @summarized("point", "both", "orders", "speeds [rad/s]")
 @dataclass(frozen=True, eq=False)
 class SplitMotion:
-    """Motion of a point [m or rad], by tangential forces, by radial forces, by both.
+    """Motion of a point [m or rad] by tangential forces, by radial forces, by both.
 
     Attributes
     ----------
@@ -191,7 +191,7 @@ class SplitMotion:
     tangential, radial, both : (K, S) array
         Amplitude by order and speed; inf where unbounded.
     tangential_sum, radial_sum, both_sum : (S,) array
-        Half of the range that the sum of all orders covers over the working cycle; inf where one is
+        Half of the range of the sum of all orders over the working cycle; inf where one is
         unbounded.
     orders : (K,) array
         In cycles per revolution.
@@ -210,12 +210,12 @@ class SplitMotion:
     speeds: FloatArray
 
     def plot(self, axes: Axes | None = None) -> Axes:
-        """Draw the amplitude of all orders together over the speed, by tangential, radial, all forces.
+        """Draw the synthesized amplitude over the speed, by tangential, radial and all forces.
 
         Parameters
         ----------
         axes : matplotlib.axes.Axes, optional
-            Where to draw; those of a new figure if not given.
+            Where to draw; new axes by default.
 
         Returns
         -------
@@ -257,7 +257,7 @@ class SplitMotion:
 
 
 def point_unit(point: str) -> str:
-    """Return the unit of a point's motion: displacements are in m, bodies and sections turn in rad."""
+    """Return the unit of a point's motion: displacements are in m, rotations in rad."""
     turns = point.endswith((" rx", " ry", " rz", "damper ring", "driven machine"))
     return "rad" if turns else "m"
 
@@ -281,10 +281,10 @@ def coupled_response(
     pins : sequence of int, optional
         Pin of each cylinder, as for `shaft_excitation`.
     magnifier : float or None
-        Magnifier of every elastic mode, beside the damping that the system has; by default the measured
+        Magnifier of every elastic mode, added to the damping of the system; by default the measured
         one of `DEFAULT_MAGNIFIER`. None adds nothing.
     modal_damping : float or array_like, optional
-        In its place, share of critical damping of every elastic mode.
+        Alternatively, share of critical damping of every elastic mode.
 
     Returns
     -------
@@ -322,7 +322,7 @@ def split_curves(
     sums : three (S,) arrays
         In SI.
     factor : float
-        By which they are multiplied to be shown.
+        Factor for display.
     label : str
         Of the upright axis, with its unit.
     """

@@ -1,4 +1,4 @@
-"""Which modes of a whole crankshaft are those of its chains."""
+"""Which modes of a whole crankshaft correspond to those of its chains."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -24,6 +24,8 @@ from dynamics.crankshaft.stations import CLASSES
 
 # A mode of the shaft is looked for within this factor of the chain's frequency.
 SEARCHED = 2.0
+# A second mode shares the chain's mode where share times likeness is at least this.
+DIVIDED = 0.25
 
 
 @summarized(
@@ -31,7 +33,7 @@ SEARCHED = 2.0
 )
 @dataclass(frozen=True)
 class ModeMatch:
-    """A mode of a chain and the mode of the whole shaft that is most like it.
+    """A mode of a chain and the most similar mode of the whole shaft.
 
     Attributes
     ----------
@@ -41,15 +43,20 @@ class ModeMatch:
     chain_frequency : float
         [Hz]
     shaft_mode : int or None
-        Among all modes of the shaft, rigid ones included; None if none is near.
+        Among all modes of the shaft, rigid ones included; None if there is none near.
     shaft_frequency : float or None
         [Hz]
     share : float
-        Of the shaft mode's energy that is of this kind.
+        Share of the shaft mode's energy of this kind.
     likeness : float
         Squared cosine, weighted by the chain's inertias, between both shapes; 1 for the same.
     chain_rigid, shaft_rigid : int
         Number of rigid modes of either; tables count elastic modes from 1.
+    further_frequency : float or None
+        Of the shaft's second mode alike [Hz], where coupling divides the chain's mode between two: of the
+        energy of its motion, at least a quarter is that of the chain's mode. None where there is none.
+    further_share : float
+        Of that mode's energy that is of this kind.
     """
 
     kind: Kind
@@ -61,16 +68,29 @@ class ModeMatch:
     likeness: float
     chain_rigid: int = 0
     shaft_rigid: int = 0
+    further_frequency: float | None = None
+    further_share: float = 0.0
+
+    @property
+    def divided(self) -> tuple[tuple[float, float], ...]:
+        """Frequencies [Hz] and shares of the two modes that a chain's mode is divided between, or none."""
+        if self.shaft_frequency is None or self.further_frequency is None:
+            return ()
+        both = (
+            (self.shaft_frequency, self.share),
+            (self.further_frequency, self.further_share),
+        )
+        return tuple(sorted(both))
 
     @property
     def difference(self) -> float:
-        """Frequency of the chain over that of the shaft, less 1; inf if there is no match."""
+        """Frequency of the chain over that of the shaft, minus 1; inf if there is no match."""
         if self.shaft_frequency is None:
             return np.inf
         return self.chain_frequency / self.shaft_frequency - 1.0
 
     def row(self) -> Row:
-        """Return what a table of matches shows, each value with its unit; see `table_of`.
+        """Return the columns of a table of matches, each value with its unit; see `table_of`.
 
         Elastic modes are counted from 1: ``mode`` is that of the chain, as in all tables of a chain,
         and ``shaft_mode`` that of the whole shaft.
@@ -91,10 +111,10 @@ class ModeMatch:
 def matching_modes(
     crankshaft: CrankshaftSystem, chain: EngineChain, highest_frequency: float
 ) -> tuple[ModeMatch, ...]:
-    """Find for each mode of the crankshaft in a chain the mode of the whole shaft that is most like it.
+    """Find for each mode of the crankshaft in a chain the most similar mode of the whole shaft.
 
-    Modes of a coupling, a damper's ring or a shaft line, in whose elements more than half of the strain
-    energy is, say nothing of the crankshaft and are left out.
+    Modes of a coupling, a damper's ring or a shaft line, with more than half of the strain energy
+    in its elements, do not concern the crankshaft and are left out.
 
     Parameters
     ----------
@@ -102,12 +122,12 @@ def matching_modes(
     chain : EngineChain
         Axial or torsional, of the same throws.
     highest_frequency : float
-        Up to which modes of the chain are looked at [Hz].
+        Highest frequency of the chain's modes considered [Hz].
 
     Returns
     -------
     tuple of ModeMatch
-        Of the mode with the largest product of share and likeness.
+        The mode with the largest product of share and similarity.
 
     Raises
     ------
@@ -125,7 +145,7 @@ def matching_modes(
 def match_modes(
     shaft: AssembledShaft, modes: ShaftModes, chain: EngineChain, wanted: Sequence[int]
 ) -> tuple[ModeMatch, ...]:
-    """Find for some modes of a chain those of the whole shaft that are most like them.
+    """Find for some modes of a chain the most similar modes of the whole shaft.
 
     Parameters
     ----------
@@ -171,7 +191,11 @@ def match_modes(
         if score[best] > 0.0:
             here = float(modes.frequencies[best])
             match = (best, here, float(share[best]), float(likeness[best]))
-        found.append(ModeMatch(chain.kind, number, frequency, *match, *rigid))
+        second = int(np.argmax(np.where(np.arange(score.size) == best, 0.0, score)))
+        further: tuple[float | None, float] = (None, 0.0)
+        if score[second] >= DIVIDED:
+            further = (float(modes.frequencies[second]), float(share[second]))
+        found.append(ModeMatch(chain.kind, number, frequency, *match, *rigid, *further))
     return tuple(found)
 
 
@@ -181,7 +205,7 @@ def _moved_nodes(
     """Return the chain's nodes that the shaft has too, and how each mode moves them, (nodes, q).
 
     Along the shaft, or about it: throws, ends, damper ring and driven machine. Without these a mode of
-    the ring looks like one of the crankshaft, whose throws it moves alike.
+    the ring resembles one of the crankshaft, whose throws it moves alike.
     """
     motions = modes.motions
     sections = shaft.section_count

@@ -31,7 +31,7 @@ def shaft_excitation(
         Pin of each cylinder from 0, counted along the shaft; by default that of its throw, if each throw
         has one.
     tangential, radial : bool
-        Whether these forces act; one of them alone shows what it excites.
+        Whether these forces act; with one of them alone, the response shows its effect.
 
     Returns
     -------
@@ -41,12 +41,12 @@ def shaft_excitation(
     Raises
     ------
     InputError
-        If there is not one pin for each cylinder, or no such pin.
+        If there is not one pin for each cylinder, or a pin does not exist.
 
     Notes
     -----
     Forces of several cylinders on one pin act at its middle and add up: rods side by side load it off the
-    middle, and their opposite moments on the pin are left out. Each force is spread evenly over the pin.
+    middle, and their opposite moments on the pin are neglected. Each force is uniform over the pin.
     """
     places = pins_of_cylinders(crankshaft.shaft.pin_throws, forces.throws, pins)
     first = 6 * crankshaft.shaft.section_count

@@ -1,4 +1,4 @@
-"""Natural modes of a whole crankshaft, told apart by their axial, torsional and bending shares."""
+"""Natural modes of a whole crankshaft, classified by their axial, torsional and bending shares."""
 
 from dataclasses import dataclass, field
 
@@ -38,9 +38,9 @@ class ShaftModes:
     rigid : int
         Number of rigid motions.
     names : tuple of q str
-        What rigid motion it is; "mode 1" and so on for elastic ones.
+        Name of the rigid motion; "mode 1" and so on for elastic modes.
     shares : (3, q) array
-        Axial, torsional and bending share of the energy, of sum 1; see `Stations.energy_shares`.
+        Axial, torsional and bending shares of the energy, with the sum 1; see `Stations.energy_shares`.
     crankshaft_shares : (q,) array
         Share of the strain energy outside the damper's spring and the coupling of a driven machine; 1 for
         rigid motions.
@@ -70,7 +70,7 @@ class ShaftModes:
         return tuple(CLASSES[place] for place in np.argmax(self.shares, axis=0))
 
     def label(self, mode: int) -> str:
-        """Say what a mode is, the lowest 0: its classes with 5 % or more, the largest first.
+        """Describe a mode, the lowest being 0: its classes with 5 % or more, the largest first.
 
         Raises
         ------
@@ -85,8 +85,8 @@ class ShaftModes:
     def first(self, kind: str) -> int | None:
         """Return the lowest elastic mode of the crankshaft itself in which a class has the largest share.
 
-        Modes of a coupling or a damper's ring, in whose springs more than half of the strain energy is, are
-        passed over. None if there is no other.
+        Modes of a coupling or a damper's ring, with more than half of the strain energy in its spring, are
+        skipped. None if there is no other.
 
         Raises
         ------
@@ -110,7 +110,7 @@ class ShaftModes:
         Parameters
         ----------
         axes : matplotlib.axes.Axes, optional
-            Where to draw; those of a new figure if not given.
+            Where to draw; new axes by default.
         mode : int, optional
             Its number, as in the arrays, rigid motions included; the first elastic one by default.
         radius : float, optional
@@ -225,7 +225,7 @@ def crankshaft_modes(shaft: AssembledShaft) -> ShaftModes:
 
 
 def rotation_ratio(speed: float, angular_frequencies: FloatArray) -> FloatArray:
-    """Return speed of rotation over natural frequency: how much the rotating frame can matter.
+    """Return speed of rotation over natural frequency, which shows the effect of the rotating frame.
 
     Parameters
     ----------
@@ -237,10 +237,10 @@ def rotation_ratio(speed: float, angular_frequencies: FloatArray) -> FloatArray:
     Returns
     -------
     ndarray of shape (m,)
-        r. A mode of bending that is alike in both planes has the frequencies w (1 +- r) in the rotating
-        frame, w in the fixed one; the lateral part of modes of torsion and axial motion feels Coriolis'
-        forces of the relative size 2 r and centrifugal ones of r^2, which change a frequency by the
-        order of r^2 times the share of lateral motion.
+        r. A bending mode that is alike in both planes has the frequencies w (1 +- r) in the rotating
+        frame, w in the fixed one. On the lateral part of torsional and axial modes act Coriolis
+        forces of the relative size 2 r and centrifugal forces of r^2, which change a frequency by about
+        r^2 times the share of lateral motion.
     """
     return speed / positive_vector(
         "angular_frequencies", angular_frequencies, "rad/s", "rigid motions have no ratio"

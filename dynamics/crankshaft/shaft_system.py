@@ -1,4 +1,4 @@
-"""The linear system of a whole crankshaft: its lower modes, and what the others do statically."""
+"""The linear system of a whole crankshaft: its lower modes, and the static effect of the others."""
 
 from dataclasses import dataclass, field
 
@@ -19,20 +19,20 @@ INDEPENDENT = 1e-10
 @summarized("modes.frequencies [Hz]", "kept", "highest_frequency [Hz]")
 @dataclass(frozen=True, eq=False)
 class CrankshaftSystem:
-    """A whole crankshaft, ready for forced vibration.
+    """A whole crankshaft, prepared for forced vibration.
 
     Attributes
     ----------
     shaft : AssembledShaft
     modes : ShaftModes
-        Of all unknowns, before any is left out.
+        Of all unknowns, before modes are left out.
     system : LinearSystem
         Its points are the sections (six motions each), the pins (three each, along the tangential and the
-        radial force and along the shaft), and damper ring and driven machine, as `names` says.
+        radial force and along the shaft), and damper ring and driven machine, as in `names`.
     kept : int
         Elastic modes kept.
     corrections : int
-        Static answers added for those left out.
+        Static shapes that replace the modes left out.
     highest_frequency : float or None
         Up to which modes were kept [Hz]; None for all.
     momenta : (n + 1, q) array
@@ -86,10 +86,10 @@ def crankshaft_system(
 
     Notes
     -----
-    The modes left out yield like springs. Their static answer to a unit force at each point where
-    forces act (pins, axial forces and torques at both ends, dashpots) is kept as one more shape, so
-    that the answer to constant forces there stays exact at every point of the shaft, and in vibration
-    the error is of the order of the fourth power of frequency over that of the lowest mode left out.
+    The modes left out act like springs. Their static response to a unit force at each point where
+    forces act (pins, axial forces and torques at both ends, dashpots) is kept as one more shape. So
+    the response to constant forces there stays exact at every point of the shaft, and in vibration
+    the error is proportional to the fourth power of frequency over that of the lowest mode left out.
     """
     modes = crankshaft_modes(shaft)
     rigid = modes.rigid
@@ -127,7 +127,7 @@ def crankshaft_system(
 
 
 def _corrections(shaft: AssembledShaft, modes: ShaftModes, cut: int) -> FloatArray:
-    """Static answers (u, c) of the modes left out, of unit mass and orthogonal to each other."""
+    """Static responses (u, c) of the modes left out, of unit mass and orthogonal to each other."""
     left_out = modes.shapes[:, cut:]
     if not left_out.shape[1]:
         return left_out

@@ -30,20 +30,20 @@ class ShaftThrow:
     ----------
     stiffness, mass : array_like of shape (12 + 2 b + m, 12 + 2 b + m)
         Unknowns ux uy uz rx ry rz of the left, then of the right end section (the middles of its
-        main journals), then b amplitudes each of what the left and the right section does beside these
-        mean motions, then m amplitudes of shapes of its inside.
+        main journals), then b amplitudes each of the bending of the left and the right section,
+        then m amplitudes of internal shapes.
     pin_loads : array_like of shape (p, 12 + 2 b + m, 6)
-        Loads on these unknowns that unit forces along x, y, z on each pin, and unit moments, are
-        equivalent to. Transposed, they give the pin's mean motion.
+        Loads on these unknowns equivalent to unit forces along x, y, z on each pin, and unit moments.
+        Transposed, they give the pin's mean motion.
     pins : array_like of shape (p, 3)
         Center of each pin in the throw frame [m].
     length : float
         From section to section [m].
     crank_angle_deg : float
-        Of the throw's first pin about +z, counted from +y [deg].
+        Angle of the throw's first pin about +z, counted from +y [deg].
     bending : int
-        b: how many motions a section has beside its mean motions; 0 for rigid sections. Throws side by side
-        share them, so they are those of the shaft's frame, whatever the crank angle.
+        b: number of motions of a section beyond its mean motions; 0 for rigid sections. Adjacent throws
+        share them, so they are in the shaft's frame, whatever the crank angle.
 
     Raises
     ------
@@ -88,7 +88,7 @@ class ShaftThrow:
 
     @property
     def shapes(self) -> int:
-        """Number of shapes of the inside, m."""
+        """Number of internal shapes, m."""
         return len(self.stiffness) - 12 - 2 * self.bending
 
     @property
@@ -99,7 +99,7 @@ class ShaftThrow:
         return turn
 
     def rigid_inertia(self) -> tuple[float, float]:
-        """Mass [kg], and moment of inertia about the shaft axis [kg m^2], by moving as one body."""
+        """Mass [kg], and moment of inertia about the shaft axis [kg m^2], from rigid-body motion."""
         along, about = np.zeros((2, len(self.mass)))
         along[[UZ, 6 + UZ]] = 1.0
         about[[RZ, 6 + RZ]] = 1.0

@@ -1,4 +1,4 @@
-"""Slices of a crankshaft by which axial, torsional and bending motion are told apart."""
+"""Slices of a crankshaft that separate axial, torsional and bending motion."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -22,8 +22,8 @@ class Stations:
     Attributes
     ----------
     motions : (s, 6, u) array
-        Of each slice where the shaft axis passes through it (of an end body: of its center), per unknown,
-        in the shaft's frame.
+        Of each slice at the point where the shaft axis passes through it (of an end body: of its center),
+        per unknown, in the shaft's frame.
     axial_mass, lateral_mass : (s,) array
         [kg]
     polar, diametral : (s,) array
@@ -53,7 +53,7 @@ class Stations:
         shapes : ndarray of shape (u, k)
             Motions of the unknowns, such as modes.
         added : ndarray of shape (a, u)
-            Rotations of bodies that only turn (damper ring, driven machine), per unknown.
+            Rotations of bodies that only rotate (damper ring, driven machine), per unknown.
         added_inertia : ndarray of shape (a,)
             [kg m^2]
 
@@ -65,18 +65,18 @@ class Stations:
         Notes
         -----
         The kinetic energy of an eccentric throw has products of rotation and translation, which belong
-        to neither. Here each slice is referred to the point where the shaft axis passes through it, u,
-        with the rotation r, and counted as the three uncoupled systems would count it:
+        to neither. Therefore each slice is referred to the point where the shaft axis passes through it, u,
+        with the rotation r, and its energy is that of the three uncoupled systems:
 
             axial      m u_z^2
             torsional  J r_z^2            J about the shaft axis
             bending    m (u_x^2 + u_y^2) + D (r_x^2 + r_y^2)
 
-        A sixth of a throw's m and J is at either end, the rest at its pins, whose mean motion it is
-        (u = u_pin - r x r_pin, so that a pin that is carried round by rotation alone has no lateral
+        A sixth of a throw's m and J is at either end, the rest at its pins, with their mean motion
+        (u = u_pin - r x r_pin, so that rotation of a pin about the shaft is no lateral
         motion); D = J / 2 as of a disc, end bodies have their own. Rods add to m of lateral motion
-        and to J. The terms are squares, and a turn of the frame about the shaft axis changes none, so
-        the shares are nonnegative, do not depend on the frame, and sum to 1. Where nothing is coupled
+        and to J. The terms are squares, and turning the frame about the shaft axis changes none, so
+        the shares are nonnegative, independent of the frame, and sum to 1. Without coupling
         they are the shares of the kinetic energy itself.
         """
         moved = np.einsum("siu,uk->sik", self.motions, shapes) ** 2
@@ -105,7 +105,7 @@ def shaft_stations(
     pin_masses : ndarray of shape (p,)
         Rods' and pistons' mass at each pin [kg].
     starts : ndarray of shape (n + 1,)
-        Places of the sections [m].
+        Positions of the sections [m].
     section_motions : ndarray of shape (6 (n + 1), u)
     pin_slices : sequence of p ndarrays of shape (6, u)
         Motion of each pin's slice at the shaft axis, in the shaft's frame.

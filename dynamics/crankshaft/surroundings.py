@@ -1,4 +1,4 @@
-"""What stands around the throws of a crankshaft: bearings, bodies at the ends, dampers, rods."""
+"""Surroundings of the throws of a crankshaft: bearings, end bodies, dampers, rods."""
 
 import math
 from collections.abc import Sequence
@@ -25,10 +25,10 @@ class EndBody:
     polar_inertia : float
         About the shaft axis [kg m^2].
     diametral_inertia : float, optional
-        About a diameter through its center of mass [kg m^2]; half the polar one, that of a thin disc,
-        if not given.
+        About a diameter through its center of mass [kg m^2]; by default half the polar one, as of a
+        thin disc.
     overhang : float
-        Distance of its center of mass beyond the end section, away from the shaft [m].
+        Distance of its center of mass from the end section, positive away from the shaft [m].
     """
 
     mass: float
@@ -66,12 +66,12 @@ class EndBody:
 
 @dataclass(frozen=True)
 class MainBearings:
-    """What holds the sections (the middles of the main journals) laterally, alike in all directions.
+    """Lateral support of the sections (the middles of the main journals), alike in all directions.
 
     Parameters
     ----------
     stiffness : float or sequence of float
-        Of each section, or of all [N/m]: ``math.inf`` for one that is held, 0 for none.
+        Of each section, or of all [N/m]: ``math.inf`` for rigid, 0 for none.
     damping : float or sequence of float
         [N s/m]
     """
@@ -85,7 +85,7 @@ class MainBearings:
         Raises
         ------
         InputError
-            If one is negative or no number, or there is not one for each section.
+            If one is negative or not a number, or there is not one for each section.
         """
         sections = whole_number("sections", sections, 1, "a shaft has sections")
         return (
@@ -96,14 +96,14 @@ class MainBearings:
 
 @dataclass(frozen=True)
 class AxialSupport:
-    """What acts between a section and the ground along the shaft: thrust bearing or axial damper.
+    """Axial connection of a section to ground: thrust bearing or axial damper.
 
     Parameters
     ----------
     section : int
         0 at the free end.
     stiffness : float
-        [N/m]; ``math.inf`` for a section that is held.
+        [N/m]; ``math.inf`` for a rigid support.
     damping : float
         [N s/m]
     """
@@ -125,8 +125,8 @@ class AxialSupport:
 class TorsionalRing:
     """A body that turns with an end section through a spring and a dashpot.
 
-    As the ring of a viscous damper (no stiffness) or of a rubber damper (a loss factor) at the free
-    end; as a driven machine behind a coupling at the flywheel.
+    For example the ring of a viscous damper (no stiffness) or of a rubber damper (a loss factor) at the
+    free end, or a driven machine behind a coupling at the flywheel.
 
     Parameters
     ----------
@@ -142,7 +142,7 @@ class TorsionalRing:
     Raises
     ------
     InputError
-        If the inertia is not above zero, another value is negative, or nothing joins it.
+        If the inertia is not above zero, another value is negative, or there is no connection.
     """
 
     inertia: float
@@ -180,7 +180,7 @@ class ShaftSurroundings:
     machine : TorsionalRing, optional
         Driven machine behind a coupling at the flywheel.
     pin_masses : sequence of float
-        Mass that goes with each pin across the shaft but not along it [kg], pins counted along the
+        Mass that moves with each pin across the shaft but not along it [kg], pins counted along the
         shaft: rotating part of the rods and half of the reciprocating mass. Empty for none.
     loss_factor : float
         Of the shaft's material: its stiffness is k (1 + i loss_factor).
@@ -188,8 +188,8 @@ class ShaftSurroundings:
     Notes
     -----
     A piston resists motion of the pin along the cylinder only. Seen from the shaft this direction turns
-    once a revolution, so that m_rec (1 + cos 2 phi) / 2 acts along a fixed direction of the shaft: its
-    mean is half, and the rest, which excites at twice the speed of rotation, is left out.
+    once a revolution, so m_rec (1 + cos 2 phi) / 2 acts along a fixed direction of the shaft. Its
+    mean is half; the rest, which excites at twice the speed of rotation, is neglected.
     """
 
     bearings: MainBearings | None = None
@@ -210,7 +210,7 @@ class ShaftSurroundings:
         return [(body, section, outward) for body, section, outward in both if body is not None]
 
     def rings(self, sections: int) -> list[tuple[str, TorsionalRing, int]]:
-        """Return damper ring and driven machine, as far as given: name, ring, section it turns with."""
+        """Return damper ring and driven machine, if given: name, ring, section it turns with."""
         both = (("damper ring", self.ring, 0), ("driven machine", self.machine, sections - 1))
         return [(name, ring, section) for name, ring, section in both if ring is not None]
 

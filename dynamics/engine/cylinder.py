@@ -1,4 +1,4 @@
-"""A cylinder of an engine: its piston and rod, and where it stands."""
+"""A cylinder of an engine: its piston, rod and position."""
 
 import cmath
 import math
@@ -43,7 +43,7 @@ class SlavePin:
 
     @property
     def place(self) -> complex:
-        """Place on the main rod, u + i v from the crankpin's center [m]."""
+        """Position on the main rod, u + i v from the crankpin's center [m]."""
         return cmath.rect(self.radius, math.radians(self.angle_deg))
 
 
@@ -64,7 +64,7 @@ class EngineCylinder:
     bore : float
         [m]
     piston_mass : float
-        Piston with rings and pin; crosshead and piston rod where the engine has them [kg].
+        Piston with rings and pin, and crosshead and piston rod if present [kg].
     rod : ConnectingRod
     crank_angle_deg : float, optional
         Angle of its crankpin about +z, counted from +y, when the shaft angle is zero [deg].
@@ -73,10 +73,10 @@ class EngineCylinder:
     position : float, optional
         Of its axis along the shaft [m].
     pin_offset : float, optional
-        e: how far its axis passes aside of the shaft's, positive to the side to which the crankpin
+        e: offset of its axis from the shaft axis, positive to the side to which the crankpin
         moves as it passes the top [m].
     slave_pin : SlavePin, optional
-        Where its rod is hinged, if not at the crankpin.
+        Hinge of its rod, if not at the crankpin.
     """
 
     bore: float
@@ -106,13 +106,13 @@ class EngineCylinder:
 
     @property
     def top_shaft_angle_deg(self) -> float:
-        """Shaft angle at which its crank lies along its axis, away from the shaft [deg]."""
+        """Shaft angle at which its crank is along its axis, away from the shaft [deg]."""
         return self.bank_angle_deg - self.crank_angle_deg
 
 
 @dataclass(frozen=True)
 class RotatingMass:
-    """A mass that turns with the shaft: a counterweight, or what a throw has out of balance.
+    """A mass that rotates with the shaft: a counterweight, or the unbalance of a throw.
 
     Parameters
     ----------
@@ -152,7 +152,7 @@ def hinged_foot(
     crank_radius : float
         R [m].
     main, hinged : EngineCylinder
-        The cylinder whose rod is on the crankpin, and the one whose rod hangs on that rod.
+        The cylinder whose rod is on the crankpin, and the one whose rod is hinged to that rod.
     shaft_angles : ndarray of shape (m,)
         [rad]
 

@@ -1,4 +1,4 @@
-"""When each cylinder of an engine fires."""
+"""Firing angles of the cylinders of an engine."""
 
 import math
 import re
@@ -48,7 +48,7 @@ def _order_fault(given: list[int], cylinders: int) -> str | None:
 
 
 def firing_order_from_text(text: str) -> tuple[int, ...]:
-    """Return the cylinders of a firing order written as engineers do.
+    """Return the cylinders of a firing order written in the usual way.
 
     Raises
     ------
@@ -71,28 +71,28 @@ def firing_order_from_text(text: str) -> tuple[int, ...]:
 def firing_angles_of_order(
     firing_order: Sequence[int], top_angles: Sequence[float], strokes: int
 ) -> tuple[float, ...]:
-    """Return the shaft angle at which each cylinder fires, even intervals or not.
+    """Return the shaft angle at which each cylinder fires, for even or uneven intervals.
 
     Parameters
     ----------
     firing_order : sequence of n int
         Cylinder numbers from 1.
     top_angles : sequence of n float
-        A shaft angle at which each cylinder's crank lies along its axis, away from the shaft [rad].
+        A shaft angle at which each cylinder's crank is along its axis, away from the shaft [rad].
     strokes : int
         Strokes per cycle, 2 or 4.
 
     Returns
     -------
     tuple of n float
-        Firing angles by cylinder [rad], from that of the first to fire, which lies in one turn from
-        zero, to less than one cycle more. Each cylinder fires at the first of its tops after the
-        one before it has fired.
+        Firing angles by cylinder [rad], from that of the first to fire, which is within the first
+        revolution, to less than one cycle more. Each cylinder fires at the first of its tops after the
+        preceding cylinder has fired.
 
     Raises
     ------
     InputError
-        If the order repeats or omits a cylinder, or its tops do not come within one cycle in that
+        If the order repeats or omits a cylinder, or its tops do not follow within one cycle in that
         order.
     """
     tops = finite_vector("top_angles", list(top_angles)).tolist()
@@ -127,7 +127,7 @@ def firing_intervals(firing_angles: Sequence[float], strokes: int) -> tuple[floa
     Returns
     -------
     tuple of n float
-        [rad]; together they are one cycle.
+        [rad]; their sum is one cycle.
 
     Examples
     --------
@@ -178,7 +178,8 @@ def even_firing_order(firing_angles: Sequence[float], strokes: int) -> tuple[int
     Returns
     -------
     tuple of int or None
-        Cylinder numbers, beginning with the one that fires first now; None if no order is even.
+        Cylinder numbers, beginning with the one that fires first now, the lowest number of several; None
+        if no order is even.
 
     Examples
     --------
@@ -210,7 +211,7 @@ def check_order_of_angles(
 ) -> None:
     """Refuse a firing order that contradicts the firing angles.
 
-    Cylinders that fire together may stand in either order, and the order may begin with any
+    Cylinders that fire together may be in either order, and the order may begin with any
     cylinder, because the cycle repeats.
 
     Parameters
@@ -265,6 +266,6 @@ def firing_order_of_angles(
 
 
 def _angle_after(one: float, other: float, cycle: float) -> float:
-    """Return how much later in the cycle the other angle comes, zero but for round-off if together."""
+    """Return how much later in the cycle the other angle is; zero within round-off if together."""
     apart = (other - one) % cycle
     return apart - cycle if cycle - apart < IN_LINE else apart

@@ -50,16 +50,16 @@ class MechanismForces:
         On the piston, towards the shaft.
     side : ndarray of shape (n, m)
         N, of the wall on the piston, positive to the side to which the crankpin moves as it passes
-        the top: P tan(beta) for a rod without mass.
+        the top: P tan(beta) for a massless rod.
     piston_pin : complex ndarray of shape (n, m)
         Of the rod on the piston pin, s + i n in the cylinder's frame.
     foot : complex ndarray of shape (n, m)
         Of the rod on the pin at its other end, s + i n in the cylinder's frame: the crankpin (with
-        what hinged rods bring), or the slave pin.
+        the force of hinged rods), or the slave pin.
     crankpin : complex ndarray of shape (n, m)
-        What each cylinder contributes to the force on its crankpin, y - i x in the engine's frame.
-        A cylinder with a hinged rod acts through the main rod; its share is that of its own gas and
-        masses.
+        Contribution of each cylinder to the force on its crankpin, y - i x in the engine's frame.
+        A cylinder with a hinged rod acts through the main rod; its contribution is that of its own gas
+        and masses.
     """
 
     engine: EngineLayout
@@ -105,7 +105,7 @@ class MechanismForces:
         Parameters
         ----------
         axes : matplotlib.axes.Axes, optional
-            Where to draw; those of a new figure if not given.
+            Where to draw; new axes by default.
         cylinder : int, optional
             Its number, from 1.
 
@@ -150,7 +150,7 @@ class MechanismForces:
         ------
         MissingLibraryError
             If xarray is not installed.
-            Vectors are complex, in the frames that the class names.
+            Vectors are complex, in the frames given in the class description.
         """
         over = ("cylinder", "shaft_angle")
         return grid(
@@ -213,7 +213,7 @@ def mechanism_forces(
     Notes
     -----
     With F_A and F_B on the rod at crankpin and piston pin, M its mass, a_D the acceleration of its
-    center of mass, t its turning: F_A + F_B = M a_D, AB x F_B = J t'' + AD x M a_D, and for the
+    center of mass, t its rotation: F_A + F_B = M a_D, AB x F_B = J t'' + AD x M a_D, and for the
     piston of mass m: Re F_B = -(gas - friction) - m a_B, N = Im F_B. A hinged rod is solved first;
     the force at its foot loads the main rod, whose own piston balances the moment from the wall.
     Replaces (5) to (12) of Yamanin, Zhukov, Baryshnikov 2018, doi
@@ -266,19 +266,19 @@ def mechanism_forces(
 
 
 def spread_array(field: str, values: ArrayLike, shape: tuple[int, ...], reason: str) -> FloatArray:
-    """Return finite values as an array of a shape to which they can be repeated.
+    """Return finite values as an array, broadcast to a shape.
 
     Parameters
     ----------
     field, reason : str
-        What to call the values in messages, and why they must fit.
+        Name of the values in messages, and why they must fit.
     values : number or array_like
     shape : tuple of int
 
     Raises
     ------
     InputError
-        If a value is not finite, or the values do not fit.
+        If a value is not finite, or the values cannot be broadcast.
     """
     given = finite_array(field, values)
     try:
@@ -301,7 +301,7 @@ def _inertia_forces(
     speed: FloatArray,
     crank_acceleration: FloatArray,
 ) -> tuple[ComplexArray, FloatArray]:
-    """Return M a_D, and the moment that the rod's motion takes about its foot."""
+    """Return M a_D, and the moment required by the rod's motion about its foot."""
     force = rod.mass * motion.rod_point(rod.center).acceleration(speed, crank_acceleration)
     arm = rod.center * np.exp(1j * motion.rod.angle_rad)
     turning = rod.inertia * motion.rod.acceleration(speed, crank_acceleration)
@@ -311,7 +311,7 @@ def _inertia_forces(
 def _wall_force_for(
     load: ComplexArray, hinged: EngineCylinder, carrier: EngineCylinder, motion: CylinderMotion
 ) -> FloatArray:
-    """Return what the main piston's wall adds to N to balance a force at the slave pin."""
+    """Return the contribution of the main piston's wall to N that balances a force at the slave pin."""
     if hinged.slave_pin is None:
         raise ValueError("the rod is not hinged")
     arm = hinged.slave_pin.place * np.exp(1j * motion.rod.angle_rad)

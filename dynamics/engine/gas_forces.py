@@ -91,8 +91,8 @@ def piston_position(engine: EngineLayout, number: int) -> Callable[[FloatArray],
     Returns
     -------
     callable
-        Angles [rad] of shape (m,) to places of the piston pin along the cylinder axis, away from the
-        shaft [m], as `gas_cycle` takes it.
+        Angles [rad] of shape (m,) to positions of the piston pin along the cylinder axis, away from the
+        shaft [m], as required by `gas_cycle`.
 
     Raises
     ------

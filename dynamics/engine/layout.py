@@ -1,4 +1,4 @@
-"""What an engine's mechanism consists of: cylinders in any arrangement on one crankshaft."""
+"""An engine's mechanism: cylinders in any arrangement on one crankshaft."""
 
 import math
 from collections.abc import Sequence
@@ -34,8 +34,8 @@ class EngineLayout:
 
     The shaft turns about +z, which runs from the free end to the flywheel; y points up, and
     x = y cross z. In line, all bank angles are equal; in a V engine two cylinders share a throw,
-    with rods side by side or one hinged to the other. Sequences are kept as tuples, so that a layout
-    stays as it was checked.
+    with rods side by side or one hinged to the other. Sequences are stored as tuples, so a layout
+    cannot change after its check.
 
     Parameters
     ----------
@@ -48,19 +48,19 @@ class EngineLayout:
     strokes : int, optional
         Strokes per cycle, 2 or 4.
     firing_angles_deg : sequence of n float, optional
-        Shaft angle at which each cylinder fires [deg], where the order does not tell: cylinders
-        that fire together, or a top left out on purpose. In any cycle, in the firing order. Only
-        what is given stands here; the angles that hold in any case are in `firing_deg`.
+        Shaft angle at which each cylinder fires [deg], if the order does not determine it: cylinders
+        that fire together, or a top skipped on purpose. In any cycle, in the firing order. This holds
+        only given angles; `firing_deg` has the angles in all cases.
     rotating : sequence of RotatingMass, optional
         Counterweights and throws.
     shaft_inertia : float, optional
-        Of all that turns with the shaft, flywheel included, rods not [kg m^2].
+        Of all that rotates with the shaft, with the flywheel, without the rods [kg m^2].
 
     Raises
     ------
     InputError
         If the firing order repeats or omits a cylinder or does not fit cranks or firing angles, a
-        crank does not turn round, or a rod is hinged to a rod that is not on its crankpin or stands
+        crank cannot complete a revolution, or a rod is hinged to a rod that is not on its crankpin or is
         elsewhere along the shaft.
     """
 
@@ -210,12 +210,12 @@ class EngineLayout:
 
 
 def check_distinct_positions(engine: EngineLayout) -> None:
-    """Refuse cylinders of one bank at the same position, where moments and bearing loads are asked for.
+    """Refuse cylinders of one bank at the same position, where moments and bearing loads are needed.
 
     Raises
     ------
     InputError
-        With the numbers of two of them.
+        Names two of them.
     """
     standing: list[tuple[int, EngineCylinder]] = []
     for number, cylinder in enumerate(engine.cylinders, start=1):

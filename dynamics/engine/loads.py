@@ -43,8 +43,8 @@ class LoadDiagram:
         y - i x in the engine's frame [N]: of the rods on the crankpin, or of the main journal on its
         bearing.
     crank_angle_deg : float
-        Of the crank that the turning frame follows, about +z, counted from +y, when the shaft angle
-        is zero [deg]: the crankpin's own; of cylinder 1 for a main bearing.
+        Angle of the crank that the rotating frame follows, about +z, counted from +y, when the shaft
+        angle is zero [deg]: the crankpin's own; that of cylinder 1 for a main bearing.
     """
 
     name: str
@@ -80,7 +80,7 @@ class LoadDiagram:
         return float(self.angles_deg[int(np.argmax(self.magnitude))])
 
     def specific_pressure(self, diameter: float, length: float) -> FloatArray:
-        """Return the size of the force over the journal's projected area, shape (m,) [Pa].
+        """Return the magnitude of the force over the journal's projected area, shape (m,) [Pa].
 
         Parameters
         ----------
@@ -97,7 +97,7 @@ class LoadDiagram:
         return self.magnitude / (across * along)
 
     def columns(self) -> dict[str, FloatArray]:
-        """Return what a table of the diagram shows, each of shape (m,), units in the names."""
+        """Return the columns of a table of the diagram, each of shape (m,), units in the names."""
         turning = self.in_crank_frame
         return {
             "shaft_angle_deg": self.angles_deg,
@@ -115,18 +115,18 @@ class LoadDiagram:
         frame: Frame | None = None,
         mark_step_deg: float = 30.0,
     ) -> Axes:
-        """Draw the polar load diagram in a frame, or the size of the force over the shaft angle.
+        """Draw the polar load diagram in a frame, or the magnitude of the force over the shaft angle.
 
         Parameters
         ----------
         axes : matplotlib.axes.Axes, optional
-            Where to draw; those of a new figure if not given.
+            Where to draw; new axes by default.
         frame : {"crank", "engine"}, optional
             "crank": the locus of the force vector in the frame that turns with the crank, tangential
-            force to the right, radial force (towards the shaft) down. "engine": in the frame at rest,
-            seen from the free end. The size of the force over the shaft angle if not given.
+            force to the right, radial force (towards the shaft) down. "engine": in the fixed frame,
+            seen from the free end. By default the magnitude of the force over the shaft angle.
         mark_step_deg : float, optional
-            A dot on the locus at every such step of shaft angle [deg]; of use with a frame.
+            Interval of the dots on the locus in shaft angle [deg]; only with a frame.
 
         Returns
         -------
@@ -192,8 +192,8 @@ def crankpin_loads(forces: MechanismForces) -> tuple[LoadDiagram, ...]:
 
     Notes
     -----
-    The force is that of the rod on the pin, with what the rod's own motion brings; the pin presses
-    on the rod's bearing with its opposite.
+    The force is that of the rod on the pin, including the rod's inertia; the pin exerts the opposite
+    force on the rod's bearing.
     """
     used = _one_cycle(forces)
     diagrams = []
@@ -216,8 +216,8 @@ def main_bearing_loads(
 ) -> tuple[LoadDiagram, ...]:
     """Return the load of each main bearing, as if the shaft were hinged at every bearing.
 
-    Each force acts on the two bearings beside it, shared by the lever: statically determinate. A
-    shaft that runs on through its bearings shares every load among all of them, by its own stiffness
+    Each force acts on the two adjacent bearings according to the lever: statically determinate. A
+    continuous shaft shares every load among all bearings, by its own stiffness
     and the bearings'; loads on the bearings next to the force are then usually smaller, and loads
     two bearings away not zero.
 
@@ -232,13 +232,13 @@ def main_bearing_loads(
     -------
     tuple of k LoadDiagram
         Of the journals on their bearings. Rods load the shaft at the position of the cylinder whose
-        rod is on the crankpin; the engine's rotating masses where they are. Weights are left out.
+        rod is on the crankpin, rotating masses at their own. Weights are neglected.
 
     Raises
     ------
     InputError
         If the angles are not even over one cycle, there are fewer than two bearings, their positions
-        do not ascend, a load does not lie between them, or cylinders stand in the same place.
+        do not ascend, a load is not between them, or cylinders are at the same position.
     """
     used = _one_cycle(forces)
     bearings = finite_vector("bearing_positions", bearing_positions)
@@ -279,7 +279,7 @@ def main_bearing_loads(
 
 
 def _one_cycle(forces: MechanismForces) -> int:
-    """Return how many of the angles stand in one cycle, without the closing one."""
+    """Return how many of the angles are in one cycle, without the closing one."""
     degrees, cycle = forces.shaft_angles_deg, cycle_degrees(forces.engine.strokes)
     if degrees.size < FEWEST_ANGLES:
         raise InputError(

@@ -1,4 +1,4 @@
-"""How the parts of each cylinder move as the shaft turns."""
+"""Motion of the parts of each cylinder as the shaft turns."""
 
 import math
 from dataclasses import dataclass
@@ -31,7 +31,7 @@ class CylinderMotion:
     foot : PointMotion
         The rod's end: center of the crankpin, or of the slave pin.
     rod : TurnMotion
-        Turning of the rod.
+        Rotation of the rod.
     piston : PointMotion
         The piston pin.
     """
@@ -61,7 +61,7 @@ def cylinder_motion(
     Raises
     ------
     InputError
-        If an angle is no finite number, they are radians, or there is no such cylinder.
+        If an angle is not a finite number, they are radians, or there is no such cylinder.
     """
     return parts_motion(engine, number, radians_of("shaft_angles_deg", shaft_angles_deg))
 
@@ -79,7 +79,7 @@ def parts_motion(engine: EngineLayout, number: int, shaft_angles: FloatArray) ->
 
 
 def piston_ends(engine: EngineLayout, number: int) -> tuple[float, float]:
-    """Return the lowest and highest s of a piston pin over a turn [m]."""
+    """Return the lowest and highest s of a piston pin over a revolution [m]."""
     angles = even_angles(2.0 * math.pi, SEARCH_ANGLES)
     places = parts_motion(engine, number, angles).piston.place.real
     ends = angles[[int(np.argmin(places)), int(np.argmax(places))]]
@@ -113,7 +113,7 @@ def reduced_inertia(
     Raises
     ------
     InputError
-        If an angle is no finite number, they are radians, or there is not one model for each cylinder.
+        If an angle is not a finite number, they are radians, or there is not one model for each cylinder.
     """
     if len(models) != len(engine.cylinders):
         raise InputError(

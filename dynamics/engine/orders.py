@@ -1,4 +1,4 @@
-"""Orders of what repeats every turn of the shaft, free of aliasing."""
+"""Orders of functions that repeat every revolution of the shaft, free of aliasing."""
 
 from collections.abc import Callable, Sequence
 
@@ -35,19 +35,19 @@ def turn_spectrum(
     function : callable
         Takes shaft angles (m,) [rad] and returns values (..., m).
     highest : int
-        The highest order that is wanted.
+        The highest order required.
 
     Returns
     -------
     complex ndarray of shape (..., N)
-        c_k in the order of the fast Fourier transform: 0, 1 ... N/2 - 1, -N/2 ... -1. Of as many
-        samples N over a turn as make orders from 3/8 of their number on round-off. What is folded
-        back onto a wanted order lies beyond them, so that it is round-off, too.
+        c_k in the order of the fast Fourier transform: 0, 1 ... N/2 - 1, -N/2 ... -1. The number of
+        samples N over a revolution is so large that orders from 3/8 of it are round-off. The aliases of
+        all required orders are beyond these, so they are round-off, too.
 
     Raises
     ------
     InputError
-        If that takes too many samples: the crank is as good as as long as the rod.
+        If this takes too many samples: the crank is nearly as long as the rod.
     """
     count = FEWEST
     while count * 3 // 8 <= highest:
@@ -108,7 +108,7 @@ def piston_acceleration(
     speed : float
         Of the shaft [rad/s].
     angles_deg : array_like of shape (m,)
-        Crank angle [deg], counted from where the crank lies along this cylinder's axis.
+        Crank angle [deg], counted from the position in which the crank is along this cylinder's axis.
 
     Returns
     -------
@@ -143,12 +143,12 @@ def acceleration_orders(
     speed : float
         Of the shaft [rad/s].
     highest : int, optional
-        The highest order that is needed.
+        The highest order required.
 
     Returns
     -------
     Harmonics
-        Orders 1, 2 ... per turn [m/s^2], with the crank angle counted as in `piston_acceleration`.
+        Orders 1, 2 ... per revolution [m/s^2], with the crank angle counted as in `piston_acceleration`.
 
     Raises
     ------
@@ -157,10 +157,10 @@ def acceleration_orders(
 
     Notes
     -----
-    With a rod on the crankpin and no pin offset the first order is R w^2 and the odd ones beyond
-    are zero. So they are with a hinged rod whose pin stands, from the main rod, at the angle
-    between the cylinders: sin beta has odd orders only, so has the way of the slave pin across the
-    other cylinder, and what its square brings has even ones.
+    With a rod on the crankpin and no pin offset the first order is R w^2 and the higher odd ones
+    are zero. The same holds for a hinged rod whose pin is, from the main rod, at the angle
+    between the cylinders: sin beta has odd orders only, and so has the motion of the slave pin across
+    the other cylinder, whose square has even ones.
 
     Examples
     --------

@@ -1,4 +1,4 @@
-"""Axial forces of throws by their own c beside those with the neighbors' pin forces."""
+"""Axial forces of throws by their own c, compared with those by all pin forces of the shaft."""
 
 from dataclasses import dataclass
 
@@ -23,7 +23,7 @@ from dynamics.response.order_excitation import checked_speed_index
 @summarized("orders", "speeds [rad/s]", "alone [N]", "in_shaft [N]")
 @dataclass(frozen=True, eq=False)
 class AxialForceComparison:
-    """Axial force of each throw by order and speed, found two ways.
+    """Axial force of each throw by order and speed, by two methods.
 
     Parameters
     ----------
@@ -33,9 +33,9 @@ class AxialForceComparison:
     alone : complex ndarray of shape (K, S, n)
         P_i = c_i Z_i / e_i: each throw loaded by its own pin alone [N].
     in_shaft : complex ndarray of shape (K, S, n)
-        With the lengthening that all pin forces of the shaft cause [N].
+        With the lengthening caused by all pin forces of the shaft [N].
     shapes : ndarray of shape (q, n + 1)
-        Axial mode shapes at the sections that modal forces are taken with; q may be 0.
+        Axial mode shapes at the sections for the modal forces; q may be 0.
     """
 
     orders: FloatArray
@@ -46,7 +46,7 @@ class AxialForceComparison:
 
     @property
     def modal_alone(self) -> ComplexArray:
-        """Work of the forces on each mode shape, throws alone (K, S, q)."""
+        """Work of the forces on each mode shape, single throws (K, S, q)."""
         return self._modal(self.alone)
 
     @property
@@ -56,7 +56,7 @@ class AxialForceComparison:
 
     @property
     def difference(self) -> FloatArray:
-        """Largest amplitude of the difference over the throws, per largest one in the shaft (K, S).
+        """Largest amplitude of the difference over the throws, relative to the largest in the shaft (K, S).
 
         Zero where no throw has a force of this order.
         """
@@ -88,21 +88,21 @@ class AxialForceComparison:
         return np.asarray(pressing @ np.diff(self.shapes, axis=1).T)
 
     def plot(self, axes: Axes | None = None, throw: int = 1, *, main_orders: int = 3) -> Axes:
-        """Draw the axial force of a throw by its main orders over the speed, found both ways.
+        """Draw the axial force of a throw by its main orders over the speed, by both methods.
 
         Parameters
         ----------
         axes : matplotlib.axes.Axes, optional
-            Where to draw; those of a new figure if not given.
+            Where to draw; new axes by default.
         throw : int, optional
             Its number, from 1 at the free end.
         main_orders : int, optional
-            How many orders, those with the largest peaks.
+            Number of orders, those with the largest peaks.
 
         Returns
         -------
         matplotlib.axes.Axes
-            Full lines are those in the shaft, dashed ones those of the throw alone.
+            Full lines are those in the shaft, dashed ones those of the single throw.
 
         Raises
         ------
@@ -138,7 +138,7 @@ def compare_axial_forces(
     pins: ArrayLike | None = None,
     shapes: ArrayLike | None = None,
 ) -> AxialForceComparison:
-    """Find the axial force of each throw two ways.
+    """Find the axial force of each throw by two methods.
 
     Parameters
     ----------
@@ -146,16 +146,16 @@ def compare_axial_forces(
     compliances : array_like of shape (n,)
         e of each throw, as in the axial chain [m/N].
     own : array_like of shape (n,)
-        c of each throw by itself [m/N].
+        c of each single throw [m/N].
     influence : array_like of shape (n, p) or (n, p, 2)
-        Lengthening of throw i per Z (and T) on pin j, as `axial_throw_forces` takes it [m/N].
+        Lengthening of throw i per Z (and T) on pin j, as for `axial_throw_forces` [m/N].
     own_compliances : array_like of shape (n,), optional
-        e of each throw by itself [m/N], which belongs to its own c: c and e of different supports do
-        not fit together. `compliances` if not given.
+        e of each single throw [m/N] under the same support as its c; c and e of different supports are
+        incompatible. By default `compliances`.
     pins : array_like of c int, optional
         Pin of each cylinder, from 0.
     shapes : array_like of shape (q, n + 1), optional
-        Axial mode shapes at the sections, to see what the difference means to each mode.
+        Axial mode shapes at the sections, to show the effect of the difference on each mode.
 
     Returns
     -------

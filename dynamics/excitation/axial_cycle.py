@@ -1,4 +1,4 @@
-"""Axial forces of a crankshaft over one cycle: what throws press apart, and what its supports take."""
+"""Axial forces of a crankshaft over one cycle: on its thrust bearing and between held ends."""
 
 from dataclasses import dataclass
 
@@ -33,22 +33,22 @@ class AxialForceOverCycle:
     Parameters
     ----------
     shaft_angles_deg : ndarray of shape (m,)
-        Even over the cycle, the closing one left out [deg].
+        Evenly spaced over the cycle, without the closing one [deg].
     speed : float
         [rad/s].
     throws : ndarray of shape (m, n)
-        P_i, with which each throw presses its ends apart [N].
+        P_i, the force with which each throw pushes its ends apart [N].
     held : ndarray of shape (m,)
-        With which the shaft would press on its two ends, were both held axially and it did not
-        vibrate [N].
+        Force that the shaft would exert on its two ends if both were held axially, without
+        vibration [N].
     thrust_bearing : ndarray of shape (m,) or None
         Force on the thrust bearing with vibration, positive towards the flywheel [N]; None
-        where that is not known.
+        if unknown.
 
     Notes
     -----
-    Forces on pins have no part along the shaft. So a thrust bearing that alone holds a shaft takes
-    none of them, but for what moves the masses: its force is that of the vibration.
+    Forces on pins have no part along the shaft. So a single thrust bearing carries none
+    of them, only the force that accelerates the masses: that of the vibration.
     """
 
     shaft_angles_deg: FloatArray
@@ -58,7 +58,7 @@ class AxialForceOverCycle:
     thrust_bearing: FloatArray | None = None
 
     def curves(self) -> Curves:
-        """Describe both forces over the shaft angle, the cycle closed."""
+        """Describe both forces over the shaft angle, with the cycle closed."""
         degrees, held = self.shaft_angles_deg, KILO * self.held
         series = [
             Series(
@@ -84,7 +84,7 @@ class AxialForceOverCycle:
         Parameters
         ----------
         axes : matplotlib.axes.Axes, optional
-            Where to draw; those of a new figure if not given.
+            Where to draw; new axes by default.
 
         Returns
         -------
@@ -148,7 +148,7 @@ def axial_force_over_cycle(
     influence : array_like of shape (n, p, 2)
         Lengthening of throw i per Z and T on pin j, the shaft axially free [m/N].
     thrust_bearing : ndarray of shape (m,), optional
-        Force on the thrust bearing, where it is known [N].
+        Force on the thrust bearing, if known [N].
 
     Returns
     -------
@@ -161,7 +161,7 @@ def axial_force_over_cycle(
 
     Notes
     -----
-    Throw i would lengthen by d_i = sum over j of c_ij F_j. Held at both ends, the shaft presses on
+    Throw i would lengthen by d_i = sum over j of c_ij F_j. Held at both ends, the shaft pushes against
     them with (sum of d_i) / (sum of e_i): a pull of 1 N lengthens it by the sum of e_i.
     """
     angles = checked_degrees("shaft_angles_deg", shaft_angles_deg, vector=True)

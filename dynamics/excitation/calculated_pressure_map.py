@@ -35,12 +35,12 @@ def pressure_map_from_cycles(
     samples: int | None = None,
     method: Method = "cubic",
 ) -> PressureMap:
-    """Calculate a cycle at each point of speed and load that reaches what is known there.
+    """Calculate a cycle at each point of speed and load that reaches the values known there.
 
     Parameters
     ----------
     cycle : GasCycle
-        Parameters where the points do not say otherwise.
+        Parameters that the points do not specify.
     position, area, samples, solve_for
         As for `gas_cycle`.
     speeds : array_like of shape (a,)
@@ -48,16 +48,16 @@ def pressure_map_from_cycles(
     loads : array_like of shape (b,)
         In any measure.
     heat : array_like of shape (a, b), optional
-        Heat released in one cycle at each point [J], in place of the pressures below; 0 is a motored
+        Heat released in one cycle at each point [J], instead of the pressures below; 0 is a motored
         engine.
     peak_pressure, mean_effective_pressure : array_like of shape (a, b), optional
         Highest absolute pressure, and indicated mean effective pressure [Pa] at each point; one of
-        them or both. Shapes that numpy stretches to (a, b) serve too.
+        them or both. Shapes that broadcast to (a, b) are allowed.
     intake_pressure, exhaust_pressure : array_like of shape (a, b), optional
-        Absolute pressure at the end of the intake and during exhaust [Pa]; those of the cycle if not
-        given. With a turbocharger both rise together.
+        Absolute pressure at the end of the intake and during exhaust [Pa]; by default those of the
+        cycle. With a turbocharger both rise together.
     method : {"cubic", "linear"}, optional
-        Between the points.
+        Interpolation between the points.
 
     Returns
     -------

@@ -57,8 +57,8 @@ def node_torques(
 ) -> FloatArray:
     """Return the cylinders' torques on the nodes of a torsional chain over shaft angles.
 
-    It is the mean and the sum of the same orders that `torque_excitation` gives, so that time
-    integration and solution by orders have one excitation.
+    This is the mean and the sum of the orders of `torque_excitation`, so time
+    integration and solution by orders have the same excitation.
 
     Parameters
     ----------
@@ -96,7 +96,7 @@ def axial_throw_forces(
     influence: ArrayLike,
     pins: ArrayLike | None = None,
 ) -> ComplexArray:
-    """Return the axial force with which each throw presses its ends apart.
+    """Return the axial force with which each throw pushes its ends apart.
 
     Parameters
     ----------
@@ -104,11 +104,11 @@ def axial_throw_forces(
     compliances : array_like of shape (n,)
         Axial compliance e of each throw, as in the axial chain [m/N].
     influence : array_like of shape (n,), (n, p) or (n, p, 2)
-        Lengthening per unit force on pins, ends axially free [m/N]. (n,): c of each throw by itself,
+        Lengthening per unit force on pins, ends axially free [m/N]. (n,): c of each single throw, for
         its own radial force alone. (n, p): lengthening of throw i per Z on pin j, neighbors included.
         (n, p, 2): per Z and per T of pin j.
     pins : array_like of c int, optional
-        Pin of each cylinder from 0 along the shaft; its throw, if not given.
+        Pin of each cylinder from 0 along the shaft; by default that of its throw.
 
     Returns
     -------
@@ -123,7 +123,7 @@ def axial_throw_forces(
     Notes
     -----
     A throw with free ends would lengthen by c Z. The chain's spring 1/e between its ends lengthens
-    as much under P = c Z / e; held ends feel P. Stoyanov's formula, as quoted by Yamanin, Zhukov
+    as much under P = c Z / e; held ends carry P. Stoyanov's formula, as quoted by Yamanin, Zhukov
     2021, doi 10.24143/2073-1574-2021-4-75-83.
     """
     e = positive_vector("compliances", compliances, "m/N", "every throw yields under load")
@@ -167,7 +167,7 @@ def axial_excitation(
 
 
 def axial_section_forces(pressing: ComplexArray, engine_chain: "EngineChain") -> ComplexArray:
-    """Return the forces on the nodes of an axial chain from those that press throws' ends apart.
+    """Return the forces on the nodes of an axial chain from those that push throws' ends apart.
 
     Parameters
     ----------

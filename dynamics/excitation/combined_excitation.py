@@ -15,8 +15,8 @@ def combined_excitation(*excitations: OrderExcitation) -> OrderExcitation:
     Parameters
     ----------
     excitations : OrderExcitation
-        With the same speeds and nodes; orders may differ, as those of engine and propeller do.
-        Phasors of one order add up, so that their phases count.
+        With the same speeds and nodes; orders may differ, as those of engine and propeller.
+        Phasors of one order are added, with their phases.
 
     Raises
     ------

@@ -1,4 +1,4 @@
-"""Harmonics of the forces of all cylinders before a speed is chosen: gas by diagram, and inertia."""
+"""Harmonics of the forces of all cylinders for any speed: gas by diagram, and inertia."""
 
 import math
 from collections.abc import Mapping, Sequence
@@ -63,7 +63,7 @@ class CylinderHarmonics:
     takes_load : bool
         Whether the gas depends on a load.
     one_diagram : str
-        What serves all speeds though it belongs to one: "pressure diagram", "torque diagram", or ""
+        What is used at all speeds though it belongs to one: "pressure diagram", "torque diagram", or ""
         for nothing.
     remarks : tuple of str
     """
@@ -84,8 +84,8 @@ class CylinderHarmonics:
         Raises
         ------
         InputError
-            If a speed is no finite number or too high, a speed or load lies outside a pressure map,
-            or a load is given and none is needed.
+            If a speed is not a finite number or too high, a speed or load is outside a pressure map,
+            or a load is given but not needed.
         """
         speeds = np.atleast_1d(turning_speeds("speeds", speeds))
         if load is not None and not self.takes_load:
@@ -108,8 +108,8 @@ class CylinderHarmonics:
         Parameters
         ----------
         speed : number or array_like of shape (m,)
-            Of the shaft [rad/s]: the inertia forces go with its square, and a pressure map is read
-            at it.
+            Of the shaft [rad/s]: the inertia forces are proportional to its square, and a pressure map is
+            evaluated at it.
         load : optional
             As for `phasors`, at each of these speeds.
         shaft_angle_deg : array_like of shape (m,)
@@ -167,7 +167,7 @@ def cylinder_harmonics(
     Raises
     ------
     InputError
-        As `cylinder_forces`, but for speeds and loads.
+        As `cylinder_forces`, except for speeds and loads.
     """
     count = whole_number("samples", samples, 3, "fewer show no harmonic")
     asked = requested_orders(orders, engine.strokes)
@@ -216,7 +216,7 @@ def cylinder_harmonics(
 
 
 def _one_diagram(at_all_speeds: Sequence[bool]) -> str:
-    """Say what serves all speeds: the pressure of all cylinders, that of some, or nothing."""
+    """State what is used at all speeds: the pressure of all cylinders, that of some, or nothing."""
     if at_all_speeds and all(at_all_speeds):
         return "pressure diagram"
     some = [str(number) for number, own in enumerate(at_all_speeds, start=1) if own]
@@ -224,7 +224,7 @@ def _one_diagram(at_all_speeds: Sequence[bool]) -> str:
 
 
 def throw_of_each(engine: EngineLayout, throws: Sequence[int] | None) -> tuple[int, ...]:
-    """Return the throw of each cylinder from 0, as given or by what the layout says.
+    """Return the throw of each cylinder from 0, given or found from the layout.
 
     Raises
     ------
@@ -242,7 +242,7 @@ def _pin_forces(forces: MechanismForces) -> FloatArray:
 
 
 def _inertia_phasors(engine: EngineLayout, orders: FloatArray, model: RodModelName) -> ComplexArray:
-    """Return mean and phasors of T and Z per square of the speed; masses repeat every turn."""
+    """Return mean and phasors of T and Z per square of the speed, which repeat every revolution."""
     whole = np.flatnonzero(orders == np.round(orders))
     angles = even_angles(TURN, max(INERTIA_SAMPLES, 2 * int(orders[-1]) + 3))
     forces = phasors_of_samples(

@@ -1,4 +1,4 @@
-"""Forces of all cylinders on their crankpins, by order and speed, as vibration takes them."""
+"""Forces of all cylinders on their crankpins, by order and speed, for vibration."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -41,7 +41,7 @@ from dynamics.torque.cycle_samples import DEFAULT_SAMPLES
 class CylinderForces:
     """Force of each cylinder on its crankpin, by order and speed.
 
-    Order k of cylinder j is Re(F exp(i k phi)), phi the shaft angle; firing phases are worked in.
+    Order k of cylinder j is Re(F exp(i k phi)), phi the shaft angle; firing phases are included.
 
     Parameters
     ----------
@@ -54,15 +54,15 @@ class CylinderForces:
     radial : complex ndarray of shape (K, S, c)
         Z, towards the shaft axis [N].
     mean_tangential, mean_radial : ndarray of shape (S, c)
-        What is left of T and Z without all orders [N].
+        Mean of T and Z [N].
     crank_radius : float
         R [m].
     throws : tuple of c int
         Throw of each cylinder, from 0 at the free end.
     remarks : tuple of str
-        What was assumed, a sentence each.
+        Assumptions, a sentence each.
     of_inertia : bool
-        Whether forces of moving masses are among them.
+        Whether forces of moving masses are included.
     """
 
     orders: FloatArray
@@ -138,13 +138,13 @@ class CylinderForces:
         Parameters
         ----------
         axes : matplotlib.axes.Axes, optional
-            Where to draw; those of a new figure if not given.
+            Where to draw; new axes by default.
         cylinder : int, optional
             Its number, from 1.
         show : {"tangential", "radial"}, optional
             Which of the forces on the crankpin.
         main_orders : int, optional
-            How many orders, those with the largest peaks.
+            Number of orders, those with the largest peaks.
 
         Returns
         -------
@@ -218,27 +218,27 @@ def cylinder_forces(
     ----------
     engine : EngineLayout
         Any layout: cylinders in line or in a V, offset pins, hinged rods (whose share acts through
-        the main rod, with the wall's answer).
+        the main rod, with the wall's reaction).
     speeds : array_like of shape (S,)
         Of the crankshaft [rad/s], ascending.
     orders : array_like of shape (K,), or a number
-        In cycles per crankshaft revolution, ascending; a number for all up to it.
+        In cycles per crankshaft revolution, ascending; a number for all orders up to it.
     pressure : GasPressure, PressureMap, or a sequence of n of them, optional
-        For all cylinders, or for each; None for no gas force. A map is read at each speed and
-        load; a single diagram serves all speeds, and a remark says so.
+        For all cylinders, or for each; None for no gas force. A map is evaluated at each speed and
+        load; a single diagram is used at all speeds, which a remark states.
     load : number, array_like of shape (S,) or callable, optional
         For a pressure map of several loads, in its measure: constant, one for each speed, or a
-        function of the speeds such as `propeller_load` gives.
+        function of the speeds such as that of `propeller_load`.
     misfire : mapping of int to float, optional
-        Number of each failing cylinder to the share of its combustion that is missing: 1 for none
-        left, when it follows the pressure without combustion.
+        Number of each failing cylinder to the share of its combustion that is missing: 1 for no
+        combustion, when it follows the motored pressure.
     motored : as pressure, optional
-        That pressure without combustion; needed for misfire.
+        The pressure without combustion; required for misfire.
     model : str, optional
         Of the rods, one of `ROD_MODELS`.
     inertia : bool, optional
-        Whether moving masses excite, by the square of the speed. Leave them out where the equations
-        of motion hold the variable inertia itself.
+        Whether moving masses excite, by the square of the speed. Use False if the equations
+        of motion contain the variable inertia itself.
     samples : int, optional
         Of the gas over the working cycle; they resolve orders below half their number per
         revolution.
@@ -255,15 +255,15 @@ def cylinder_forces(
     Raises
     ------
     InputError
-        If orders or speeds do not ascend from above zero, an order is none of the cycle's or beyond
-        what samples or pressure diagrams resolve, a pressure does not fit the engine, a speed or
-        load lies outside the map, or a misfire has no pressure without combustion.
+        If orders or speeds do not ascend from above zero, an order is not one of the cycle or is beyond
+        the resolution of samples or pressure diagrams, a pressure does not fit the engine, a speed or
+        load is outside the map, or a misfire has no pressure without combustion.
 
     Notes
     -----
     Gas forces are linear in the pressure: T and Z per unit of gas force follow from the mechanism
     once, and each diagram's harmonics once. At constant speed inertia forces are the square of the
-    speed times a function of the angle alone, and so are their harmonics, exactly.
+    speed times a function of the angle, and so are their harmonics, exactly.
 
     Examples
     --------
@@ -298,7 +298,7 @@ def forces_at_speeds(
     Raises
     ------
     InputError
-        If speeds do not ascend from above zero, or one lies outside a pressure map.
+        If speeds do not ascend from above zero, or one is outside a pressure map.
     """
     running = checked_speeds(speeds)
     phasors = harmonics.phasors(running, load)

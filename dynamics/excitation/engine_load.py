@@ -1,4 +1,4 @@
-"""The load of an engine over its speed: constant, along a propeller's law, or as given."""
+"""The load of an engine over its speed: constant, by the propeller law, or given."""
 
 from collections.abc import Callable
 from typing import Literal
@@ -32,15 +32,15 @@ def propeller_load(
     rated_speed : float
         [rad/s].
     rated_load : float, optional
-        At that speed, in the unit of the map it is for.
+        Load at that speed, in the unit of the map.
     measure : {"torque", "power"}, optional
-        What the load measures: torque (or mean effective pressure), which goes with the square of
-        the speed, or power, which goes with its cube.
+        What the load measures: torque (or mean effective pressure), which is proportional to the square
+        of the speed, or power, proportional to its cube.
 
     Raises
     ------
     InputError
-        If the speed is not above zero, the load is negative, or there is no such measure.
+        If the speed is not above zero, the load is negative, or the measure is unknown.
 
     Examples
     --------
@@ -65,7 +65,7 @@ def load_at(load: Load, speeds: FloatArray) -> FloatArray:
     Raises
     ------
     InputError
-        If there is not one finite number for all, or one for each speed.
+        If there is not one finite number for all speeds, or one for each.
     """
     values = finite_array("load", load(speeds) if callable(load) else load)
     if values.shape not in ((), speeds.shape):

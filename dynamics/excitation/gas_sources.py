@@ -1,4 +1,4 @@
-"""Where the gas pressure of each cylinder comes from: diagrams, and their weights over the speed."""
+"""Sources of the gas pressure in each cylinder: diagrams, and their weights over the speed."""
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
@@ -31,9 +31,9 @@ class GasSource:
     weights : callable
         Speeds (S,) [rad/s] and load to the weight of each diagram (S, D).
     takes_load : bool
-        Whether a map is among them.
+        Whether a map is among the sources.
     at_all_speeds : bool
-        Whether a single diagram that serves every speed is among them.
+        Whether a single diagram for all speeds is among the sources.
     """
 
     diagrams: tuple[Pressure, ...]
@@ -49,7 +49,7 @@ class GasSource:
 
     @property
     def remarks(self) -> tuple[str, ...]:
-        """What was done to the diagrams."""
+        """Changes made to the diagrams."""
         return tuple(text for own in self.diagrams for text in getattr(own, "remarks", ()))
 
 
@@ -59,7 +59,7 @@ def gas_sources(
     misfire: Mapping[int, float] | None = None,
     motored: Pressures | None = None,
 ) -> tuple[GasSource, ...]:
-    """Return the source of the pressure in each cylinder; equal ones are one object.
+    """Return the source of the pressure in each cylinder; equal sources are one object.
 
     Parameters
     ----------
@@ -74,7 +74,7 @@ def gas_sources(
     ------
     InputError
         If there is not one for each cylinder, strokes differ, there is no such cylinder, a share is
-        not from 0 to 1, or cylinders fail and nothing says the pressure without combustion.
+        not from 0 to 1, or cylinders fail and the pressure without combustion is not given.
     """
     fired = _one_for_each("pressure", pressure, engine)
     failing = {
@@ -123,7 +123,7 @@ def _source(pressure: AnyPressure) -> GasSource:
 
 
 def constant_weight(speeds: FloatArray, _load: Load | None) -> FloatArray:
-    """Return the constant weight of a diagram that serves every speed."""
+    """Return the constant weight of a diagram that is used at every speed."""
     return np.ones((speeds.size, 1))
 
 
@@ -138,7 +138,7 @@ def _share(number: int, share: float) -> float:
 
 
 def _mixed(fired: GasSource, cold: GasSource, share: float) -> GasSource:
-    """Return the source of a cylinder that misses a share of its combustion."""
+    """Return the source of a cylinder that lacks a share of its combustion."""
     return GasSource(
         fired.diagrams + cold.diagrams,
         partial(_mixed_weights, fired, cold, share),

@@ -1,4 +1,4 @@
-"""Weights of a grid's values between them: along one axis, by splines or straight lines."""
+"""Weights of a grid's values between them: along one axis, by splines or linear."""
 
 from typing import Literal
 
@@ -26,7 +26,7 @@ def nearest_index(values: FloatArray, value: float) -> int:
 
 
 def axis_weights(field: str, grid: FloatArray, asked: FloatArray, method: Method) -> FloatArray:
-    """Return the weight of each grid value at the asked ones (S, a)."""
+    """Return the weight of each grid value at the requested points (S, a)."""
     room = SAME * np.abs(grid[[0, -1]])
     outside = np.flatnonzero((asked < grid[0] - room[0]) | (asked > grid[-1] + room[1]))
     if outside.size:

@@ -1,4 +1,4 @@
-"""The pressure without combustion from a fired diagram: compression goes back the way it came."""
+"""The pressure without combustion, estimated from the compression in a fired diagram."""
 
 import numpy as np
 
@@ -34,20 +34,20 @@ def motored_from_compression(
     -------
     GasPressure
         The diagram itself up to `fit_to_deg`; from there to the bottom after the top the lower one of
-        the diagram and of the polytrope through the compression; the diagram again. A remark states
-        the exponent.
+        the diagram and of the polytrope through the compression; then the diagram again. A remark
+        states the exponent.
 
     Raises
     ------
     InputError
-        If the range is not one before the top, holds fewer than four samples, or the pressure does
+        If the range is not before the top, has fewer than four samples, or the pressure does
         not rise there as in compression.
 
     Notes
     -----
-    ln p = ln C - n ln V is fitted by least squares. Heat to the walls is in n on the way up and
-    taken to be the same on the way down; the lower one of both curves passes to the blow-down
-    without the valve timing.
+    ln p = ln C - n ln V is fitted by least squares. The fitted n includes heat to the walls during
+    compression, and the same is assumed for expansion; the lower of both curves passes to the
+    blow-down without the valve timing.
     """
     low, high = (
         float(finite_array(name, value))

@@ -28,13 +28,13 @@ def torque_harmonics(
     crank_radius: float,
     throws: Sequence[int] | None = None,
 ) -> CylinderHarmonics:
-    """Return given torques of the cylinders in the form in which calculated forces stand.
+    """Return given torques of the cylinders in the form of calculated forces.
 
     Parameters
     ----------
     torque : Harmonics or sequence of c Harmonics
         Of one cylinder's torque, gas and inertia together [N m], phases counted from its own firing
-        top: the same for all, or one for each. It serves all speeds.
+        top: the same for all, or one for each. They are used at all speeds.
     orders : array_like of shape (K,), or a number
         Ascending; a number for all up to it.
     firing_angles_deg : array_like of shape (c,)
@@ -42,12 +42,12 @@ def torque_harmonics(
     crank_radius : float
         R [m].
     throws : sequence of c int, optional
-        Throw of each cylinder, 0 next to the free end; one each if not given.
+        Throw of each cylinder, 0 next to the free end; by default one each.
 
     Returns
     -------
     CylinderHarmonics
-        Without radial forces, which a torque does not tell.
+        Without radial forces, which a torque does not determine.
 
     Raises
     ------

@@ -45,7 +45,7 @@ LIGHTEST, LEGEND_COLUMNS = 0.85, 4
 @summarized("speeds [rad/s]", "loads", "method", "samples", "remarks")
 @dataclass(frozen=True, eq=False)
 class PressureMap:
-    """Pressure diagrams at points of speed and load, and what lies between them.
+    """Pressure diagrams at points of speed and load, and the interpolation between them.
 
     Made by `pressure_map`. Every complex harmonic of the pressure is interpolated over speed and
     load by a rule that is linear in the diagrams, so that the diagrams themselves, and the forces
@@ -56,19 +56,19 @@ class PressureMap:
     speeds : ndarray of shape (a,)
         Ascending [rad/s].
     loads : ndarray of shape (b,) or None
-        Ascending, in the user's measure; None where each speed has a load of its own, as along a
+        Ascending, in the user's measure; None if each speed has its own load, as along a
         propeller's curve.
     diagrams : tuple of a * b GasPressure
         Speed by speed, load by load within each.
     method : {"cubic", "linear"}
-        Along either axis: cubic spline, or straight lines.
+        Along either axis: cubic spline, or linear.
     load_of_speed : ndarray of shape (a,) or None
         Load of each speed's only diagram, where there is one.
 
     Raises
     ------
     InputError
-        If speeds are not above zero and ascending, a load is no finite number, or there is not a
+        If speeds are not above zero and ascending, a load is not a finite number, or there is not a
         diagram for each point.
     """
 
@@ -95,12 +95,12 @@ class PressureMap:
 
     @property
     def samples(self) -> int:
-        """Samples over the cycle of the coarsest diagram: the others cannot be told finer."""
+        """Samples over the cycle of the coarsest diagram, which limits the resolution."""
         return min(diagram.angles_deg.size for diagram in self.diagrams)
 
     @property
     def remarks(self) -> tuple[str, ...]:
-        """What was done to the diagrams, each sentence once."""
+        """Changes made to the diagrams, each sentence once."""
         return tuple(dict.fromkeys(text for own in self.diagrams for text in own.remarks))
 
     def weights(self, speeds: ArrayLike, load: Load | None = None) -> FloatArray:
@@ -116,13 +116,13 @@ class PressureMap:
         Returns
         -------
         ndarray of shape (S, a * b)
-            Each row has the sum one.
+            The sum of each row is one.
 
         Raises
         ------
         InputError
-            If a speed or load lies outside the map, which is never extended, or a load is missing
-            or too many.
+            If a speed or load is outside the map, which is never extrapolated, or a load is missing
+            or superfluous.
         """
         asked = np.atleast_1d(turning_speeds("speeds", speeds))
         if asked.size == 0:
@@ -178,7 +178,7 @@ class PressureMap:
         Raises
         ------
         InputError
-            As `weights`, and if a spline through uneven diagrams falls below zero.
+            As `weights`, and if the spline falls below zero.
         """
         running = positive_number("speed", speed, "rad/s", "the engine runs")
         mixed = (self.weights([running], load) @ self._sampled)[0]
@@ -192,7 +192,7 @@ class PressureMap:
         )
 
     def _positive(self, weights: FloatArray, speeds: FloatArray) -> FloatArray:
-        """Return weights (S, D), refusing those by which a spline falls below zero pressure."""
+        """Return weights (S, D), refusing those that give a pressure below zero."""
         uneven = np.flatnonzero(np.any(weights < 0.0, axis=1))  # others lie between diagrams
         lowest = np.min(weights[uneven] @ self._sampled, axis=1)
         if np.any(lowest <= 0.0):
@@ -223,9 +223,9 @@ class PressureMap:
         Parameters
         ----------
         axes : matplotlib.axes.Axes, optional
-            Where to draw; those of a new figure if not given.
+            Where to draw; new axes by default.
         speed : float, optional
-            At which one diagram is interpolated [rad/s]; those of all speeds of the map if not given.
+            Speed at which one diagram is interpolated [rad/s]; by default those of all speeds of the map.
         load : float, optional
             If the map has loads: any with a speed, one of the map's without; the highest by default.
 
@@ -265,7 +265,7 @@ class PressureMap:
         return axes
 
     def _load_index(self, load: float | None) -> int:
-        """Return the index of the load that is drawn of those at every speed, the highest by default."""
+        """Return the index of the load to draw among those at every speed, the highest by default."""
         if load is None:
             return 0 if self.loads is None else len(self.loads) - 1
         wanted = nonnegative_number("load", load, "", "the map has diagrams at its loads")
@@ -292,7 +292,7 @@ def pressure_map(
         effective pressure, power), and the diagram. Either every load at every speed, or one load
         at each speed, as along a propeller's curve.
     method : {"cubic", "linear"}, optional
-        Between the diagrams, along either axis.
+        Interpolation between the diagrams, along either axis.
 
     Returns
     -------
@@ -363,6 +363,6 @@ def pressure_map(
 
 
 def _speed_names(speeds: FloatArray) -> list[str]:
-    """Return speeds [rad/s] for a legend, to four digits where these tell them apart."""
+    """Return speeds [rad/s] for a legend, to four digits if these distinguish them."""
     short = [f"{RPM * speed:.4g} 1/min" for speed in speeds.tolist()]
     return short if len(set(short)) == len(short) else [per_minute(one) for one in speeds.tolist()]

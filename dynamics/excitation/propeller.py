@@ -1,4 +1,4 @@
-"""Thrust and torque of a propeller that vary with the passing of its blades, from data."""
+"""Thrust and torque of a propeller that vary with its blades, from data."""
 
 from dataclasses import KW_ONLY, dataclass
 from typing import Literal
@@ -35,11 +35,11 @@ from dynamics.response.order_excitation import OrderExcitation, checked_speeds
 )
 @dataclass(frozen=True, eq=False)
 class PropellerForces:
-    """Mean thrust and torque of a propeller, and how they vary over a turn.
+    """Mean thrust and torque of a propeller, and their variation over a revolution.
 
     thrust = mean [1 + sum over q of a_q sin(q z theta + phase_q)], theta the propeller's angle,
-    counted from where it stands when the shaft angle is zero; the torque likewise. Both means go
-    with the square of the propeller's speed from the rated point.
+    counted from its position at shaft angle zero; the torque likewise. Both means are
+    proportional to the square of the propeller's speed from the rated point.
 
     Parameters
     ----------
@@ -54,16 +54,16 @@ class PropellerForces:
     thrust_shares, torque_shares : array_like of shape (Q,)
         a_q for q = 1, 2 ...: amplitude of the blade order and its multiples as a share of the mean.
     thrust_phases_deg, torque_phases_deg : array_like of shape (Q,), optional
-        [deg]; zero if not given.
+        [deg]; zero by default.
 
     Raises
     ------
     InputError
-        If a number is out of its range, or shares and phases are not of one length.
+        If a number is out of its range, or shares and phases differ in length.
 
     Notes
     -----
-    The shares come from the wake behind the ship and have no usual values here: they are taken from
+    The shares depend on the wake behind the ship and have no usual values: take them from
     the propeller's design, model tests or the rules of the class that checks the shaft line.
     """
 
@@ -129,13 +129,13 @@ def propeller_excitation(
     kind: Literal["torsional", "axial"],
     ratio: float | None = None,
 ) -> OrderExcitation:
-    """Return what a propeller's varying torque or thrust excites.
+    """Return the excitation by a propeller's varying torque or thrust.
 
     Parameters
     ----------
     propeller : PropellerForces
     chain : Chain
-        Torsional or axial, the crankshaft with its node 0.
+        Torsional or axial, with node 0 in the crankshaft.
     node : int
         Of the propeller, from 0.
     speeds : array_like of shape (S,)
@@ -143,15 +143,15 @@ def propeller_excitation(
     kind : {"torsional", "axial"}
         Of the chain: its torque or its thrust acts.
     ratio : float, optional
-        Speed of the propeller over that of the crankshaft, negative where it turns the other way.
-        By default that of the node by the chain's gears. It must be given where an axial chain knows
-        of no gears, and in a geared chain where only dashpots join the propeller to the crankshaft.
+        Speed of the propeller over that of the crankshaft, negative for the opposite sense.
+        By default that of the node by the chain's gears. Required for an axial chain of a geared
+        plant, and in a geared chain where only dashpots join the propeller to the crankshaft.
 
     Returns
     -------
     OrderExcitation
-        Orders q z |ratio| per turn of the crankshaft. The torque on the node acts against its
-        turning; the thrust acts towards the free end, the propeller being behind the flywheel.
+        Orders q z |ratio| per revolution of the crankshaft. The torque on the node acts against its
+        rotation; the thrust acts towards the free end, the propeller being behind the flywheel.
 
     Raises
     ------

@@ -1,4 +1,4 @@
-"""Phasors of what is sampled evenly over a cycle, and which orders the samples resolve."""
+"""Phasors of even samples over a cycle, and the orders that the samples resolve."""
 
 from typing import cast
 
@@ -26,7 +26,7 @@ def phasors_of_samples(samples: FloatArray) -> NDArray[np.complex128]:
     -------
     complex ndarray of shape (..., (m - 1) // 2 + 1)
         The mean, then Y_j of y = mean + Re sum of Y_j exp(i j 2 pi x / cycle). The order at half the
-        sampling rate is left out: the samples do not show its phase.
+        sampling rate is left out: the samples do not determine its phase.
     """
     count = samples.shape[-1]
     found = np.fft.rfft(samples)[..., : (count - 1) // 2 + 1] / count
@@ -51,8 +51,8 @@ def order_indices(orders: ArrayLike, strokes: int, samples: int, what: str) -> N
     Raises
     ------
     InputError
-        If an order is no multiple of the cycle's, or the samples do not resolve it: it would show
-        in a lower order (aliasing).
+        If an order is not a multiple of the cycle's, or the samples do not resolve it: it would appear
+        as a lower order (aliasing).
     """
     values, step = checked_orders(orders), order_step(strokes)
     places = np.round(values / step)
@@ -76,7 +76,7 @@ def order_indices(orders: ArrayLike, strokes: int, samples: int, what: str) -> N
 
 
 def requested_orders(orders: ArrayLike | float, strokes: int) -> FloatArray:
-    """Return the requested orders (K,): themselves, or all up to a highest one.
+    """Return the requested orders (K,): those given, or all up to a highest one.
 
     Raises
     ------

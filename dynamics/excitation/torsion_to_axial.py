@@ -1,4 +1,4 @@
-"""Axial forces that torque in the shaft excites: throws whose neighbors tilt them also lengthen."""
+"""Axial forces excited by torque in the shaft: throws tilted by their neighbors lengthen."""
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -26,7 +26,7 @@ def torsion_influence(tangential: ArrayLike, through: ArrayLike, crank_radius: f
     ----------
     tangential : array_like of shape (n, n)
         Lengthening of throw i per unit tangential force T on the pin of throw j, the shaft held
-        against turning at its free end only [m/N].
+        against rotation at its free end only [m/N].
     through : array_like of shape (n,)
         Lengthening of throw i per unit torque in the sense of rotation at the flywheel's end, held
         likewise [1/N].
@@ -48,7 +48,7 @@ def torsion_influence(tangential: ArrayLike, through: ArrayLike, crank_radius: f
     Notes
     -----
     A torque in the part between cranks j and j + 1 alone comes from -1 / R on pin j and 1 / R on
-    pin j + 1. In a shaft whose cranks lie in one plane all values are zero: mirrored in that plane,
+    pin j + 1. In a shaft whose cranks are in one plane all values are zero: mirrored in that plane,
     torque and T change their sign and lengthening does not.
     """
     by_pins, through_shaft = (
@@ -81,7 +81,7 @@ def tangential_towards_flywheel(
     Returns
     -------
     ndarray of shape (n, p)
-        As the second layer of the influence that `axial_throw_forces` takes: it holds where the
+        The second layer of the influence in `axial_throw_forces`. It is valid if the
         flywheel keeps its speed and the shaft is far below its torsional resonances.
 
     Raises
@@ -91,7 +91,7 @@ def tangential_towards_flywheel(
 
     Notes
     -----
-    A torque -R T at the flywheel's end takes away what T leaves at the free end.
+    A torque -R T at the flywheel's end cancels the reaction to T at the free end.
     """
     by_pins, through_shaft = (
         finite_array("tangential", tangential),
@@ -118,7 +118,7 @@ def axial_excitation_of_torsion(
     Parameters
     ----------
     response : ForcedResponse
-        Of the torsional chain, nowhere unbounded.
+        Of the torsional chain, bounded everywhere.
     torsional, axial : EngineChain
         Of one engine.
     compliances : array_like of shape (n,)
@@ -129,18 +129,18 @@ def axial_excitation_of_torsion(
     Returns
     -------
     OrderExcitation
-        On the axial chain [N]; it adds to that of the radial forces.
+        On the axial chain [N]; to be added to that of the radial forces.
 
     Raises
     ------
     InputError
-        If chains, compliances and influence are not of one number of throws, or the response is
+        If chains, compliances and influence have different numbers of throws, or the response is
         unbounded somewhere.
 
     Notes
     -----
-    One way only: the axial vibration does not act back on the torsional one. That, and what it
-    shifts frequencies by, needs the whole crankshaft.
+    One way only: the axial vibration does not act back on the torsional one. This reaction, and its
+    shift of the frequencies, requires the whole crankshaft.
     """
     if np.any(response.unbounded):
         raise InputError(

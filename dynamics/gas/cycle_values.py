@@ -1,4 +1,4 @@
-"""The parameters of the cycle model, with usual values for those that are not given."""
+"""The parameters of the cycle model, with usual values as defaults."""
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, fields
@@ -35,7 +35,7 @@ class GasCycle:
     """Parameters of the cycle model: compression, Wiebe heat release, expansion, gas exchange.
 
     All angles are crank angles in degrees from the firing top dead center. `usual_gas_cycle` fills
-    in what is not known.
+    in unknown ones.
 
     Parameters
     ----------
@@ -44,9 +44,9 @@ class GasCycle:
     compression_ratio : float
         Largest over smallest volume, geometric.
     intake_pressure : float
-        Absolute pressure in the cylinder when it closes [Pa].
+        Absolute pressure in the cylinder at the end of the intake [Pa].
     exhaust_pressure : float
-        Absolute pressure in the cylinder while it empties [Pa].
+        Absolute pressure in the cylinder during exhaust [Pa].
     heat_capacity_ratio : float
         Ratio of the heat capacities of the gas at constant pressure and volume, one for the cycle.
     combustion_start_deg : float
@@ -63,15 +63,15 @@ class GasCycle:
     exhaust_opens_deg : float
         Where the first valve or port opens and expansion ends [deg].
     overlap_begins_deg, overlap_ends_deg : float
-        Between these the pressure passes from that of the exhaust to that of the intake [deg].
+        Interval in which the pressure passes from exhaust to intake [deg].
     assumed : tuple of str
         Names of the parameters above that were assumed, not given.
 
     Raises
     ------
     InputError
-        If a value is out of its range, the events are out of their order, or one is in radians, where
-        that can be told.
+        If a value is out of its range, the events are not in order, or one is evidently in
+        radians.
     """
 
     strokes: int
@@ -111,7 +111,7 @@ class GasCycle:
         return cycle_degrees(self.strokes)
 
     def _check_order(self) -> None:
-        """Refuse events in radians, and such as do not follow each other over the cycle."""
+        """Refuse events in radians, and events that are not in order over the cycle."""
         opening = BOTTOM - SHORTEST_BLOW_DOWN * (1.0 - 1e-9)
         earliest = -1.5 * BOTTOM if self.strokes == 4 else -BOTTOM
         for name, low, high in (
@@ -157,14 +157,14 @@ class GasCycle:
 
 @dataclass(frozen=True)
 class UsualValue:
-    """A value to assume.
+    """A default value.
 
     Parameters
     ----------
     value : callable
-        Of the strokes and the values known so far.
+        Function of the strokes and the values known so far.
     reason : str
-        Why this one.
+        Why this value.
     """
 
     value: Callable[[int, Mapping[str, float]], float]
@@ -229,7 +229,7 @@ USUAL_VALUES: dict[str, UsualValue] = {
 
 
 def usual_gas_cycle(compression_ratio: float, strokes: int = 4, **given: float) -> GasCycle:
-    """Return the parameters of a cycle, those not given being those of a turbocharged diesel.
+    """Return the parameters of a cycle; by default those of a turbocharged diesel.
 
     Parameters
     ----------
@@ -238,26 +238,26 @@ def usual_gas_cycle(compression_ratio: float, strokes: int = 4, **given: float) 
     strokes : int, optional
         Strokes per cycle, 2 or 4.
     **given : float
-        Any other parameters of `GasCycle`: angles in degrees, all else in SI units.
+        Any other parameters of `GasCycle`: angles in degrees, the rest in SI units.
 
     Returns
     -------
     GasCycle
-        Its `assumed` names what was filled in.
+        Its `assumed` names the defaults.
 
     Raises
     ------
     InputError
-        If a parameter is unknown, out of its range, or the events are out of their order, or in
+        If a parameter is unknown, out of its range, or the events are not in order, or in
         radians.
 
     Notes
     -----
-    Assumed are, for the reasons in `USUAL_VALUES`: intake pressure 0.25 MPa, as turbocharged diesel
+    The defaults, with reasons in `USUAL_VALUES`: intake pressure 0.25 MPa, as turbocharged diesel
     engines at rated load have 0.2 to 0.4 MPa; exhaust pressure nine tenths of it but not below
     0.105 MPa; ratio of heat capacities 1.35, between that of hot air and of burnt gas; combustion
     from 6 deg (two-stroke 2 deg) before the top over 60 deg, with the Wiebe shape 1 and
-    completeness 99.9 %, so that half of the heat is out 19 deg after the start; closing 35 deg
+    completeness 99.9 %, so that half of the heat is released 19 deg after the start; closing 35 deg
     after the bottom (two-stroke 65 deg); exhaust opening 50 deg before the bottom (two-stroke
     65 deg); overlap from 40 deg before to 40 deg after the gas-exchange top (two-stroke: from the
     bottom to the closing).
@@ -287,7 +287,7 @@ def usual_gas_cycle(compression_ratio: float, strokes: int = 4, **given: float) 
 
 
 def name_of_field(name: str) -> str:
-    """Return what files and remarks call a parameter: its unit stands there beside the number."""
+    """Return the name of a parameter in files and remarks, where its unit is next to the number."""
     return name.removesuffix("_deg")
 
 

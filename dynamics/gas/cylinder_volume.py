@@ -1,4 +1,4 @@
-"""The volume of a cylinder from the way of its piston, whatever mechanism moves it."""
+"""The volume of a cylinder from the travel of its piston, for any mechanism."""
 
 import math
 from collections.abc import Callable
@@ -53,7 +53,7 @@ class CylinderVolume:
 
     @property
     def stroke(self) -> float:
-        """Way of the piston between its dead centers [m]."""
+        """Travel of the piston between its dead centers [m]."""
         return self.highest - self.lowest
 
     @property
@@ -80,8 +80,8 @@ def cylinder_volume(position: Position, area: float, compression_ratio: float) -
     ----------
     position : callable
         Position of the piston along the cylinder axis from any origin, growing away from the
-        shaft [m], for an array of crank angles [rad] from where the crank stands on the cylinder
-        axis. It is smooth and repeats with one turn.
+        shaft [m], for an array of crank angles [rad] from the position of the crank along the cylinder
+        axis. It is smooth and repeats every revolution.
     area : float
         Piston area [m^2].
     compression_ratio : float
@@ -90,13 +90,13 @@ def cylinder_volume(position: Position, area: float, compression_ratio: float) -
     Returns
     -------
     CylinderVolume
-        Its clearance follows from the highest and lowest position, wherever these are reached.
+        Its clearance follows from the highest and lowest position, wherever they are.
 
     Raises
     ------
     InputError
-        If area or ratio is out of range, the position is not finite, does not repeat with the
-        turn, does not move, or is highest more than 30 deg away from the angle zero.
+        If area or ratio is out of range, the position is not finite, does not repeat every
+        revolution, does not move, or is highest more than 30 deg away from the angle zero.
 
     Examples
     --------
@@ -145,9 +145,9 @@ def cylinder_volume(position: Position, area: float, compression_ratio: float) -
 
 
 def _extreme(position: Position, place: float, step: float, sign: float) -> tuple[float, float]:
-    """Return angle and value of the highest (sign 1) or lowest (-1) position near a place.
+    """Return angle and value of the highest (sign 1) or lowest (-1) position near an angle.
 
-    Three points around the place show a parabola, and its vertex is the next place. Four rounds,
+    The vertex of the parabola through three points about the angle is the next angle. Four rounds,
     each ten times closer, leave the angle within 1e-8 rad and the value within round-off.
     """
     angle = float(place)

@@ -1,4 +1,4 @@
-"""The pressure over a whole cycle from the cycle model, set by heat, peak or mean pressure."""
+"""The pressure over a whole cycle by the cycle model, from heat, peak or mean pressure."""
 
 import math
 from dataclasses import dataclass, replace
@@ -59,13 +59,13 @@ class GasCycleResult:
     Parameters
     ----------
     pressure : GasPressure
-        Absolute pressure over the cycle; its remarks say what was solved and assumed.
+        Absolute pressure over the cycle; its remarks state what was solved and assumed.
     cycle : GasCycle
-        The parameters, with those that were solved.
+        The parameters, including those that were solved.
     volume : CylinderVolume
         The volume over the piston.
     heat : float
-        Heat released in one cycle, net of what the walls take [J].
+        Heat released in one cycle, less that lost to the walls [J].
     work : float
         Indicated work of one cycle, gas exchange included [J], from the samples of `pressure`.
     mean_effective_pressure : float
@@ -93,7 +93,7 @@ class GasCycleResult:
         Parameters
         ----------
         axes : matplotlib.axes.Axes, optional
-            Where to draw; those of a new figure if not given.
+            Where to draw; new axes by default.
         show : {"indicator diagram", "pressure"}, optional
             Pressure over volume, or over the crank angle.
 
@@ -104,7 +104,7 @@ class GasCycleResult:
         Raises
         ------
         InputError
-            If it is neither.
+            If the plot is unknown.
         """
         check_choice(
             "show",
@@ -169,11 +169,11 @@ def gas_cycle(
     position : callable
         Position of the piston along the cylinder axis from any origin, growing away from the
         shaft [m], for an array of crank angles [rad] from the nominal firing top. Any mechanism
-        serves: its dead centers are looked for.
+        is allowed: its dead centers are found.
     area : float
         Piston area [m^2].
     heat : float, optional
-        Heat released in one cycle, net of what the walls take [J]; 0 is a motored engine.
+        Heat released in one cycle, less that lost to the walls [J]; 0 is a motored engine.
     peak_pressure : float, optional
         Highest absolute pressure [Pa].
     mean_effective_pressure : float, optional
@@ -182,26 +182,26 @@ def gas_cycle(
     solve_for : str, optional
         "combustion_start_deg" or "combustion_duration_deg", when both pressures are given.
     samples : int, optional
-        Even samples over the cycle, 360 a turn or more; 1440 a turn unless given.
+        Even samples over the cycle, 360 a revolution or more; 1440 by default.
 
     Returns
     -------
     GasCycleResult
-        Pressure and what was found. Peak and work are those of the samples, so that they meet
-        their targets to round-off in every sum over them; another sampling moves them by some
+        Pressure and the values found. Peak and work are those of the samples, so they meet
+        their targets to round-off in every sum over them; another sampling changes them by some
         1e-5 and 1e-8 of their value.
 
     Raises
     ------
     InputError
-        If no target or one too many is given, a target cannot be reached (the message states what
-        can), or the samples are too few for the combustion.
+        If no target or one too many is given, a target cannot be reached (the message states the
+        reachable range), or the samples are too few for the combustion.
 
     Notes
     -----
     Closed part by the first law with one ratio of heat capacities, see `pressure_rise_per_heat`.
     From exhaust opening to the bottom the pressure passes to that of the exhaust, over the overlap to
-    that of the intake, each along 3 t^2 - 2 t^3, and there it stays until the intake closes. As the pressure
+    that of the intake, each along 3 t^2 - 2 t^3, and stays there until the intake closes. As the pressure
     is linear in the heat, heat from peak or mean pressure needs no search.
 
     Examples
@@ -269,7 +269,7 @@ def gas_cycle(
 
 
 def _shortest_duration(cycle: GasCycle, samples: int) -> float:
-    """Return the shortest combustion that samples resolve [deg]."""
+    """Return the shortest combustion that the samples resolve [deg]."""
     return LEAST_STEPS * cycle.cycle_deg / samples
 
 

@@ -1,4 +1,4 @@
-"""Indicated work: the integral of the pressure over the volume, once round the cycle."""
+"""Indicated work: the integral of the pressure over the volume around the cycle."""
 
 import math
 
@@ -16,11 +16,11 @@ def indicated_work(pressure: ArrayLike, volume_slope: ArrayLike, strokes: int = 
     Parameters
     ----------
     pressure : array_like of shape (m,)
-        Pressure at even crank angles over the whole cycle [Pa], the closing sample left out. A
-        constant pressure under the piston may be taken off or not: it does no work over a turn.
+        Pressure at even crank angles over the whole cycle [Pa], without the closing sample. A
+        constant pressure under the piston may be included or not: its work over a revolution is zero.
     volume_slope : array_like of shape (m,)
         Derivative of the volume by the crank angle there [m^3/rad]: piston area times the
-        piston's way towards the shaft per radian.
+        piston's travel towards the shaft per radian.
     strokes : int, optional
         Strokes per cycle, 2 or 4.
 
@@ -80,7 +80,7 @@ def periodic_slope(values: FloatArray, period: float) -> FloatArray:
     Parameters
     ----------
     values : ndarray of shape (m,)
-        Samples over one period, the closing one left out.
+        Samples over one period, without the closing one.
     period : float
         Length of the period.
 
@@ -88,8 +88,8 @@ def periodic_slope(values: FloatArray, period: float) -> FloatArray:
     -------
     ndarray of shape (m,)
         The derivative of the Fourier series through the samples at the samples: exact up to
-        round-off where the series has died out before half the sampling rate, as that of a piston's
-        way has.
+        round-off if the series has decayed before half the sampling rate, as that of a piston's
+        travel.
     """
     transform = np.fft.rfft(values)
     orders = np.arange(transform.size, dtype=np.float64)

@@ -54,27 +54,27 @@ REPEATED = 3
 class GasPressure:
     """The absolute pressure in one cylinder, sampled evenly over one working cycle.
 
-    Made by `gas_pressure`, which makes samples even; read by `read_pressure_table`; calculated by
+    Made by `gas_pressure`, which makes samples even; by `read_pressure_table`; and by
     `gas_cycle`.
 
     Parameters
     ----------
     angles_deg : ndarray of shape (m,)
         Crank angles [deg] from the firing top dead center, ascending in even steps from zero or
-        from below one step, without the closing sample.
+        below one step, without the closing sample.
     pressure : ndarray of shape (m,)
         Absolute pressure [Pa], positive.
     strokes : int
         Strokes per cycle, 2 or 4.
     source : str
-        Where the samples come from.
+        Origin of the samples.
     remarks : tuple of str
-        What was done to them on the way, a sentence each.
+        Changes made to them, a sentence each.
 
     Raises
     ------
     InputError
-        If a number is not finite, a pressure is not positive, or the angles are not such.
+        If a number is not finite, a pressure is not positive, or the angles are not as above.
     """
 
     angles_deg: FloatArray
@@ -106,7 +106,7 @@ class GasPressure:
 
     @property
     def peak_pressure(self) -> float:
-        """The highest pressure [Pa]; it is a sample, as the curve between samples stays between."""
+        """The highest pressure [Pa]; it is a sample, as the curve between samples does not exceed them."""
         return float(np.max(self.pressure))
 
     @property
@@ -131,8 +131,8 @@ class GasPressure:
         Returns
         -------
         ndarray of the same shape
-            Absolute pressure [Pa]: a piecewise cubic through the samples that keeps their shape,
-            so that it passes no value above or below its two neighbors.
+            Absolute pressure [Pa]: a shape-preserving piecewise cubic through the samples,
+            which exceeds neither of its two neighbors.
 
         Raises
         ------
@@ -157,7 +157,7 @@ class GasPressure:
         Parameters
         ----------
         axes : matplotlib.axes.Axes, optional
-            Where to draw; those of a new figure if not given.
+            Where to draw; new axes by default.
 
         Returns
         -------
@@ -198,7 +198,7 @@ def gas_pressure(
     source: str = "",
     remarks: tuple[str, ...] = (),
 ) -> GasPressure:
-    """Return the pressure over a cycle from samples, made even where they are not.
+    """Return the pressure over a cycle from samples, resampled evenly where necessary.
 
     Parameters
     ----------
@@ -210,17 +210,17 @@ def gas_pressure(
         Crank angles from the firing top dead center [deg], strictly ascending over one cycle that
         may start anywhere, no gap wider than 10 deg, the closing sample left out.
     source : str, optional
-        Where the samples come from.
+        Origin of the samples.
     remarks : tuple of str, optional
-        What has been done to them before.
+        Earlier changes to them.
 
     Returns
     -------
     GasPressure
-        Even samples. Angles that are even but for rounding are moved to their even places. Uneven
+        Even samples. Angles that are even but for rounding are made exactly even. Uneven
         ones are replaced by even ones on the shape-preserving curve through the given samples, in
         steps of half the smallest gap (0.1 deg to 1 deg), one of them on the highest sample, so
-        that the peak stays; a remark says so.
+        the peak is kept; a remark states it.
 
     Raises
     ------
@@ -271,7 +271,7 @@ def widest_gap(angles_deg: FloatArray, cycle_deg: float) -> tuple[int, float]:
 
 
 def _check_samples(angles: FloatArray, values: FloatArray, cycle: float) -> None:
-    """Refuse samples of which angles [deg] and values do not belong together."""
+    """Refuse samples of which angles [deg] and values do not match."""
     if angles.size != values.size:
         raise InputError(
             f"angles_deg: given {angles.size} angles for {values.size} pressures; allowed is one angle "
@@ -317,7 +317,7 @@ def _even_angles_in_cycle(
 def _resampled(
     angles: FloatArray, values: FloatArray, cycle: float
 ) -> tuple[FloatArray, FloatArray, str]:
-    """Return even samples on the curve through uneven ones, one of them on the peak; and say so."""
+    """Return even samples on the curve through uneven ones, one of them on the peak, and a remark."""
     smallest = float(np.min(np.diff(angles, append=angles[0] + cycle)))
     step = min(max(smallest / 2.0, FINEST_STEP), COARSEST_STEP)
     count = math.ceil(cycle / step - 1e-9)

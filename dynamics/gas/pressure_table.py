@@ -49,15 +49,15 @@ def read_pressure_table(path: str | Path, strokes: int | None = None) -> GasPres
     ``kPa`` or ``Pa`` for ``bar``; then one sample a line. Angles count from the firing top dead
     center and cover one cycle, 720 deg in a four-stroke and 360 deg in a two-stroke engine,
     wherever it starts (0 to 720, -360 to 360). A closing sample that repeats the first is dropped.
-    Uneven angles are resampled. To gauge pressure 101325 Pa are added. The remarks of the result
-    say what was done.
+    Uneven angles are resampled. 101325 Pa are added to gauge pressure. The remarks of the result
+    state the changes.
 
     Parameters
     ----------
     path : str or Path
         The file.
     strokes : int, optional
-        Strokes per cycle, 2 or 4; the angles show it by themselves.
+        Strokes per cycle, 2 or 4; by default found from the angles.
 
     Returns
     -------
@@ -70,8 +70,8 @@ def read_pressure_table(path: str | Path, strokes: int | None = None) -> GasPres
         With file and, where there is one, line: if the file cannot be read, the header or a number
         is wrong, angles do not increase, do not cover one cycle or leave a gap wider than 10 deg,
         the closing sample differs from the first by more than a thousandth of the peak, an
-        absolute pressure is not positive, the peak lies outside 0.2 to 50 MPa (a wrong unit) or
-        outside -10 to 40 deg (angles that count from elsewhere).
+        absolute pressure is not positive, the peak is outside 0.2 to 50 MPa (a wrong unit) or
+        outside -10 to 40 deg (angles counted from elsewhere).
     """
     cycles = possible_cycles(strokes)
     rows = read_sample_rows(Path(path), TABLE)
@@ -107,13 +107,13 @@ def read_pressure_table(path: str | Path, strokes: int | None = None) -> GasPres
 
 
 def closes_cycle(angles: FloatArray, cycle: float) -> bool:
-    """Tell whether the last angle lies one cycle after the first."""
+    """Return whether the last angle is one cycle after the first."""
     tolerance = PLACE_TOLERANCE * float(np.median(np.diff(angles)))
     return abs(float(angles[-1] - angles[0]) - cycle) <= tolerance
 
 
 def opens_little(angles: FloatArray, cycle: float) -> bool:
-    """Tell whether the angles leave no wide gap to the next cycle."""
+    """Return whether the angles leave no wide gap to the next cycle."""
     return 0.0 < cycle - float(angles[-1] - angles[0]) <= WIDEST_GAP * (1.0 + 1e-9)
 
 
@@ -149,5 +149,5 @@ def _check_peak_angle(rows: SampleRows, pressure: FloatArray, cycle: float) -> N
 
 
 def _near_top(angle: float, cycle: float) -> bool:
-    """Tell whether a peak at the angle [deg] is one of combustion or compression at the top."""
+    """Return whether a peak at the angle [deg] can be one of combustion or compression at the top."""
     return (angle - EARLIEST_PEAK) % cycle <= LATEST_PEAK - EARLIEST_PEAK

@@ -1,4 +1,4 @@
-"""The cycle model at crank angles: a pressure that is linear in the heat, and the heat for what is wished."""
+"""The cycle model at crank angles: a pressure that is linear in the heat, and the heat for a target."""
 
 import math
 from collections.abc import Callable
@@ -66,7 +66,7 @@ class CycleSamples:
 
     @property
     def work_per_heat(self) -> float:
-        """By how much one more joule of heat raises the indicated work [J/J]."""
+        """Increase of the indicated work per joule of heat [J/J]."""
         return indicated_work(self.rise, self.volume_slope, self.strokes)
 
     def heat_for_peak(self, peak: float) -> float:
@@ -122,7 +122,7 @@ def cycle_samples(cycle: GasCycle, volume: CylinderVolume, angles_deg: FloatArra
 
 
 def _smooth_step(angles: FloatArray, begin: float, end: float) -> FloatArray:
-    """Return 3 t^2 - 2 t^3, from 0 at the begin to 1 at the end with no slope at either."""
+    """Return 3 t^2 - 2 t^3, from 0 at the start to 1 at the end, with zero slope at both."""
     share = np.clip((angles - begin) / (end - begin), 0.0, 1.0)
     return np.asarray(share**2 * (3.0 - 2.0 * share), dtype=np.float64)
 
@@ -151,7 +151,7 @@ def motored_pressure(cycle: GasCycle, volume: CylinderVolume, angle_deg: ArrayLi
 def pressure_rise_per_heat(
     cycle: GasCycle, volume: CylinderVolume, angle_deg: ArrayLike
 ) -> FloatArray:
-    """Return by how much one joule of heat raises the pressure.
+    """Return the pressure rise per joule of heat.
 
     Parameters
     ----------
@@ -180,8 +180,8 @@ def pressure_rise_per_heat(
     completeness c at the end of the duration d, scaled so that it reaches 1.
 
     The first law for a gas with constant heat capacities, dQ = d(p V) / (g - 1) + p dV, is
-    d(p V^g) = (g - 1) V^(g - 1) dQ, so that the pressure is that without combustion plus the heat
-    times this rise. The integral is taken by Gauss's rule in parts.
+    d(p V^g) = (g - 1) V^(g - 1) dQ, so the pressure is that without combustion plus the heat
+    times this rise. The integral is evaluated by Gauss quadrature in parts.
     """
     angles_deg = finite_vector("angle_deg", angle_deg)
     share = (angles_deg - cycle.combustion_start_deg) / cycle.combustion_duration_deg
@@ -222,7 +222,7 @@ def _part_integrals(cycle: GasCycle, volume: CylinderVolume, ends: FloatArray) -
 
 
 def allowed_heat(state: CycleSamples, heat: float) -> float:
-    """Return a heat [J] that drives the peak no higher than engines stand.
+    """Return a heat [J] whose peak is not above that of real engines.
 
     Raises
     ------
@@ -250,7 +250,7 @@ def heat_for_peak(state: CycleSamples, peak_pressure: float) -> float:
 
 
 def checked_peak(peak: float, lowest: float) -> float:
-    """Return a peak [Pa] from the lowest, that of compression alone, to what engines stand.
+    """Return a peak [Pa] from the lowest, that of compression alone, to the highest of real engines.
 
     Raises
     ------
@@ -290,7 +290,7 @@ def heat_for_mean_pressure(state: CycleSamples, mean_pressure: float) -> float:
 
 
 def no_work_error(mean_pressure: float) -> InputError:
-    """Make the error of a combustion whose heat does no work."""
+    """Return the error for a combustion whose heat does no work."""
     return InputError(
         f"mean_effective_pressure: given {format_mpa(mean_pressure)}; allowed is what a later combustion "
         "gives, because the heat of this one is all released too early to do work."
@@ -298,7 +298,7 @@ def no_work_error(mean_pressure: float) -> InputError:
 
 
 def mpa_rounded_up(pressure: float) -> str:
-    """Return a least pressure in MPa with four digits, rounded up: what stands there is allowed."""
+    """Return a least pressure in MPa with four digits, rounded up, so that the printed value is allowed."""
     return format_mpa(_rounded(pressure, np.ceil))
 
 
@@ -315,5 +315,5 @@ def _rounded(pressure: float, to_whole: Callable[[float], float]) -> float:
 
 
 def format_mpa(pressure: float) -> str:
-    """Return a pressure in MPa for a message, or what was given in its place."""
+    """Return a pressure in MPa for a message, or the given value if it is none."""
     return f"{pressure / 1e6:.6g} MPa" if is_number(pressure) else repr(pressure)

@@ -1,4 +1,4 @@
-"""A two-stroke crosshead engine of one cylinder, as a hinge is calculated for it, and its gas force."""
+"""A two-stroke crosshead engine of one cylinder for hinge calculations, and its gas force."""
 
 import math
 from collections.abc import Callable
@@ -24,7 +24,7 @@ STANDARD_GRAVITY = 9.81
 
 @dataclass(frozen=True)
 class CrossheadEngine:
-    """A lying two-stroke engine of one cylinder with crosshead.
+    """A horizontal two-stroke engine of one cylinder with crosshead.
 
     Parameters
     ----------
@@ -41,7 +41,7 @@ class CrossheadEngine:
     rod : ConnectingRod
         l_1 is its center distance.
     crosshead_mass, piston_rod_mass, piston_mass : float
-        What moves along the cylinder [kg].
+        Mass that moves along the cylinder [kg].
     gravity : float, optional
         Acceleration of gravity across the cylinder axis, against the side to which the crankpin
         moves as it passes the top [m/s^2].
@@ -49,8 +49,8 @@ class CrossheadEngine:
     Raises
     ------
     InputError
-        If a length, mass or inertia is out of its range, the crank does not turn round, or no crank
-        of that mass and center has that inertia.
+        If a length, mass or inertia is out of its range, the crank cannot complete a revolution, or no
+        crank of that mass and center has that inertia.
 
     Examples
     --------
@@ -106,7 +106,7 @@ class CrossheadEngine:
 
     @property
     def layout(self) -> EngineLayout:
-        """The engine as a layout of one cylinder, for all that is calculated for engines."""
+        """The engine as a layout of one cylinder, for general calculations."""
         cylinder = EngineCylinder(bore=self.bore, piston_mass=self.sliding_mass, rod=self.rod)
         return EngineLayout(
             crank_radius=self.crank_radius,
@@ -159,9 +159,9 @@ def two_stroke_cycle(
         Largest over smallest volume.
     peak_pressure, mean_effective_pressure, intake_pressure : float
         Highest pressure, absolute; indicated mean pressure; and pressure of the charge, absolute
-        [Pa]. The duration of the combustion follows from them.
+        [Pa]. They determine the duration of the combustion.
     **parameters : float
-        Any others of `GasCycle`.
+        Any other parameters of `GasCycle`.
 
     Raises
     ------

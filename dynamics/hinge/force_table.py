@@ -1,4 +1,4 @@
-"""Read the gas force on a piston over a turn from a small CSV file."""
+"""Read the gas force on a piston over a revolution from a small CSV file."""
 
 from pathlib import Path
 
@@ -29,7 +29,7 @@ def read_gas_force(path: str | Path) -> GasForce:
 
     The file is CSV: comment lines that start with a number sign, the header
     ``crank_angle_deg,gas_force_N`` (or ``kN``, ``MN``), then one sample a line. Angles count from the top
-    dead center and cover a turn, wherever it starts, in steps of up to 10 deg; the force is positive
+    dead center and cover a revolution, wherever it starts, in steps of up to 10 deg; the force is positive
     towards the shaft. A closing sample that repeats the first is dropped.
 
     Parameters
@@ -39,14 +39,14 @@ def read_gas_force(path: str | Path) -> GasForce:
     Returns
     -------
     callable
-        Force [N] at crank angles [rad] from the top: the cubic spline through the samples that repeats
-        every turn.
+        Force [N] at crank angles [rad] from the top: the periodic cubic spline through the
+        samples.
 
     Raises
     ------
     InputError
         With file and, where there is one, line: if the file cannot be read, the header or a number is
-        wrong, angles do not increase, do not cover one turn or leave a gap wider than 10 deg, or the
+        wrong, angles do not increase, do not cover one revolution or leave a gap wider than 10 deg, or the
         closing sample differs from the first by more than a thousandth of the largest force.
     """
     rows = read_sample_rows(Path(path), TABLE)

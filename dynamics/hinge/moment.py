@@ -1,4 +1,4 @@
-"""The moment that a hinge between frame and crank must have for a constant crank speed."""
+"""The moment that a hinge between frame and crank must exert for a constant crank speed."""
 
 from dataclasses import dataclass
 from functools import cached_property
@@ -33,7 +33,7 @@ FEWEST_SAMPLES = 72
 @summarized("speed [rad/s]", "load [N m]", "moment [N m]", "stored_energy [J]", "closing_error")
 @dataclass(frozen=True, eq=False)
 class HingeMoment:
-    """The hinge moment for one running point of an engine; arrays of shape (m,) over one turn.
+    """The hinge moment at one operating point of an engine; arrays of shape (m,) over one revolution.
 
     Made by `hinge_moment`.
 
@@ -45,7 +45,7 @@ class HingeMoment:
     kinematics : str
         "exact", "series" or "printed".
     angles_deg : ndarray
-        Even crank angles from the top dead center [deg], the closing one left out.
+        Even crank angles from the top dead center [deg], without the closing one.
     gas_force : callable
         Force on the piston towards the shaft [N] at any angles, a function of radians.
     gas : ndarray
@@ -75,12 +75,12 @@ class HingeMoment:
 
     @cached_property
     def stored_energy(self) -> FloatArray:
-        """What the hinge must have stored since the top, minus the integral of M_h [J], (m,)."""
+        """Required stored energy of the hinge since the top, minus the integral of M_h [J], (m,)."""
         return read_only(-antiderivative(self.moment))
 
     @property
     def closing_error(self) -> float:
-        """Integral of M_h over a turn, by that of its absolute value."""
+        """Integral of M_h over a revolution, relative to that of its absolute value."""
         return turn_integral(self.moment) / max(turn_integral(np.abs(self.moment)), 1e-300)
 
     def at_angles(self, *, angles_deg: ArrayLike) -> tuple[ReducedCrank, FloatArray]:
@@ -95,7 +95,7 @@ class HingeMoment:
         Parameters
         ----------
         axes : matplotlib.axes.Axes, optional
-            Where to draw; those of a new figure if not given.
+            Where to draw; new axes by default.
 
         Returns
         -------
@@ -159,14 +159,14 @@ def hinge_moment(
     engine : CrossheadEngine
     gas_force : callable or array_like of shape (k,)
         Force on the piston towards the shaft [N]: a function of an array of crank angles [rad] from
-        the top dead center, or values at even angles over one turn from the top, the closing one
-        left out.
+        the top dead center, or values at even angles over one revolution from the top, without the
+        closing one.
     speed : float
         Of the crank [rad/s].
     kinematics : str, optional
         "exact", "series" or "printed"; see `reduced_crank`.
     samples : int, optional
-        Angles over the turn.
+        Number of angles over the revolution.
 
     Returns
     -------
@@ -183,7 +183,7 @@ def hinge_moment(
     moment M_w of the weights. For phi'' = 0 at phi' = w (equation (8) of Zotov, Imaeva 2024, doi
     10.24412/0131-4270-2024-1-2-50-55): M_h = w^2/2 I' - F x' - M_w + M_r, where
     M_r = 1/(2 pi) times the integral of F x' over a turn (5). I' and M_w have the mean zero, hence
-    M_h has, and the hinge gives over a turn what it takes.
+    M_h has, and the hinge returns over a revolution all energy that it takes.
 
     Examples
     --------
@@ -224,7 +224,7 @@ def hinge_moment(
 
 
 def as_function(gas_force: GasForce | ArrayLike) -> GasForce:
-    """Return a gas force as a function of angles [rad]; samples are joined by a periodic spline.
+    """Return a gas force as a function of angles [rad]; samples are interpolated by a periodic spline.
 
     Raises
     ------

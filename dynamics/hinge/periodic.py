@@ -1,4 +1,4 @@
-"""Functions of the crank angle that repeat every turn, given at even angles."""
+"""Functions of the crank angle that repeat every revolution, given at even angles."""
 
 import math
 from typing import TYPE_CHECKING
@@ -15,7 +15,7 @@ TURN = 2.0 * math.pi
 
 
 def turn_integral(samples: FloatArray) -> float:
-    """Return the integral over a turn of a function given at even angles.
+    """Return the integral over a revolution of a function given at even angles.
 
     The plain sum is exact for all harmonics that the samples resolve.
     """
@@ -25,7 +25,7 @@ def turn_integral(samples: FloatArray) -> float:
 def antiderivative(samples: FloatArray) -> FloatArray:
     """Return the integral from the first angle to each one, for samples of mean zero.
 
-    Harmonic by harmonic. A mean is left out: it would not repeat with the turn.
+    Harmonic by harmonic. A mean is left out: its integral would not be periodic.
     """
     spectrum = np.fft.rfft(samples)
     spectrum[1:] /= 1j * np.arange(1, spectrum.size)

@@ -1,4 +1,4 @@
-"""Curves in polar coordinates: curvature, and the curve at a distance that a roller runs on."""
+"""Curves in polar coordinates: curvature, and the parallel curve on which a roller runs."""
 
 import numpy as np
 
@@ -18,7 +18,7 @@ def polar_curvature(radius: FloatArray, first: FloatArray, second: FloatArray) -
     -------
     ndarray of shape (m,)
         (rho^2 + 2 rho'^2 - rho rho'') / (rho^2 + rho'^2)^(3/2) [1/m], positive where the curve
-        bends round the origin, as a circle about it does.
+        bends around the origin, like a circle about it.
     """
     square = radius**2 + first**2
     return np.asarray((square + first**2 - radius * second) / square**1.5)
@@ -27,7 +27,7 @@ def polar_curvature(radius: FloatArray, first: FloatArray, second: FloatArray) -
 def outer_parallel(
     angles: FloatArray, radius: FloatArray, first: FloatArray, distance: float
 ) -> ComplexArray:
-    """Return the points outside of a curve rho(phi) at a distance from it along its normals.
+    """Return the points outside a curve rho(phi) at a distance from it along its normals.
 
     Parameters
     ----------
@@ -39,7 +39,7 @@ def outer_parallel(
     Returns
     -------
     complex ndarray of shape (m,)
-        Places x + i y [m].
+        Points x + i y [m].
 
     Notes
     -----
@@ -53,7 +53,7 @@ def outer_parallel(
 def smallest_hollow(curvature: FloatArray) -> float:
     """Return the smallest radius of curvature where a curve bends away from the origin [m].
 
-    Infinite if it does so nowhere. A larger roller outside of the curve would cut itself off.
+    Infinite if it does so nowhere. A larger roller outside the curve would undercut it.
     """
     least = float(np.min(curvature))
     return -1.0 / least if least < 0.0 else float("inf")

@@ -1,4 +1,4 @@
-"""The guides of an elastic hinge: their shape for a wanted moment, and whether they can be made."""
+"""The guides of an elastic hinge: their shape for a required moment, and whether they can be made."""
 
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -53,17 +53,17 @@ MUST_BE = {
 @summarized("name", "met", "value", "limit", "unit")
 @dataclass(frozen=True)
 class ProfileCheck:
-    """One condition of a guide that can be made.
+    """One condition for a guide that can be made.
 
     Parameters
     ----------
     name : str
     met : bool
     value, limit : float
-        What was found and what it is compared with, in `unit`; inf where a path has no hollow.
+        The value and its limit, in `unit`; inf where a path has no hollow.
     unit : str
     reason : str
-        What must hold, and why.
+        The condition, and why.
     """
 
     name: str
@@ -80,14 +80,14 @@ class ProfileCheck:
 
     @property
     def sentence(self) -> str:
-        """What was found, whether it is as it must be, and why it must."""
+        """The value, whether the condition holds, and why it must."""
         outcome = "met" if self.met else "not met"
         return f"{self.name.capitalize()}: {self.shown}, {outcome}; it must be {self.reason}."
 
     def row(self) -> Row:
-        """Return what a table of checks shows, each value with its unit; see `table_of`.
+        """Return the columns of a table of checks, each value with its unit; see `table_of`.
 
-        Value and limit are in the unit that the row names.
+        Value and limit are in the unit named in the row.
         """
         return {
             "name": (self.name, ""),
@@ -102,25 +102,25 @@ class ProfileCheck:
 @summarized("radius [m]", "speed [rad/s]", "checks", "remarks")
 @dataclass(frozen=True, eq=False)
 class HingeProfile:
-    """Path of the rollers' centers in the turning guides; arrays of shape (m,) over one turn.
+    """Path of the rollers' centers in the rotating guides; arrays of shape (m,) over one revolution.
 
-    Made by `hinge_profile`. Between the angles the radius is the periodic cubic spline, and all
-    slopes, forces and moments of the hinge are those of that curve.
+    Made by `hinge_profile`. Between the angles the radius is the periodic cubic spline; all
+    slopes, forces and moments of the hinge are those of this curve.
 
     Parameters
     ----------
     spring : GasSpring
     start_radius : float
-        rho_0, radius at the top dead center, where the spring has its height and pressure [m].
+        rho_0, radius at the top dead center, where the spring has its initial height and pressure [m].
     roller_radius : float
         Of each roller [m].
     angles_deg : ndarray
         Even crank angles [deg]. In axes of the guides that turn with the crank the polar angle is
-        its negative, as the spring stands still.
+        its negative, as the spring does not rotate.
     radius : ndarray
         rho [m].
     speed : float
-        For which the guides were made [rad/s].
+        Speed for which the guides were designed [rad/s].
     """
 
     spring: GasSpring
@@ -146,7 +146,7 @@ class HingeProfile:
 
     @property
     def compression(self) -> FloatArray:
-        """How much shorter the gas column is than at the start, z = 2 (rho_0 - rho) [m]."""
+        """Shortening of the gas column from the start, z = 2 (rho_0 - rho) [m]."""
         return 2.0 * (self.start_radius - self.radius)
 
     @property
@@ -171,7 +171,7 @@ class HingeProfile:
 
     @cached_property
     def curvature(self) -> FloatArray:
-        """Of the path of the rollers' centers [1/m], positive where it bends round the axis."""
+        """Curvature of the path of the rollers' centers [1/m], positive where it bends around the axis."""
         second = np.asarray(self.curve(self._angles, 2))
         return read_only(polar_curvature(self.radius, self.slope, second))
 
@@ -186,7 +186,7 @@ class HingeProfile:
         Parameters
         ----------
         pressure : float, optional
-            Start pressure of the spring [Pa], that of the design unless given.
+            Initial pressure of the spring [Pa], by default that of the design.
         angles_deg : array_like of any shape
             Crank angles [deg].
 
@@ -201,13 +201,13 @@ class HingeProfile:
         return np.asarray(2.0 * spring.force(compression) * self.curve(angles, 1))
 
     def with_pressure(self, pressure: float) -> "HingeProfile":
-        """Return the same guides with another start pressure of the spring [Pa]."""
+        """Return the same guides with another initial pressure of the spring [Pa]."""
         return replace(self, spring=replace(self.spring, pressure=pressure))
 
     def guide(self) -> ComplexArray:
-        """Return the surface that the rollers run on, outside of their path, x + i y [m], (m,).
+        """Return the surface that the rollers run on, outside their path, x + i y [m], (m,).
 
-        At the polar angle of the crank; seen in the guides' own axes it is the mirror image.
+        At the polar angle of the crank; in the guides' own axes it is the mirror image.
 
         Raises
         ------
@@ -219,10 +219,10 @@ class HingeProfile:
 
     @property
     def checks(self) -> tuple[ProfileCheck, ...]:
-        """Conditions of a guide that can be made, each met or not.
+        """Conditions for guides that can be made, each met or not.
 
-        `hinge_profile` makes no guides that leave less than the least gas column; it is told here
-        how much they leave, and other guides may leave less.
+        `hinge_profile` makes no guides with less than the least gas column; this states the
+        remaining column, and other guides may leave less.
         """
         least, column = float(self.radius.min()), self.spring.height - float(self.compression.max())
         least_column = LEAST_COLUMN * self.spring.height
@@ -240,7 +240,7 @@ class HingeProfile:
 
     @property
     def remarks(self) -> tuple[str, ...]:
-        """Sentences on what is met but should be known."""
+        """Remarks on conditions that are met."""
         found = []
         longest = -float(self.compression.min())
         if longest > 1e-6 * self.spring.height:
@@ -271,7 +271,7 @@ class HingeProfile:
         Parameters
         ----------
         axes : matplotlib.axes.Axes, optional
-            Where to draw; those of a new figure if not given.
+            Where to draw; new axes by default.
         show : {"guide", "moment", "radius"}, optional
 
         Returns
@@ -349,12 +349,12 @@ class HingeProfile:
 def hinge_profile(
     moment: HingeMoment, spring: GasSpring, start_radius: float, *, roller_radius: float = 0.0
 ) -> HingeProfile:
-    """Find the shape of the guides that gives a wanted moment.
+    """Find the shape of the guides for a required moment.
 
     Parameters
     ----------
     moment : HingeMoment
-        Its M_h is wanted.
+        Its M_h is required.
     spring : GasSpring
     start_radius : float
         rho_0 at the top dead center [m].
@@ -364,12 +364,12 @@ def hinge_profile(
     Returns
     -------
     HingeProfile
-        With `checks`, all that can be judged of it.
+        With `checks` on whether it can be made.
 
     Raises
     ------
     InputError
-        If the gas column does not fit between the rollers, the gas cannot store or give the energy,
+        If the gas column does not fit between the rollers, the gas cannot store or release the energy,
         or a radius would not be above zero.
 
     Notes

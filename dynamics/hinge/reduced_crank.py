@@ -22,7 +22,7 @@ KINEMATICS: tuple[Kinematics, ...] = get_args(Kinematics)
 @summarized("inertia [kg m^2]", "travel_rate [m]", "weight_moment [N m]")
 @dataclass(frozen=True, eq=False)
 class ReducedCrank:
-    """What an engine of one degree of freedom shows its crank, arrays of shape (m,).
+    """An engine of one degree of freedom reduced to its crank, arrays of shape (m,).
 
     Parameters
     ----------
@@ -31,7 +31,7 @@ class ReducedCrank:
     inertia_rate : ndarray
         dI/dphi [kg m^2/rad].
     travel_rate : ndarray
-        How far the piston moves towards the shaft by crank angle, dx/dphi [m/rad].
+        Travel of the piston towards the shaft per crank angle, dx/dphi [m/rad].
     weight_moment : ndarray
         Moment of the weights of crank and rod, positive when it drives [N m].
     """
@@ -52,7 +52,7 @@ def reduced_crank(
     engine : CrossheadEngine
     kinematics : str, optional
         "exact"; "series", in which velocities end at the second harmonic; or "printed", the series
-        with the sign of the rod's second harmonic as it is printed in the source.
+        with the sign of the rod's second harmonic as printed in the source.
     angles_deg : array_like of shape (m,)
         Crank angles from the top dead center [deg].
 
@@ -69,7 +69,7 @@ def reduced_crank(
     cos gamma = 1 - lambda^2/4 + lambda^2/4 cos 2 phi for the rod's angle gamma. Its equations (2),
     (6), (7), (8) give the rod's center of mass the velocity R (sin phi - lambda l_1/(2 L) sin 2 phi)
     along the cylinder. From s = R cos phi + l_1 cos gamma it is plus: with l_1 = L the center of
-    mass is at the crosshead, whose velocity stands in the same paper with plus.
+    mass is at the crosshead, whose velocity has a plus in the same papers.
     """
     check_choice(
         "kinematics", kinematics, KINEMATICS, "these are the ways to describe the mechanism"
@@ -126,6 +126,6 @@ def _series(engine: CrossheadEngine, angles: FloatArray, sign: float) -> Reduced
 
 
 def _weight_moment(engine: CrossheadEngine, angles: FloatArray, rod_rise: FloatArray) -> FloatArray:
-    """Return the weights' moment from how the rod's center rises by angle [m/rad]."""
+    """Return the weights' moment from the rise of the rod's center by angle [m/rad]."""
     crank_rise = engine.crank_center_distance * np.cos(angles)
     return -engine.gravity * (engine.crank_mass * crank_rise + engine.rod.mass * rod_rise)

@@ -1,4 +1,4 @@
-"""How a crank turns with a hinge, without it, and with a flywheel."""
+"""Rotation of a crank with a hinge, without it, and with a flywheel."""
 
 import math
 from dataclasses import dataclass
@@ -33,7 +33,7 @@ STEPS = 2880
 @summarized("mean_speed [rad/s]", "fluctuation", "flywheel [kg m^2]", "gain", "angles_deg")
 @dataclass(frozen=True, eq=False)
 class SteadyHingeTurn:
-    """One turn of a crank that repeats.
+    """One periodic revolution of a crank.
 
     Parameters
     ----------
@@ -42,9 +42,9 @@ class SteadyHingeTurn:
     speed : ndarray of shape (m,)
         [rad/s]
     mean_speed : float
-        Angle turned by the time that it takes [rad/s].
+        Mean speed over time [rad/s].
     gain : float
-        Energy left over from the turn [J]; not zero by integration error alone.
+        Energy surplus of the revolution [J]; zero except for integration error.
     flywheel : float
         Added inertia [kg m^2].
     """
@@ -66,7 +66,7 @@ class SteadyHingeTurn:
         Parameters
         ----------
         axes : matplotlib.axes.Axes, optional
-            Where to draw; those of a new figure if not given.
+            Where to draw; new axes by default.
 
         Returns
         -------
@@ -118,20 +118,20 @@ def steady_hinge_turn(
     speed: float | None = None,
     top_speed: float | None = None,
 ) -> SteadyHingeTurn:
-    """Find a turn that repeats, the load being constant.
+    """Find a periodic revolution at constant load.
 
     Parameters
     ----------
     point : HingeMoment
         Engine, gas force, load and speed; its own hinge moment is not used.
     hinge : HingeProfile, optional
-        Guides whose spring acts on the crank; none unless given.
+        Guides whose spring acts on the crank; none by default.
     pressure : float, optional
-        Start pressure of the spring [Pa], that of the design unless given.
+        Initial pressure of the spring [Pa], by default that of the design.
     flywheel : float, optional
         Inertia added [kg m^2].
     speed : float, optional
-        Mean speed of the turn [rad/s], that of `point` unless given.
+        Mean speed of the revolution [rad/s], by default that of `point`.
     top_speed : float, optional
         Speed at the top dead center [rad/s], instead of the mean speed.
 
@@ -147,8 +147,8 @@ def steady_hinge_turn(
     Notes
     -----
     I phi'' + I' phi'^2 / 2 = Q is d(I phi'^2 / 2)/dphi = Q. As gas, weights, load and hinge depend
-    on the angle alone, the energy is an integral of known functions, and a turn repeats from any
-    start. The mean speed grows with the energy at the top, which is solved for it.
+    on the angle alone, the energy is an integral of known functions, and a revolution is periodic
+    from any initial speed. The mean speed grows with the energy at the top, which is solved for it.
     """
     nonnegative_number("flywheel", flywheel, "kg m^2", "it is an inertia")
     energy = turn_energy(point, hinge, pressure)
@@ -183,11 +183,11 @@ def simulate_hinge(
     point, hinge, pressure, flywheel
         As for `steady_hinge_turn`.
     start_speed : float, optional
-        At the top [rad/s]; unless given, that of the turn that repeats at the speed of `point`.
+        At the top [rad/s]; by default that of the periodic revolution at the speed of `point`.
     turns : float, optional
-        How far to go.
+        Angle to integrate over.
     samples : int, optional
-        Steps per turn at which the result is given.
+        Steps per revolution of the result.
 
     Returns
     -------
@@ -200,7 +200,7 @@ def simulate_hinge(
 
     Notes
     -----
-    Inertia and moments are splines over the angle, the hinge's among them, which is that of its
+    Inertia and moments are splines over the angle. The hinge's moment is that of its
     guides and spring, 2 F_pn d rho/d phi.
     """
     if start_speed is None:
@@ -232,7 +232,7 @@ def moments_on_crank(
 def turn_energy(
     point: HingeMoment, hinge: HingeProfile | None, pressure: float | None
 ) -> TurnEnergy:
-    """Integrate all moments on the crank over a turn."""
+    """Integrate all moments on the crank over a revolution."""
     angles, reduced, moment = moments_on_crank(point, hinge, pressure)
     return integrated(angles, reduced.inertia, moment)
 
@@ -244,10 +244,10 @@ def integrated(angles: FloatArray, inertia: FloatArray, moment: FloatArray) -> T
 
 
 def steady_at(energy: TurnEnergy, flywheel: float, speed: float) -> SteadyHingeTurn:
-    """Solve for the energy at the top at which the mean speed is the wanted one.
+    """Solve for the energy at the top that gives the required mean speed.
 
-    What `steady_turning` begins with is all that is needed here: no moment depends on the speed, so
-    that the energy need not be integrated anew for each trial.
+    The initial value of `steady_turning` is sufficient here: no moment depends on the speed, so
+    the energy need not be integrated again for each trial.
     """
     inertia = energy.inertia + flywheel
     at_top = energy_for_mean_speed(energy.gained, inertia, speed)
@@ -263,7 +263,7 @@ def steady_at(energy: TurnEnergy, flywheel: float, speed: float) -> SteadyHingeT
 
 
 def _from_top(energy: TurnEnergy, flywheel: float, top_speed: float) -> SteadyHingeTurn:
-    """Return the turn with a speed at the top."""
+    """Return the revolution for a speed at the top."""
     inertia = energy.inertia + flywheel
     at_top = 0.5 * float(inertia[0]) * top_speed**2
     lacking = -float(energy.gained.min())

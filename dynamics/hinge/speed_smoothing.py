@@ -1,4 +1,4 @@
-"""What smooths a crank's speed: the flywheel that is enough, and the best pressure of a hinge."""
+"""Smoothing of a crank's speed: the required flywheel, and the best pressure of a hinge."""
 
 import math
 from dataclasses import dataclass
@@ -24,25 +24,25 @@ STANDING = 100.0
 )
 @dataclass(frozen=True)
 class BestPressure:
-    """The start pressure of a spring that evens a crank's speed most, the guides being given.
+    """The initial pressure of a spring that smooths a crank's speed most, for given guides.
 
     Parameters
     ----------
     pressure : float
         [Pa]
     ratio : float
-        By that for which the guides were made.
+        Relative to that for which the guides were designed.
     fluctuation : float
         Coefficient of speed fluctuation with it.
     unchanged : float or None
         With the pressure of the design; None if the crank does not complete a revolution with it.
     moment_residual : float
-        Root mean square of what the hinge's moment then lacks of the one for constant speed, by the
-        root mean square of that one.
+        Root mean square of the difference between the hinge's moment and that for constant speed,
+        relative to the root mean square of the latter.
     largest_residual : float
-        Largest of what it lacks, by the largest of the moment for constant speed.
+        Largest difference, relative to the largest moment for constant speed.
     fitted_ratio : float
-        Ratio of pressures that makes this residual least.
+        Pressure ratio with the least residual.
     """
 
     pressure: float
@@ -62,11 +62,11 @@ def flywheel_for(
     Parameters
     ----------
     point : HingeMoment
-        Running point, whose mean speed is kept.
+        Operating point, whose mean speed is kept.
     fluctuation : float
-        Wanted coefficient, above zero.
+        Required coefficient, above zero.
     hinge : HingeProfile, optional
-        A hinge that helps.
+        A hinge that assists.
 
     Returns
     -------
@@ -111,16 +111,16 @@ def best_pressure(
     bounds: tuple[float, float] = (0.1, 10.0),
     flywheel: float = 0.0,
 ) -> BestPressure:
-    """Find the start pressure that evens the speed most at a running point.
+    """Find the initial pressure that smooths the speed most at an operating point.
 
     Parameters
     ----------
     point : HingeMoment
-        Running point, in general not the one for which the guides were made.
+        Operating point, in general not the one for which the guides were designed.
     hinge : HingeProfile
-        Guides as they are.
+        Given guides.
     bounds : tuple of two float, optional
-        Smallest and largest pressure looked at, as multiples of the design's.
+        Smallest and largest pressure considered, as multiples of the design's.
     flywheel : float, optional
         Inertia added [kg m^2].
 
@@ -135,8 +135,8 @@ def best_pressure(
 
     Notes
     -----
-    The guides fix z, so that the gas force and with it the moment of the hinge are proportional to
-    the start pressure when there is no ambient pressure (equation (14) of Zotov, Imaeva 2024).
+    The guides fix z, so the gas force and hence the moment of the hinge are proportional to
+    the initial pressure if there is no ambient pressure (equation (14) of Zotov, Imaeva 2024).
     """
     from scipy.optimize import minimize_scalar
 

@@ -29,16 +29,16 @@ class GasSpring:
     piston_area : float
         A [m^2].
     height : float
-        H, height of the gas column when both rollers stand at the start radius [m].
+        H, height of the gas column with both rollers at the initial radius [m].
     pressure : float
-        p_0, of the gas then [Pa]; above `ambient`.
+        p_0, initial pressure of the gas [Pa]; above `ambient`.
     exponent : float, optional
         n of the polytropic law p V^n = const.
     ambient : float, optional
         Pressure on the outer sides of the pistons [Pa]. The law of Zotov, Imaeva 2024 has none:
-        they call p_0 an excess pressure and put it into the polytropic law, which holds for
-        absolute pressure. With 0 the spring is theirs, p_0 being the absolute pressure and the
-        atmosphere's push on the pistons left out; with 101325 Pa it is exact for p_0 in excess.
+        they call p_0 an excess pressure and use it in the polytropic law, which holds for
+        absolute pressure. With 0 the spring is theirs, p_0 being the absolute pressure without
+        atmospheric pressure on the pistons; with 101325 Pa it is exact for p_0 in excess.
 
     Raises
     ------
@@ -79,7 +79,7 @@ class GasSpring:
         return self.pressure + self.ambient
 
     def gas_pressure(self, compression: ArrayLike) -> FloatArray:
-        """Return the pressure above ambient [Pa] when the column is shorter by z [m].
+        """Return the pressure above ambient [Pa] when the column is z [m] shorter.
 
         Raises
         ------
@@ -90,7 +90,7 @@ class GasSpring:
         return np.asarray(self.absolute * share**-self.exponent - self.ambient)
 
     def force(self, compression: ArrayLike) -> FloatArray:
-        """Return the force on each piston, outwards [N], when the column is shorter by z [m].
+        """Return the force on each piston, outwards [N], when the column is z [m] shorter.
 
         Raises
         ------
@@ -115,12 +115,12 @@ class GasSpring:
         return np.asarray(scale * stretched - self.piston_area * self.ambient * shorter)
 
     def compression(self, work: ArrayLike) -> FloatArray:
-        """Return how much shorter the column is after a work.
+        """Return the shortening of the column after a work.
 
         Parameters
         ----------
         work : array_like
-            Work done on the gas since the start [J]; negative for what it has given.
+            Work done on the gas since the start [J]; negative for released work.
 
         Returns
         -------
@@ -130,12 +130,12 @@ class GasSpring:
         Raises
         ------
         InputError
-            If the gas cannot give so much, or almost nothing of the column would be left.
+            If the gas cannot release so much, or almost nothing of the column would be left.
 
         Notes
         -----
         Without ambient pressure (H - z)^(1-n) = H^(1-n) + (n - 1) W / (A p_0 H^n). Otherwise
-        Newton's method from above: the work is convex in z while the spring presses outwards.
+        Newton's method from above: the work is convex in z while the spring pushes outwards.
         """
         wanted = finite_array("work", work)
         self._check_energy(wanted)
@@ -147,7 +147,7 @@ class GasSpring:
         return np.asarray(found)
 
     def _within(self, compression: ArrayLike) -> FloatArray:
-        """Return compressions that leave something of the column."""
+        """Return compressions that leave part of the column."""
         shorter = finite_array("compression", compression)
         largest = float(np.max(shorter, initial=0.0))
         if largest >= self.height:
@@ -177,7 +177,7 @@ class GasSpring:
             )
 
     def _check_energy(self, work: FloatArray) -> None:
-        """Refuse works below what the gas gives until it presses outwards no more."""
+        """Refuse works below what the gas releases until it no longer pushes outwards."""
         asked = -float(np.min(work, initial=0.0))
         if self.ambient > 0.0:
             slack = self.height * (1.0 - (self.absolute / self.ambient) ** (1.0 / self.exponent))

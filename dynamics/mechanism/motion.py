@@ -1,4 +1,4 @@
-"""Motion of a point or a turning body as the crank turns: values and derivatives by crank angle.
+"""Motion of a point or a rotating body as the crank turns: values and derivatives by crank angle.
 
 Plane vectors are complex numbers. In the frame of a cylinder the real part s runs along its axis
 away from the shaft, the imaginary part n across it, to the side to which the crankpin moves as it
@@ -38,7 +38,7 @@ class PointMotion:
         Raises
         ------
         InputError
-            If the speed is neither a finite number nor one for each place.
+            If the speed is neither a finite number nor one for each position.
         """
         return _at_places("speed", speed, self.first) * self.first
 
@@ -47,7 +47,7 @@ class PointMotion:
     ) -> ComplexArray:
         """Return the acceleration at a crank speed [rad/s] and acceleration [rad/s^2], in m/s^2.
 
-        Both may be arrays of shape (m,), one value for each place.
+        Both may be arrays of shape (m,), one value for each position.
 
         Raises
         ------
@@ -71,14 +71,14 @@ class PointMotion:
 @summarized("angle_deg [deg]", "first", "second")
 @dataclass(frozen=True, eq=False)
 class TurnMotion:
-    """The angle through which a body turns, in the sense of rotation of the crank.
+    """The angle through which a body rotates, in the sense of rotation of the crank.
 
     Parameters
     ----------
     angle_rad : ndarray of shape (m,)
         Angle [rad]; in degrees it is `angle_deg`.
     first, second : ndarray of shape (m,)
-        Its derivatives by the crank angle, of no unit.
+        Its derivatives by the crank angle, dimensionless.
     """
 
     angle_rad: FloatArray
@@ -106,7 +106,7 @@ def _acceleration(
 
 
 def _at_places(field: str, values: float | FloatArray, places: Any) -> FloatArray:
-    """Check values that are one for all places or one for each."""
+    """Check values that are one for all positions or one for each."""
     given = finite_array(field, values)
     check_shape(field, given, (), np.shape(places))
     return given
@@ -119,7 +119,7 @@ def crankpin_motion(crank_radius: float, angle: FloatArray) -> PointMotion:
 
 
 def rod_turn(foot: PointMotion, length: float, pin_offset: float) -> TurnMotion:
-    """Return the turning of a rod whose foot is carried and whose other end runs along a line.
+    """Return the rotation of a rod with a guided foot and its other end on a line.
 
     Parameters
     ----------
@@ -139,7 +139,7 @@ def rod_turn(foot: PointMotion, length: float, pin_offset: float) -> TurnMotion:
     Raises
     ------
     InputError
-        If the foot goes so far aside that the rod cannot reach its line.
+        If the rod cannot reach its line because the foot is too far aside.
 
     Notes
     -----
@@ -166,9 +166,9 @@ def carried_point(foot: PointMotion, turn: TurnMotion, place: complex) -> PointM
     foot : PointMotion
         The rod's end at the crank.
     turn : TurnMotion
-        Its turning, zero when it lies along the cylinder axis.
+        Its rotation, zero when it is along the cylinder axis.
     place : complex
-        Where on the rod, u + i v: u from the foot towards the piston pin, v across [m].
+        Position on the rod, u + i v: u from the foot towards the piston pin, v across [m].
 
     Notes
     -----

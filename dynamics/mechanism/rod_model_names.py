@@ -1,4 +1,4 @@
-"""Names of the ways to stand in for a rod's mass, which the command line tells before anything is loaded."""
+"""Names of the models of a rod's mass, for the command line before anything else is loaded."""
 
 from typing import Literal, get_args
 

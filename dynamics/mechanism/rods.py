@@ -1,4 +1,4 @@
-"""Connecting rods and the four ways to stand in for their mass."""
+"""Connecting rods and four models of their mass."""
 
 import math
 from dataclasses import dataclass, replace
@@ -26,17 +26,17 @@ class ConnectingRod:
     mass : float
         M [kg].
     center_distance : float
-        l_shk: how far along the rod its center of mass lies from the crankpin's center [m].
+        l_shk: distance of its center of mass along the rod from the crankpin's center [m].
     inertia : float
         J, about the center of mass [kg m^2].
     center_offset : float, optional
-        l_d: how far the center of mass lies across the rod, positive to the side to which the
+        l_d: distance of the center of mass across the rod, positive to the side to which the
         crankpin moves as it passes the top [m].
 
     Raises
     ------
     InputError
-        If a length, mass or inertia is not above zero, the center of mass does not lie between the
+        If a length, mass or inertia is not above zero, the center of mass is not between the
         pins, or no body of that mass and length has that inertia.
     """
 
@@ -72,7 +72,7 @@ class ConnectingRod:
 
     @property
     def largest_inertia(self) -> float:
-        """The inertia of the mass gathered at the corners of the room that the rod may take up.
+        """The inertia with all mass at the corners of the region that the rod may occupy.
 
         For a center of mass at u between a and b, the mean square distance is at most
         (b - u)(u - a).
@@ -101,18 +101,18 @@ class ConnectingRod:
 @summarized("name", "length [m]", "mass [kg]", "center", "inertia [kg m^2]")
 @dataclass(frozen=True)
 class RodModel:
-    """Point masses on a rod, with an inertia of their own where the model has one.
+    """Point masses on a rod, with an additional inertia in some models.
 
     Parameters
     ----------
     name : str
-        Which model it is.
+        Name of the model.
     length : float
         Of the rod [m].
     masses : tuple of n float
-        Point masses [kg]; a model's may be negative.
+        Point masses [kg]; in some models negative.
     places : tuple of n complex
-        Where they sit, u + i v from the crankpin's center [m].
+        Their positions, u + i v from the crankpin's center [m].
     added_inertia : float
         Inertia beyond that of the point masses [kg m^2].
     """
@@ -154,9 +154,9 @@ def two_mass(rod: ConnectingRod) -> RodModel:
 
 
 def two_mass_with_inertia(rod: ConnectingRod) -> RodModel:
-    """Return the two masses with the inertia that they lack, J_dop = J - i.
+    """Return the two masses with the missing inertia, J_dop = J - i.
 
-    i = m_shp l_shp^2 + m_shk l_shk^2 is that of the two masses about the point of the axis beside
+    i = m_shp l_shp^2 + m_shk l_shk^2 is that of the two masses about the point of the axis next to
     the center of mass. The lateral static moment is not the rod's.
     """
     plain = two_mass(rod)
@@ -181,7 +181,7 @@ def three_mass(rod: ConnectingRod) -> RodModel:
 
 
 def rigid(rod: ConnectingRod) -> RodModel:
-    """Return the rod as it is: its mass at its center, with its inertia."""
+    """Return the rod exactly: its mass at its center, with its inertia."""
     return RodModel("rigid", rod.length, (rod.mass,), (rod.center,), rod.inertia)
 
 

@@ -29,7 +29,7 @@ class SliderCrank:
     rod_length : float
         L, between the centers of crankpin and piston pin [m].
     pin_offset : float, optional
-        e: how far the piston pin's line lies aside of the shaft axis, positive to the side to which
+        e: offset of the piston pin's line from the shaft axis, positive to the side to which
         the crankpin moves as it passes the top [m].
 
     Raises
@@ -40,8 +40,8 @@ class SliderCrank:
 
     Notes
     -----
-    Angles count from where the crank lies along the cylinder axis, in the sense of rotation. All
-    derivatives are analytic.
+    Angles count from the position in which the crank is along the cylinder axis, in the sense of
+    rotation. All derivatives are analytic.
 
     Examples
     --------
@@ -77,7 +77,7 @@ class SliderCrank:
 
     @property
     def stroke(self) -> float:
-        """Way of the piston from bottom to top [m]; more than 2 R with an offset."""
+        """Travel of the piston from bottom to top [m]; more than 2 R with an offset."""
         lowest = math.sqrt((self.rod_length - self.crank_radius) ** 2 - self.pin_offset**2)
         return self.top - lowest
 
@@ -86,7 +86,7 @@ class SliderCrank:
         return crankpin_motion(self.crank_radius, radians_of("angle_deg", angle_deg, vector=True))
 
     def rod(self, *, angle_deg: ArrayLike) -> TurnMotion:
-        """Return the turning of the rod, -beta, at angles [deg] of shape (m,)."""
+        """Return the rotation of the rod, -beta, at angles [deg] of shape (m,)."""
         return rod_turn(self.crankpin(angle_deg=angle_deg), self.rod_length, self.pin_offset)
 
     def rod_point(self, along: float, across: float = 0.0, *, angle_deg: ArrayLike) -> PointMotion:
@@ -122,7 +122,7 @@ class SliderCrank:
         return self.rod_point(self.rod_length, angle_deg=angle_deg)
 
     def travel(self, *, angle_deg: ArrayLike) -> PointMotion:
-        """Return how far the piston is from its top, real, and its derivatives by the angle [m]."""
+        """Return the distance of the piston from its top, real, and its derivatives by the angle [m]."""
         piston = self.piston(angle_deg=angle_deg)
         return PointMotion(
             (self.top - piston.place.real).astype(np.complex128),
@@ -132,7 +132,7 @@ class SliderCrank:
 
 
 def check_reach(field: str, crank_radius: float, rod_length: float, pin_offset: float) -> None:
-    """Refuse a crank that does not turn round.
+    """Refuse a crank that cannot complete a revolution.
 
     Raises
     ------

@@ -1,4 +1,4 @@
-"""Curves over an angle or over the time."""
+"""Curves over an angle or over time."""
 
 from collections.abc import Mapping, Sequence
 from typing import Any
@@ -30,7 +30,7 @@ def draw_over_angle(
     cyclic: bool = True,
     colors: Sequence[Any] = COLORS,
 ) -> Axes:
-    """Draw curves over an angle; what is not finite leaves a gap.
+    """Draw curves over an angle, with gaps where values are not finite.
 
     Parameters
     ----------
@@ -44,7 +44,7 @@ def draw_over_angle(
         Of the axes, with their units.
     title : str, optional
     cyclic : bool, optional
-        Whether the even angles are those of a cycle without its closing sample, which is added.
+        Whether the even angles are a cycle without its closing sample, which is added.
     colors : sequence of colors, optional
         Of the curves in turn.
 
@@ -76,7 +76,7 @@ def draw_over_time(
     *,
     title: str = "",
 ) -> Axes:
-    """Draw curves over the time [s]; what is not finite leaves a gap. See `draw_over_angle`."""
+    """Draw curves over the time [s], with gaps where values are not finite. See `draw_over_angle`."""
     axes = new_axes(axes)
     _draw_curves(axes, time, curves, label, title, COLORS)
     if time[-1] > time[0]:

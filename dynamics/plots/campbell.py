@@ -23,7 +23,7 @@ FREQUENCY_LABEL = "frequency [Hz]"
 
 
 class Meeting(Protocol):
-    """What a dot of the diagram is drawn from; `dynamics.response.resonance.Resonance` is one."""
+    """The source of a dot of the diagram; `dynamics.response.resonance.Resonance` is one."""
 
     @property
     def frequency(self) -> float:
@@ -43,11 +43,11 @@ class Meeting(Protocol):
 
     @property
     def unbounded(self) -> bool:
-        """Whether nothing damps it."""
+        """Whether it is undamped."""
 
 
 class CampbellFrame(NamedTuple):
-    """What a Campbell diagram shows, the same on paper and on a screen.
+    """Contents of a Campbell diagram, the same on paper and on a screen.
 
     Attributes
     ----------
@@ -58,7 +58,7 @@ class CampbellFrame(NamedTuple):
     top : float
         Of the axis of the frequency [Hz].
     natural : ndarray of shape (m,)
-        Natural frequencies that are seen [Hz].
+        Natural frequencies shown [Hz].
     """
 
     running: tuple[float, float]
@@ -74,7 +74,7 @@ class CampbellFrame(NamedTuple):
         return speed, min(order * right / 60.0, self.top), over
 
     def labeled(self, orders: Sequence[float]) -> list[float]:
-        """Return the orders whose lines have labels at their ends: whole ones that are seen and apart."""
+        """Return the orders whose lines have labels at their ends: whole ones, shown and far enough apart."""
         found, last = [], -LABEL_ROOM
         for order in sorted(orders):
             speed, frequency, over = self.line_end(order)
@@ -95,7 +95,7 @@ def campbell_frame(
     speed_range: tuple[float, float],
     found: Sequence[Meeting],
 ) -> CampbellFrame:
-    """Return what a Campbell diagram shows; arguments as for `draw_campbell`."""
+    """Return the contents of a Campbell diagram; arguments as for `draw_campbell`."""
     low, high = (speed * RPM for speed in speed_range)
     # Limits may hold above the running range, and resonances lie there.
     last = max((own.speed_rpm for own in found), default=high)
@@ -109,7 +109,7 @@ def campbell_frame(
 
 
 def mode_text(place: int, frequency: float) -> str:
-    """Return what stands at the line of a mode, from 0, of a frequency [Hz]."""
+    """Return the label at the line of a mode, from 0, of a frequency [Hz]."""
     return f"mode {place + 1}: {frequency:.1f} Hz"
 
 
@@ -181,7 +181,7 @@ def draw_campbell(
 
 
 def _order_line(axes: Axes, order: float, frame: CampbellFrame, *, labeled: bool) -> None:
-    """Draw one order's line, its number where it leaves the diagram if it is labeled."""
+    """Draw one order's line, with its number at its end if it is labeled."""
     axes.plot(
         frame.ends,
         [order * end / 60.0 for end in frame.ends],

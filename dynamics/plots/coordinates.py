@@ -1,4 +1,4 @@
-"""Coordinates of grids: values, unit and name in words, as `crankbase.tables.frames.grid` takes them."""
+"""Coordinates of grids: values, unit and name, for `crankbase.tables.frames.grid`."""
 
 from collections.abc import Sequence
 from typing import Any, TypeAlias

@@ -1,4 +1,4 @@
-"""Harmonics: their amplitudes as bars over the orders, and samples of a torque with their sum."""
+"""Harmonics: amplitudes as bars over the orders, and samples of a torque with their sum."""
 
 from collections.abc import Mapping
 from typing import Protocol
@@ -18,7 +18,7 @@ ANGLE_LABEL, TORQUE_LABEL = "crank angle [deg]", "torque of one throw [N m]"
 
 
 def bar_width(orders: FloatArray) -> float:
-    """Return the width of all bars of an order together."""
+    """Return the combined width of all bars of an order."""
     return FILLED * float(orders[0] if len(orders) < 2 else np.min(np.diff(orders)))
 
 
@@ -41,7 +41,7 @@ def draw_harmonics(
     amplitudes : mapping of str to ndarray of shape (K,)
         By name, in the unit of the axis.
     label : str
-        Of the upright axis, with its unit.
+        Label of the vertical axis, with its unit.
     title : str, optional
 
     Returns

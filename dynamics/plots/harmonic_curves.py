@@ -39,7 +39,7 @@ class Series(Protocol):
 
 
 def harmonic_words(found: Series, place: int, unit: str) -> str:
-    """Say amplitude and phase of the harmonic at a place, such as "279.7 N m, 230.2 deg".
+    """State amplitude and phase of the harmonic at an index, such as "279.7 N m, 230.2 deg".
 
     Amplitudes have the decimals of the largest one.
     """
@@ -51,7 +51,7 @@ def harmonic_words(found: Series, place: int, unit: str) -> str:
 def draw_single_harmonics(
     axes: Axes | None, found: Series, unit: str, samples: FloatArray | None = None
 ) -> Axes:
-    """Draw harmonics over the crank angle in one diagram, the strongest where there are too many.
+    """Draw harmonics over the crank angle in one diagram, the largest if there are too many.
 
     Parameters
     ----------
@@ -94,7 +94,7 @@ def draw_single_harmonics(
 
 
 def draw_one_harmonic(axes: Axes, found: Series, place: int, unit: str) -> None:
-    """Draw the harmonic at a place with its amplitude as dashed lines, order and phase in the title."""
+    """Draw the harmonic at an index with its amplitude as dashed lines, order and phase in the title."""
     degrees = _cycle(found)
     angles = found.orders[place] * np.radians(degrees) + found.phase[place]
     axes.plot(degrees, found.amplitude[place] * np.sin(angles), color=BLUE)

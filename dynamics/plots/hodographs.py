@@ -42,7 +42,7 @@ def draw_hodographs(
     banks: Iterable[float] = (),
     empty: str = "balanced",
 ) -> Axes:
-    """Draw hodographs, y up and x to the left, as the free end shows them: the shaft turns clockwise.
+    """Draw hodographs, y up and x to the left, as seen from the free end: the shaft turns clockwise.
 
     Parameters
     ----------
@@ -63,7 +63,7 @@ def draw_hodographs(
 
     Notes
     -----
-    A dot marks each vector at shaft angle zero, an arrowhead the way that it goes.
+    A dot marks each vector at shaft angle zero, an arrowhead the direction of motion.
     """
     axes = new_axes(axes, width=4.6, height=5.6)
     reach = MARGIN * KILO * max((curve.major for curve in curves.values()), default=0.0) or 1.0

@@ -1,4 +1,4 @@
-"""Load diagrams of a bearing: the locus of its force vector, and the size over the shaft angle."""
+"""Load diagrams of a bearing: the locus of its force vector, and its magnitude over the shaft angle."""
 
 from collections.abc import Sequence
 from typing import Literal, Protocol
@@ -50,19 +50,19 @@ class Load(Protocol):
 
     @property
     def magnitude(self) -> FloatArray:
-        """Size of the force [N]."""
+        """Magnitude of the force [N]."""
 
     @property
     def mean(self) -> float:
-        """Mean size [N]."""
+        """Mean magnitude [N]."""
 
     @property
     def maximum(self) -> float:
-        """Largest size [N]."""
+        """Largest magnitude [N]."""
 
     @property
     def maximum_angle_deg(self) -> float:
-        """Where it is largest [deg]."""
+        """Angle of the largest magnitude [deg]."""
 
 
 def check_polar(frame: str, mark_step_deg: float) -> None:
@@ -93,11 +93,11 @@ def draw_polar_loads(
     loads : sequence of tuples of str and Load
         Each with its name for the legend, one or more.
     frame : {"crank", "engine"}
-        "crank": turning with the crank, which stands upright, tangential force to the right, radial
-        force (towards the shaft) down. "engine": at rest, y up, seen from the free end, where the
+        "crank": turning with the crank, which is upright, tangential force to the right, radial
+        force (towards the shaft) down. "engine": fixed, y up, seen from the free end, where the
         shaft turns clockwise and x points to the left.
     mark_step_deg : float
-        A dot on the first curve at every such step of shaft angle [deg], with its angle where there
+        Interval of the dots on the first curve in shaft angle [deg]; labeled with the angle where there
         is room.
     """
     curves = [on_paper(load, frame) for _, load in loads]
@@ -121,7 +121,7 @@ def draw_polar_loads(
 
 
 def draw_developed_loads(axes: Axes, loads: Sequence[tuple[str, Load]]) -> None:
-    """Draw the size of a bearing's force over the shaft angle, with mean and maximum.
+    """Draw the magnitude of a bearing's force over the shaft angle, with mean and maximum.
 
     Parameters
     ----------
@@ -150,7 +150,7 @@ def draw_developed_loads(axes: Axes, loads: Sequence[tuple[str, Load]]) -> None:
 
 
 def on_paper(load: Load, frame: Frame) -> NDArray[np.complex128]:
-    """Return places on paper, right + i up [kN]."""
+    """Return points in the picture, right + i up [kN]."""
     # Up are -Z, outwards along the crank, and y; to the right T, and -x as seen from the free end.
     force = load.in_crank_frame if frame == "crank" else load.force
     return np.asarray(KILO * (force.imag + 1j * force.real))
@@ -169,7 +169,7 @@ def square_round(
 
 
 def _outline(axes: Axes, frame: Frame, radius: float) -> None:
-    """Draw the journal round the origin, and the crank below it in its own frame."""
+    """Draw the journal around the origin, and the crank below it in its own frame."""
     from matplotlib.patches import Circle, Rectangle
 
     if frame == "crank":
@@ -185,7 +185,7 @@ def _outline(axes: Axes, frame: Frame, radius: float) -> None:
 def _marks(
     axes: Axes, degrees: FloatArray, curve: NDArray[np.complex128], step: float, width: float
 ) -> None:
-    """Put dots at whole steps of shaft angle, between samples by interpolation."""
+    """Draw dots at whole steps of shaft angle, interpolated between samples."""
     wanted = np.arange(np.ceil(degrees[0] / step - 1e-9) * step, degrees[-1] + 1e-6, step)
     points = np.interp(wanted, degrees, curve.real) + 1j * np.interp(wanted, degrees, curve.imag)
     axes.plot(points.real, points.imag, "o", color=COLORS[0], markersize=3.5)
@@ -206,14 +206,14 @@ def _marks(
 def label_spots(
     curve: NDArray[np.complex128], points: NDArray[np.complex128], width: float
 ) -> list[complex | None]:
-    """Return where labels of points on a closed curve stand: beside it, and clear of each other.
+    """Return positions of labels of points on a closed curve: next to it, without overlap.
 
     Parameters
     ----------
     curve : ndarray of shape (m,), complex
         Right + i up, within a square.
     points : ndarray of shape (n,), complex
-        Each gets its label as far away from the curve's middle as it can.
+        Each label is placed as far as possible from the curve's middle.
     width : float
         Of the square.
 

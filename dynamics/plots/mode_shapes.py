@@ -23,7 +23,7 @@ def draw_chain_shapes(
     names: Sequence[str],
     motion: str = "displacement",
 ) -> None:
-    """Draw mode shapes of a chain over its nodes, with a cross where they do not move.
+    """Draw mode shapes of a chain over its nodes, with a cross at each node of vibration.
 
     Parameters
     ----------
@@ -65,14 +65,14 @@ def draw_chain_shapes(
 def shape_labels(
     frequencies: FloatArray, still: Sequence[tuple[float, ...]], numbered: bool = False
 ) -> list[str]:
-    """Say the frequency of elastic modes and how many nodes they have, for a legend.
+    """Return the frequency of elastic modes and their number of nodes, for a legend.
 
     Parameters
     ----------
     frequencies : ndarray of shape (m,)
         From the first elastic mode on [Hz].
     still : sequence of m tuples of float
-        Where they do not move, as in `Modes.node_positions`.
+        Nodes of vibration, as in `Modes.node_positions`.
     numbered : bool, optional
         Whether each begins with its number.
 
@@ -129,7 +129,7 @@ def draw_shaft_shape(axes: Axes, positions: FloatArray, motion: FloatArray, radi
 
 
 def chain_places(count: int, pairs: Sequence[tuple[int, int]]) -> FloatArray:
-    """Return where a chain's nodes stand on the axis of a diagram, from their numbers.
+    """Return the positions of a chain's nodes on the axis of a diagram, from their numbers.
 
     Parameters
     ----------
@@ -141,8 +141,8 @@ def chain_places(count: int, pairs: Sequence[tuple[int, int]]) -> FloatArray:
     Returns
     -------
     ndarray of shape (count,)
-        A node that ends a branch, such as a damper's ring, stands beside the node that carries it: before
-        the first node if that does.
+        A node that ends a branch, such as a damper's ring, is next to the node that carries it: before
+        the first node if that carries it.
 
     Examples
     --------
@@ -167,7 +167,7 @@ def chain_places(count: int, pairs: Sequence[tuple[int, int]]) -> FloatArray:
 def crosses_on_axis(
     positions: tuple[float, ...], pairs: Sequence[tuple[int, int]], places: FloatArray
 ) -> list[float]:
-    """Return where positions on elements lie on an axis on which the nodes have such places."""
+    """Return the positions on the axis of points on elements, from those of the nodes."""
     found = []
     for position in positions:
         number = min(int(position), len(pairs) - 1)

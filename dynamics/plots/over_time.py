@@ -17,7 +17,7 @@ COLUMNS = 600
 
 
 class RunCurve(NamedTuple):
-    """What one element or node of a run does over the time.
+    """The motion or load of one element or node over time.
 
     Parameters
     ----------
@@ -28,7 +28,7 @@ class RunCurve(NamedTuple):
     turns : int
         Of the shaft in each window.
     factor : float
-        What a value in SI is multiplied by.
+        Factor from SI to the unit of the axis.
     label : str
         Of the axis, with its unit.
     name : str
@@ -51,7 +51,7 @@ def plot_run(
     curve: RunCurve,
     steady: tuple[ArrayLike, ArrayLike] | None,
 ) -> Axes:
-    """Draw what one element or node of a run does over the time, on new axes if none are given.
+    """Draw the motion or load of one element or node over time, on new axes by default.
 
     Parameters
     ----------
@@ -65,7 +65,7 @@ def plot_run(
     Raises
     ------
     InputError
-        If steady is no pair, its speeds do not ascend, or there is not an amplitude for each.
+        If steady is not a pair, its speeds do not ascend, or there is not an amplitude for each.
     """
     known = None if steady is None else _checked_steady(steady)
     axes = new_axes(axes)

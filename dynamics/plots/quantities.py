@@ -1,4 +1,4 @@
-"""Names of vibrating quantities on an axis, the units they are shown in."""
+"""Names and display units of vibrating quantities on an axis."""
 
 from typing import Literal, NamedTuple, TypeAlias
 
@@ -26,14 +26,14 @@ SI_UNITS: dict[str, str] = {quantity: UNITS[unit][0] for quantity, unit in VIBRA
 
 
 class QuantityDisplay(NamedTuple):
-    """How a quantity is displayed in diagrams.
+    """Display of a quantity in diagrams.
 
     Parameters
     ----------
     label : str
         Of the axis, with its unit.
     factor : float
-        What a value in SI is multiplied by.
+        Factor from SI to the displayed unit.
     unit : str
         The unit in SI.
     """
@@ -46,16 +46,16 @@ class QuantityDisplay(NamedTuple):
 def quantity_display(
     quantity: Quantity | None, either: str, words: str = "amplitude"
 ) -> QuantityDisplay:
-    """Return how a quantity is displayed in diagrams.
+    """Return the display of a quantity in diagrams.
 
     Parameters
     ----------
     quantity : {"twist", "displacement", "torque", "force", "stress"}, optional
-        What the values are; a chain may be a torsional or an axial one and does not say.
+        Quantity of the values; a chain may be torsional or axial and does not determine it.
     either : str
-        Unit in SI where that is not told, such as "rad or m".
+        SI unit if the quantity is None, such as "rad or m".
     words : str, optional
-        Name of the axis then.
+        Label of the axis in this case.
 
     Raises
     ------
@@ -81,7 +81,7 @@ MOVING: dict[str, tuple[str, float]] = {
 
 
 def in_unit(unit: str) -> QuantityDisplay:
-    """Tell how amplitudes in a unit of SI are drawn.
+    """Return the display of amplitudes in an SI unit.
 
     Examples
     --------

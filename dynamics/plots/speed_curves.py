@@ -37,9 +37,9 @@ def main_orders_of(amplitudes: FloatArray, count: int) -> list[int]:
     Parameters
     ----------
     amplitudes : ndarray of shape (K, S)
-        What is not finite does not count.
+        Values that are not finite are ignored.
     count : int
-        How many at most.
+        Largest number of orders.
     """
     peaks = np.max(np.where(np.isfinite(amplitudes), amplitudes, 0.0), axis=1, initial=0.0)
     return [int(place) for place in np.sort(np.argsort(peaks)[::-1][: max(0, count)])]
@@ -48,15 +48,15 @@ def main_orders_of(amplitudes: FloatArray, count: int) -> list[int]:
 def order_series(
     orders: FloatArray, amplitudes: FloatArray, count: int, counted: NDArray[np.bool_] | None = None
 ) -> list[Series]:
-    """Return all orders, those that are no main ones to be asked for.
+    """Return all orders; those that are not main ones are hidden at first.
 
     Parameters
     ----------
     orders : ndarray of shape (K,)
     amplitudes : ndarray of shape (K, S)
-        In the unit of the axis; what is not finite leaves a gap.
+        In the unit of the axis; gaps where not finite.
     count : int
-        How many are main ones: those with the largest peaks.
+        Number of main orders: those with the largest peaks.
     counted : ndarray of shape (S,), bool, optional
         Speeds whose peaks count; all by default.
     """
@@ -84,12 +84,12 @@ def draw_orders(
 
 
 def barred_bands(barred: Sequence[tuple[float, float]]) -> tuple[Band, ...]:
-    """Return barred ranges of speed [rad/s] as they are shaded."""
+    """Return barred ranges of speed [rad/s] as shaded areas."""
     return tuple(Band(low * RPM, high * RPM, BARRED, "barred") for low, high in barred)
 
 
 def outside_bands(speeds: FloatArray, running: tuple[float, float] | None) -> tuple[Band, ...]:
-    """Return the speeds outside the running range [rad/s], if one is given, as they are shaded."""
+    """Return the speeds outside the running range [rad/s], if one is given, as shaded areas."""
     if running is None or speeds.size < 2:
         return ()
     ends = ((speeds[0], running[0]), (running[1], speeds[-1]))
@@ -120,7 +120,7 @@ def over_speed(
     main_orders: int = MAIN_ORDERS,
     running: tuple[float, float] | None = None,
 ) -> Curves:
-    """Describe one place's orders, synthesis and plain sum over the speed, with limits.
+    """Describe orders, synthesis and plain sum of one location over the speed, with limits.
 
     Parameters
     ----------
@@ -134,14 +134,14 @@ def over_speed(
     unbounded : ndarray of shape (S,), bool
     quantity : Shown
     limits, passing : mapping of str to float or array_like of shape (S,), optional
-        In SI; inf where none is stated. The latter, for passing a range, are no main ones.
+        In SI; inf where none is stated. The latter, for passing a range, are not main curves.
     barred : sequence of pairs of floats, optional
         Ranges of speed [rad/s], shaded.
     main_orders : int, optional
-        How many orders, those with the largest peaks, are main ones.
+        Number of main orders, those with the largest peaks.
     running : tuple of two floats, optional
-        Lowest and highest running speed [rad/s]: what lies outside is shaded, and neither chooses the main
-        orders nor sets the height.
+        Lowest and highest running speed [rad/s]: speeds outside are shaded, and determine neither the main
+        orders nor the height.
     """
     inside = np.ones(speeds.shape, dtype=bool) if running is None else within(speeds, *running)
     rpm, factor = speeds * RPM, quantity.factor
@@ -196,7 +196,7 @@ def draw_named_curves(
     title: str = "",
     dashed: bool = False,
 ) -> Axes:
-    """Draw curves over the speed; what is not finite leaves a gap.
+    """Draw curves over the speed, with gaps where values are not finite.
 
     Parameters
     ----------
@@ -236,7 +236,7 @@ def draw_named_curves(
 
 
 def set_speed_axis(axes: Axes, speeds: FloatArray) -> None:
-    """Name the axis of the speed and let it end with the speeds [rad/s], if they are several."""
+    """Label the axis of the speed and end it with the speeds [rad/s], if there are several."""
     axes.set_xlabel(SPEED_LABEL)
     if len(speeds) > 1:
         axes.set_xlim(speeds[0] * RPM, speeds[-1] * RPM)

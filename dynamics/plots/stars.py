@@ -20,7 +20,7 @@ SUM = "#1c2733"
 
 
 class Vectors(Protocol):
-    """Vectors of one order; `dynamics.torque.star.Star` is such."""
+    """Vectors of one order; `dynamics.torque.star.Star` is an example."""
 
     @property
     def directions_deg(self) -> FloatArray:
@@ -36,7 +36,7 @@ class Vectors(Protocol):
 
     @property
     def largest(self) -> float:
-        """Their sum if all were in line."""
+        """Their sum if all had one direction."""
 
     @property
     def share(self) -> float:
@@ -44,7 +44,7 @@ class Vectors(Protocol):
 
     @property
     def kind(self) -> str:
-        """Say "major", "minor" or "balanced"."""
+        """Return "major", "minor" or "balanced"."""
 
 
 def draw_star(
@@ -95,7 +95,7 @@ def draw_star(
 
 
 def finish_stars(axes: Axes, rows: int = 1, columns: int = 1) -> None:
-    """Leave room for so many stars in rows and columns, and hide the axes."""
+    """Arrange the stars in rows and columns, and hide the axes."""
     axes.set_aspect("equal")
     axes.set_axis_off()
     half = 0.5 * STAR_STEP
@@ -104,7 +104,7 @@ def finish_stars(axes: Axes, rows: int = 1, columns: int = 1) -> None:
 
 
 def _by_direction(star: Vectors) -> list[list[int]]:
-    """Return the cylinders, from 0, in groups of one direction as drawn: negative lengths turn round."""
+    """Return the cylinders, from 0, grouped by direction as drawn: negative lengths point backwards."""
     turned = np.where(star.weights < 0.0, -1.0, 1.0)
     units = turned * np.exp(1j * np.radians(star.directions_deg))
     return grouped(range(units.size), lambda group, tip: abs(units[group[0]] - units[tip]) < 1e-6)

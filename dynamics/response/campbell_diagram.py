@@ -33,7 +33,7 @@ def campbell_diagram(
     found : sequence of Resonance, optional
         Dots grow with their severity.
     axes : matplotlib.axes.Axes, optional
-        Where to draw; those of a new figure if not given.
+        Where to draw; new axes by default.
 
     Returns
     -------
@@ -42,7 +42,7 @@ def campbell_diagram(
     Raises
     ------
     InputError
-        If frequencies are not finite numbers of zero or more in a row, orders not finite numbers above
+        If frequencies are not a row of finite numbers of zero or more, orders not finite numbers above
         zero, at least one, or the range is not two speeds, the lower first.
     """
     natural = nonnegative_vector("frequencies", frequencies, "Hz", "modes swing at them")

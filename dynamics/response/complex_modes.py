@@ -1,4 +1,4 @@
-"""Damped modes of a chain or system: frequencies, damping ratios, shapes, and what damps each."""
+"""Damped modes of a chain or system: frequencies, damping ratios, shapes, and sources of damping."""
 
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
@@ -37,29 +37,29 @@ MODAL_DAMPING, SYSTEM_DAMPING = "modal damping", "damping of the system"
 @summarized("frequencies [Hz]", "damping_ratios", "undamped [Hz]", "locked [Hz]")
 @dataclass(frozen=True, eq=False)
 class ComplexModes:
-    """Damped vibrations x = Re X exp(s t) that a system makes when left alone, ascending frequency.
+    """Free damped vibrations x = Re X exp(s t) of a system, by ascending frequency.
 
     Parameters
     ----------
     eigenvalues : ndarray of shape (m,), complex
         s, with a positive imaginary part: the damped angular frequency [rad/s].
     numbers : ndarray of shape (m,), int
-        Of the undamped elastic mode that each one comes from, 1 the lowest; 0 where damping made a
-        vibration that comes from none.
+        Number of the corresponding undamped elastic mode, 1 the lowest; 0 for a vibration that exists only
+        with damping.
     shapes : ndarray of shape (n, m), complex
         X of the nodes, the largest displacement 1.
     undamped : ndarray of shape (e,)
-        Natural frequencies without any damping, where the ring of a viscous damper turns free [Hz].
+        Natural frequencies without any damping, with the ring of a viscous damper free [Hz].
     locked : ndarray of shape (e,) or None
-        The same with all dashpots rigid, as a ring that turns with its housing [Hz]; None without a
+        The same with all dashpots rigid, with the ring locked to its housing [Hz]; None without a
         dashpot, or where the number of modes differs.
     sources : tuple of m dicts of str to float
-        What damps each mode, the largest share first; shares sum to 1.
+        Sources of each mode's damping, the largest share first; shares sum to 1.
     system : LinearSystem
     terms : DampedModes
-        All eigenvalues with what excites them and what they move.
+        All eigenvalues with their inputs and outputs.
     places : ndarray of shape (s,), int
-        To which mode each eigenvalue of the terms belongs, from 0; -1 for motions that only creep.
+        Mode of each eigenvalue of the terms, from 0; -1 for overdamped motions.
     """
 
     eigenvalues: ComplexArray
@@ -74,7 +74,7 @@ class ComplexModes:
 
     @property
     def frequencies(self) -> FloatArray:
-        """Damped natural frequencies [Hz], those of a decay, (m,)."""
+        """Damped natural frequencies [Hz], (m,)."""
         return self.eigenvalues.imag / (2.0 * np.pi)
 
     @property
@@ -85,7 +85,7 @@ class ComplexModes:
     def magnifiers(self, angular_frequencies: FloatArray) -> FloatArray:
         """Return the dynamic magnifier of each mode at frequencies (f,) [rad/s], (f, m).
 
-        That of one mass with the mode's frequency and damping ratio: amplitude over static one.
+        That of one mass with the mode's frequency and damping ratio: amplitude over static amplitude.
         """
         squares = np.abs(self.eigenvalues) ** 2
         w = angular_frequencies[:, np.newaxis]
@@ -104,7 +104,7 @@ class ComplexModes:
     def contributions(
         self, angular_frequencies: FloatArray, forces: ComplexArray, rows: FloatArray
     ) -> ComplexArray:
-        """Return what each mode gives to a linear combination of the motion.
+        """Return the contribution of each mode to a linear combination of the motion.
 
         Parameters
         ----------
@@ -113,12 +113,12 @@ class ComplexModes:
         forces : ndarray of shape (f, q), complex
             On the unknowns of the system.
         rows : ndarray of shape (f, q)
-            What is looked at, per motion of the unknowns; rigid motions must not change it.
+            Linear combination, per motion of the unknowns; rigid motions must not change it.
 
         Returns
         -------
         ndarray of shape (f, m + 1), complex
-            The last one is what only creeps; all together are the whole response.
+            The last one is that of overdamped motions; the sum is the whole response.
 
         Raises
         ------
@@ -145,7 +145,7 @@ class ComplexModes:
         Returns
         -------
         pandas.DataFrame
-            Units are in ``frame.attrs["units"]``; nan where a mode comes from no undamped one.
+            Units are in ``frame.attrs["units"]``; NaN for a mode without an undamped counterpart.
 
         Raises
         ------
@@ -177,20 +177,20 @@ def complex_modes(given: Chain | LinearSystem | DampedChain | ForcedResponse) ->
     Returns
     -------
     ComplexModes
-        Those that vibrate: motions of damping ratio 0.995 and more are left out.
+        Only vibrations: motions of damping ratio 0.995 and more are left out.
 
     Notes
     -----
     (s^2 M + s C + K + i H) X = 0, of which the eigenvalues s with a positive imaginary part count,
-    as H, the loss factors' part, is that of positive frequencies. With the energies
-    X* M X and so on that a mode has, its imaginary part says
+    as H, the loss factors' part, is valid for positive frequencies. With the energies
+    X* M X and so on of a mode, its imaginary part is
 
         -2 Re s  X* M X = X* C X + X* H X / Im s:
 
-    what each damper and element brings to the right side is its share of the mode's damping.
+    the contribution of each damper and element to the right side is its share of the mode's damping.
 
-    A mode has the number of the undamped mode that is nearest in frequency, of those between ring
-    free and ring locked in the middle of both, so that all together are as near as can be.
+    A mode gets the number of the undamped mode nearest in frequency, taken midway between ring
+    free and ring locked, so that the total distance is least.
     """
     if isinstance(given, ForcedResponse):
         chain, system = given.chain, given.system
@@ -256,7 +256,7 @@ def _locked_frequencies(chain: Chain | None, system: LinearSystem) -> FloatArray
 def _numbers(
     found: FloatArray, undamped: FloatArray, locked: FloatArray | None
 ) -> NDArray[np.int64]:
-    """Number modes by the undamped ones that they come from."""
+    """Number modes by the corresponding undamped ones."""
     middle = undamped if locked is None else np.sqrt(undamped * locked)
     apart = np.abs(np.log(found[:, np.newaxis] / middle))
     rows, columns = linear_sum_assignment(apart)
@@ -268,7 +268,7 @@ def _numbers(
 def _sources(
     chain: Chain | None, system: LinearSystem, eigenvalues: ComplexArray, motion: ComplexArray
 ) -> tuple[dict[str, float], ...]:
-    """Return the shares of damping of each mode (m, q) by what damps it."""
+    """Return the shares of damping of each mode (m, q) by source."""
     w = eigenvalues.imag[:, np.newaxis]
     damping, loss = system.damping, system.loss
     names: tuple[str, ...] = ()

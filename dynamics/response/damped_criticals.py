@@ -1,4 +1,4 @@
-"""Critical speeds with damping: where an order alone makes a quantity largest, and of which mode."""
+"""Critical speeds with damping: where an order alone makes a quantity largest, and the mode responsible."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
@@ -34,41 +34,41 @@ SECTION, STEPS = 0.5 * (np.sqrt(5.0) - 1.0), 29
 )
 @dataclass(frozen=True)
 class DampedCritical:
-    """The speed at which one order alone makes a quantity largest, and the mode that does it.
+    """The speed at which one order alone makes a quantity largest, and the mode responsible.
 
     Parameters
     ----------
     order : float
         In cycles per crankshaft revolution.
     mode : int
-        Number of the elastic mode that makes most of the amplitude there, 1 the lowest; 0 where
-        that is a motion so damped that it creeps.
+        Number of the elastic mode with the largest part of the amplitude there, 1 the lowest; 0 for
+        an overdamped motion.
     speed : float
-        Where the amplitude has its maximum [rad/s]; nan where it has none near this mode's
+        Speed of the maximum amplitude [rad/s]; NaN if there is none near this mode's
         frequencies: too much damping, or forces that cancel on the mode.
     amplitude : float
-        Of this order there, all modes together; inf where nothing damps, nan without a maximum.
+        Of this order there, all modes together; inf where undamped, NaN without a maximum.
     place : str
-        Element or node that has it; empty without a maximum.
+        Its element or node; empty without a maximum.
     mode_share : float
-        Part of the amplitude that this mode makes; others may work against it.
+        Part of the amplitude from this mode; others may counteract it.
     in_band : bool
-        Whether the peak lies where the mode's magnifier is half of its largest or more. Elsewhere the
+        Whether the mode's magnifier at the peak is half of its largest or more. If not, the
         exciting forces have a peak, as axial ones have where torsional vibration is large.
     mode_frequency : float
-        Damped natural frequency of the mode [Hz]; nan where it creeps and does not vibrate.
+        Damped natural frequency of the mode [Hz]; NaN for an overdamped one.
     damping_ratio : float
-        Share of critical damping of the mode; nan where it creeps.
+        Share of critical damping of the mode; NaN for an overdamped one.
     undamped_speed : float
-        Where the order meets the frequency without damping, the ring of a viscous damper free [rad/s].
+        Speed at which the order meets the undamped frequency, the ring of a viscous damper free [rad/s].
     locked_speed : float
-        The same with that ring locked to its housing [rad/s]; nan where there is none.
+        The same with that ring locked to its housing [rad/s]; NaN without one.
     severity : float
         Amplitude over the largest bounded one of all; 1 for an unbounded one, 0 without a maximum.
     kind : {"major", "minor"}
-        Whether all cylinders act in phase at this order, where it is known.
+        Whether all cylinders act in phase at this order, if known.
     in_running_range : bool
-        Whether the engine runs at that speed, where it is known; limits may hold at higher ones too.
+        Whether the engine runs at that speed, if known; limits may apply at higher speeds too.
     """
 
     order: float
@@ -88,7 +88,7 @@ class DampedCritical:
 
     @property
     def unbounded(self) -> bool:
-        """Whether nothing damps it."""
+        """Whether it is undamped."""
         return bool(np.isinf(self.amplitude))
 
     @property
@@ -109,7 +109,7 @@ class DampedCritical:
 
     @property
     def sentence(self) -> str:
-        """Where the peak is, beside the speeds without damping."""
+        """Position of the peak relative to the speeds without damping."""
         if not self.mode:
             return f"Order {self.order:g}: peak at {self.speed_rpm:.4g} 1/min, of no mode's own."
         beside = f"{self.undamped_speed * RPM:.4g} 1/min undamped"
@@ -124,7 +124,7 @@ class DampedCritical:
         return f"Order {self.order:g}, mode {self.mode}: {found} ({beside})."
 
     def row(self) -> Row:
-        """Return what a table of critical speeds shows, each value with its unit; see `table_of`."""
+        """Return the columns of a table of critical speeds, each value with its unit; see `table_of`."""
         return {
             "order": (self.order, "1"),
             "mode": (self.mode, "1"),
@@ -151,35 +151,35 @@ def damped_criticals(
     speed_range: tuple[float, float] | None = None,
     modes: ComplexModes | None = None,
 ) -> tuple[DampedCritical, ...]:
-    """Find the critical speeds of a damped chain: the peaks of each order by itself.
+    """Find the critical speeds of a damped chain: the peaks of each order alone.
 
     Parameters
     ----------
     response : ForcedResponse
         Its system and excitation are used; forces between its speeds are interpolated.
     elements : sequence of int or str, optional
-        Whose load k d [N m or N] is looked at, at each speed that of the element loaded most; all
+        Elements whose load k d [N m or N] is considered, at each speed that with the largest load; all
         elements by default.
     node : int or str, optional
-        Node whose motion, less that of the rigid body, is looked at in place of loads [rad or m].
+        Node whose elastic motion is considered instead of loads [rad or m].
     speed_range : tuple of two floats, optional
-        Within the speeds of the response, which it is by default [rad/s].
+        Within the speeds of the response; by default all of them [rad/s].
     modes : ComplexModes, optional
-        Of the system, where they are known.
+        Of the system, if known.
 
     Returns
     -------
     tuple of DampedCritical
-        In ascending order, mode and speed. One order may have several peaks by one mode, as where forces
-        grow with the speed beside a resonance: each is told. Of a mode that an order meets within the range,
-        with ring free, ring locked or damped, there is one without a speed if the order has no maximum
-        near it.
+        In ascending order, mode and speed. One order may have several peaks with one mode, as where forces
+        grow with the speed next to a resonance: each is listed. For a mode that an order meets within
+        the range, with ring free, ring locked or damped, there is an entry without a speed if the order
+        has no maximum near it.
 
     Raises
     ------
     InputError
-        If elements and node are given together, there is no such, the range is upside down or exceeds
-        the speeds of the response, or the response is not that of a chain, whose elements are wanted.
+        If elements and node are both given, one does not exist, the range is reversed or exceeds
+        the speeds of the response, or elements are requested of a system that is not a chain.
 
     Notes
     -----
@@ -250,7 +250,7 @@ def _checked_ends(
 
 @dataclass(frozen=True, eq=False)
 class _Vibration:
-    """A response, to be asked for at pairs of order and speed: the row that moves most counts."""
+    """A response evaluated at pairs of order and speed: the row with the largest value counts."""
 
     response: ForcedResponse
     modes: ComplexModes
@@ -330,7 +330,7 @@ class _Vibration:
 def _golden_section(
     at: Callable[[FloatArray], FloatArray], low: FloatArray, high: FloatArray
 ) -> FloatArray:
-    """Return where a function is highest within brackets (m,), each holding one maximum."""
+    """Return the maximum of a function within brackets (m,), each with one maximum."""
     for _ in range(STEPS):
         span = SECTION * (high - low)
         left, right = at(high - span), at(low + span)
@@ -356,7 +356,7 @@ def _critical(
     peak: _Peak | None = None,
     worst: float = 0.0,
 ) -> DampedCritical:
-    """Describe a peak, or that a mode has none, with the frequencies of the mode."""
+    """Describe a peak, or state that a mode has none, with the frequencies of the mode."""
     none = float("nan")
     peak = peak or _Peak(order, none, none, -1, number, none, in_band=False)
     places = np.flatnonzero(modes.numbers == number)

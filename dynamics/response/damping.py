@@ -1,4 +1,4 @@
-"""What damps a chain, from a user's choice of kinds, with a record of it for reports."""
+"""Damping of a chain, from a user's choice of kinds, with a record of it for reports."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
@@ -42,7 +42,7 @@ class DampedChain:
     system : LinearSystem
         Of that chain, with modal damping or magnifier added.
     record : tuple of str
-        What damps, one sentence for each kind, with its source.
+        Kinds of damping, one sentence each, with its source.
     """
 
     chain: Chain
@@ -63,7 +63,7 @@ class EngineMagnifier:
     nodes : tuple of int
         Nodes of the cylinders, from 0.
     frequency : float
-        Frequency for which it is taken, mostly that of the first elastic mode [Hz].
+        Frequency at which this holds, mostly that of the first elastic mode [Hz].
 
     Raises
     ------
@@ -93,14 +93,14 @@ def damped(
     undamped: bool = False,
     source: str = "given",
 ) -> DampedChain:
-    """Add damping of any kinds to a chain; what it has already stays.
+    """Add damping of any kinds to a chain; its own damping is kept.
 
     Parameters
     ----------
     chain : Chain
     magnifier : float, optional
-        Of every elastic mode: amplitude at resonance over the static one of that mode. Where
-        nothing is given (an empty mapping is nothing) and the chain has no damping, `DEFAULT_MAGNIFIER`.
+        Of every elastic mode: amplitude at resonance over the static one of that mode. If
+        nothing is given (an empty mapping counts as nothing) and the chain is undamped, `DEFAULT_MAGNIFIER`.
     modal_damping : float or array_like of shape (q - r,), optional
         Share of critical damping of each elastic mode, or of all.
     absolute : array_like of shape (n,) or mapping of int to float, optional
@@ -114,9 +114,9 @@ def damped(
     engine_magnifier : EngineMagnifier, optional
         Absolute damping of cylinders by the magnifier of their own motion.
     undamped : bool, optional
-        Leave the chain without any damping on purpose.
+        Leave the chain undamped on purpose.
     source : str, optional
-        Where the values come from, for the record.
+        Source of the values, for the record.
 
     Returns
     -------
@@ -126,7 +126,7 @@ def damped(
     ------
     InputError
         If a value is out of range, lengths do not fit, magnifier and modal damping are both given,
-        or undamped goes with any damping.
+        or undamped is combined with any damping.
     """
     given = {
         "magnifier": magnifier,
@@ -199,7 +199,7 @@ def damped(
 
 
 def _own_damping(chain: Chain) -> str:
-    """Say what a chain's description damps: each value and where it is."""
+    """State the damping in a chain's description: each value and its location."""
     joints = [f"{chain.names[one.left]} - {chain.names[one.right]}" for one in chain.dashpots]
     found: dict[str, list[str]] = {}
     for before, unit, values, places, what in (

@@ -1,4 +1,4 @@
-"""Limits and barred ranges that are drawn over speeds, checked."""
+"""Checks of limits and barred ranges drawn over speeds."""
 
 from collections.abc import Mapping, Sequence
 
@@ -12,7 +12,7 @@ from crankbase.errors import InputError, quoted
 def checked_limits(
     limits: Mapping[str, ArrayLike] | None, speed_count: int
 ) -> dict[str, FloatArray]:
-    """Return limits that are drawn over speeds, each with a value at every speed.
+    """Return limits for a diagram over speeds, each with a value at every speed.
 
     Parameters
     ----------
@@ -24,7 +24,7 @@ def checked_limits(
     Raises
     ------
     InputError
-        If it is no mapping, or a limit is neither a number nor one for each speed, below zero or not
+        If it is not a mapping, or a limit is neither a number nor one for each speed, below zero or not
         a number.
     """
     if limits is None:
@@ -59,7 +59,7 @@ def checked_barred(barred: Sequence[tuple[float, float]]) -> list[tuple[float, f
     Raises
     ------
     InputError
-        If one is no pair of finite numbers of zero or more, the lower first.
+        If one is not a pair of finite numbers of zero or more, the lower first.
     """
     if isinstance(barred, str) or not isinstance(barred, Sequence | np.ndarray):
         raise InputError(

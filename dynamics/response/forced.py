@@ -40,19 +40,19 @@ class ForcedResponse:
     speeds : ndarray of shape (S,)
         [rad/s].
     motion : ndarray of shape (K, S, n), complex
-        Amplitudes of the nodes [rad or m]; zero where the answer is unbounded, so that no sum of
-        them turns into nonsense: look at `unbounded`, or use `amplitude`.
+        Amplitudes of the nodes [rad or m]; zero where the response is unbounded, so that sums
+        stay finite: check `unbounded`, or use `amplitude`.
     unbounded : ndarray of shape (K, S), bool
         Where an undamped mode is excited within 1e-9 of its frequency: there is no steady motion.
     system : LinearSystem
-        What vibrates, with all of its damping.
+        The system with all of its damping.
     chain : Chain or None
         The chain it was made from.
     excitation : OrderExcitation
     unknowns : ndarray of shape (K, S, q), complex
         Amplitudes of the unknowns of the system; for a chain without gears those of the nodes.
     method : str
-        How the motion was found.
+        Method used.
     """
 
     orders: FloatArray
@@ -82,14 +82,14 @@ class ForcedResponse:
 
     @cached_property
     def elastic(self) -> OrderSeries:
-        """The motion without that of the rigid body, which strains nothing."""
+        """The motion without rigid-body motion, which causes no strain."""
         rigid = self.system.shapes[:, : self.system.rigid.shape[1]]
         without = self.unknowns - (self.unknowns @ (self.system.mass @ rigid)) @ rigid.T
         return self._series(without @ self.system.expand.T)
 
     @property
     def synthesis(self) -> Synthesis:
-        """Motion of each node with all orders together, and their plain sum, (S, n) each."""
+        """Motion of each node, all orders together, and their plain sum, (S, n) each."""
         return self.nodes.synthesis
 
     @property
@@ -116,25 +116,25 @@ class ForcedResponse:
         Parameters
         ----------
         axes : matplotlib.axes.Axes, optional
-            Where to draw; those of a new figure if not given.
+            Where to draw; new axes by default.
         node : int or str, optional
             By number from 0 or name.
         quantity : {"twist", "displacement", "torque", "force", "stress"}, optional
             What the values are, for the unit of the axis; SI if it is not told.
         elastic : bool, optional
-            Whether motion of the rigid body, which strains nothing, is left out.
+            Whether rigid-body motion, which causes no strain, is left out.
         **drawn
             As `DrawnBeside` says: limits, barred, main_orders.
 
         Returns
         -------
         matplotlib.axes.Axes
-            Curves have gaps where the vibration is unbounded, with an upright line there.
+            Curves have gaps where the vibration is unbounded, with a vertical line there.
 
         Raises
         ------
         InputError
-            If the node or the quantity is unknown, or a limit, range or number is no such.
+            If the node or the quantity is unknown, or a limit, range or number is invalid.
         """
         series = self.elastic if elastic else self.nodes
         return series.draw(axes, node, quantity_display(quantity, "rad or m"), "node", **drawn)
@@ -156,7 +156,7 @@ class ForcedResponse:
         ------
         MissingLibraryError
             If xarray is not installed.
-            Motion is infinite where it is unbounded; ``elastic`` is that without the rigid body's.
+            Motion is infinite where it is unbounded; ``elastic`` is without rigid-body motion.
         """
         unit = quantity_display(quantity, "rad or m").unit
         over = ("order", "speed", "node")
@@ -187,8 +187,8 @@ def forced_response(
     Parameters
     ----------
     chain_or_system : Chain, LinearSystem or DampedChain
-        With the damping that it has; without any, resonances are unbounded. `damped` gives a
-        chain a damping of any kind.
+        With its own damping; without any, resonances are unbounded. `damped` adds
+        damping of any kind to a chain.
     excitation : OrderExcitation
         Forces on the nodes of the chain, or the points of the system.
     magnifier : float, optional
@@ -196,7 +196,7 @@ def forced_response(
     modal_damping : float or array_like, optional
         Adds to each elastic mode this share of critical damping; one for all, or one for each.
     method : {"modal", "direct"}
-        By damped modes, with a check that falls back to the other; or by solving with the complex
+        By damped modes, checked, with the other method as fallback; or by solving with the complex
         dynamic stiffness at each order and speed.
 
     Returns
@@ -206,7 +206,7 @@ def forced_response(
     Raises
     ------
     NotEnoughMemoryError
-        If the amplitudes do not fit into the memory that is free.
+        If the amplitudes do not fit into the free memory.
     InputError
         If the excitation has another number of nodes, both magnifier and modal damping are given,
         or one of them is out of range.
@@ -250,7 +250,7 @@ def forced_response(
 def chain_and_system(
     given: Chain | LinearSystem | DampedChain,
 ) -> tuple[Chain | None, LinearSystem]:
-    """Return the chain, if there is one, and the system to be calculated with."""
+    """Return the chain, if there is one, and the system for the calculation."""
     if isinstance(given, LinearSystem):
         return None, given
     if isinstance(given, DampedChain):

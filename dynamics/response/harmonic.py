@@ -37,12 +37,12 @@ class HarmonicResponse:
     Parameters
     ----------
     motion : ndarray of shape (m, q), complex
-        Amplitudes of the unknowns; zero where the answer is unbounded, so that no sum of them
-        turns into nonsense: look at `unbounded` first.
+        Amplitudes of the unknowns; zero where the response is unbounded, so that sums
+        stay finite: check `unbounded` first.
     unbounded : ndarray of shape (m,), bool
         Where an undamped mode is excited at its own frequency.
     directly : int
-        How many of the m were solved for directly.
+        Number of the m solved for directly.
     """
 
     motion: ComplexArray
@@ -67,7 +67,7 @@ def harmonic_response(
     forces : ndarray of shape (m, q), complex
         On the unknowns [N m or N].
     method : {"modal", "direct"}
-        By damped modes, with a check of residuals that falls back to the other; or by solving with
+        By damped modes, with a check of residuals and the other method as fallback; or by solving with
         the complex dynamic stiffness at every frequency.
 
     Returns
@@ -79,16 +79,16 @@ def harmonic_response(
     InputError
         If the method is unknown.
     SolveError
-        If answers found by both ways do not satisfy the equations.
+        If neither method satisfies the equations.
 
     Notes
     -----
-    (K + i H - w^2 M + i w C) x = f. In the coordinates y of the undamped modes, with their
-    velocities beside them, that is z' = A z + b; with A = V diag(s) V^(-1), z is the sum over the
-    damped modes of v_k (V^(-1) b)_k / (i w - s_k). Of rigid motions only the velocities are taken,
-    since nothing depends on their place: the double eigenvalue zero, which has one vector only,
-    does not come up. Eigenvalues of A with H hold for the positive frequencies at which they are
-    used. Modes that damping does not reach are answered one by one.
+    (K + i H - w^2 M + i w C) x = f. In the coordinates y of the undamped modes and their
+    velocities this is z' = A z + b; with A = V diag(s) V^(-1), z is the sum over the
+    damped modes of v_k (V^(-1) b)_k / (i w - s_k). Of rigid motions only the velocities are included,
+    since nothing depends on their position: so the double eigenvalue zero, which has only one vector,
+    does not occur. Eigenvalues of A with H are valid for the positive frequencies at which they are
+    used. Undamped modes are solved for one by one.
     """
     check_choice("method", method, get_args(Method), "these are the ways to solve the equations")
     frequencies, modal = angular_frequencies, damped_modes(system)
@@ -139,7 +139,7 @@ def _residuals(
     motion: ComplexArray,
     products: bool,
 ) -> FloatArray:
-    """Return the residual of each answer over its largest term, or over the products in it."""
+    """Return the residual of each solution relative to its largest term, or to the products in it."""
     w = frequencies[:, np.newaxis]
     elastic = motion @ (system.stiffness + 1j * system.loss)
     inertial = w**2 * (motion @ system.mass)
@@ -156,7 +156,7 @@ def _residuals(
 
 @dataclass(frozen=True, eq=False)
 class DampedModes:
-    """Damped modes of a system in the state space, and undamped ones for what damping does not reach."""
+    """Damped modes of a system in the state space, and undamped ones that damping does not affect."""
 
     eigenvalues: ComplexArray  # (s,)
     inputs: ComplexArray  # (s, q): force to amplitude of each damped mode
@@ -229,14 +229,14 @@ class DampedModes:
 
     @cached_property
     def _undamped(self) -> NDArray[np.int64]:
-        """Places of eigenvalues that damping, though it couples modes, does not reach."""
+        """Indices of eigenvalues that damping, though it couples modes, does not affect."""
         return np.flatnonzero(
             (np.abs(self.eigenvalues.real) <= UNDAMPED * np.abs(self.eigenvalues))
             & (self.eigenvalues.imag > 0.0)
         )
 
     def near_resonance(self, frequencies: FloatArray) -> NDArray[np.int64]:
-        """Return the places of the frequencies that lie next to those of the damped modes."""
+        """Return the indices of the frequencies nearest to those of the damped modes."""
         order = np.argsort(frequencies)
         places = np.searchsorted(frequencies[order], np.abs(self.eigenvalues.imag))
         return np.asarray(order[np.clip(places, 0, frequencies.size - 1)])
@@ -244,7 +244,7 @@ class DampedModes:
     def undamped_resonance(
         self, frequencies: FloatArray, forces: ComplexArray
     ) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
-        """Tell which frequencies are those of an undamped mode, and where it is excited, (m,)."""
+        """Return which frequencies are those of an undamped mode, and where it is excited, (m,)."""
         met = np.zeros(frequencies.size, dtype=bool)
         excited = met.copy()
         undamped = self._undamped
@@ -260,7 +260,7 @@ class DampedModes:
 
 @lru_cache(maxsize=8)
 def damped_modes(system: LinearSystem) -> DampedModes:
-    """Return `DampedModes.of` a system; those of the last systems are kept."""
+    """Return `DampedModes.of` a system; those of the last systems are cached."""
     return DampedModes.of(system)
 
 
@@ -269,7 +269,7 @@ def _at(own: FloatArray | float, frequencies: FloatArray) -> NDArray[np.bool_]:
 
 
 def _quadratic_forms(matrix: FloatArray, shapes: FloatArray) -> FloatArray:
-    """Return the form x' A x of each shape, zero where it is no more than the round-off of its terms."""
+    """Return the form x' A x of each shape, zero if it is within the round-off of its terms."""
     sizes = np.abs(np.sum(shapes * (matrix @ shapes), axis=0))
     terms = np.sum(np.abs(shapes) * (np.abs(matrix) @ np.abs(shapes)), axis=0)
     return np.where(sizes > len(matrix) * np.finfo(np.float64).eps * terms, sizes, 0.0)

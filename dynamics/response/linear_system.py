@@ -1,4 +1,4 @@
-"""A linear vibrating system by its matrices, whatever it was made from."""
+"""A linear vibrating system by its matrices, of any origin."""
 
 from dataclasses import dataclass, replace
 
@@ -33,7 +33,7 @@ class LinearSystem:
     rigid : ndarray of shape (q, r)
         Motions that no stiffness resists, as columns.
     expand : ndarray of shape (n, q)
-        Motions of the n nodes (or points) that are of interest, per unknown; forces on them act on
+        Motions of the n nodes (or points) of interest, per unknown; forces on them act on
         the unknowns by its transpose.
     natural : ndarray of shape (q,)
         Undamped angular frequencies [rad/s], ascending; exactly zero for rigid-body motions.
@@ -60,9 +60,9 @@ class LinearSystem:
 
         Notes
         -----
-        With the undamped modes x of unit modal mass, (x' C x + x' H x / w) / (2 w): by what the
-        mode loses over one period at its own frequency. What damping couples modes is left out, so
-        that it is an estimate where damping is large or sits at few places.
+        With the undamped modes x of unit modal mass, (x' C x + x' H x / w) / (2 w): from the
+        loss of each mode over one period at its own frequency. Coupling of modes by damping is neglected, so
+        this is an estimate where damping is large or concentrated.
         """
         count = self.rigid.shape[1]
         natural, shapes = self.natural[count:], self.shapes[:, count:]
@@ -74,7 +74,7 @@ class LinearSystem:
     def with_added_damping(
         self, magnifier: float | None, modal_damping: ArrayLike | None
     ) -> "LinearSystem":
-        """Add to the elastic modes the damping of a magnifier, that of each mode, or none.
+        """Return the system with a magnifier, modal damping or none added to its elastic modes.
 
         Raises
         ------
@@ -119,7 +119,7 @@ class LinearSystem:
 
 
 def chain_system(chain: Chain) -> LinearSystem:
-    """Return the linear system of a chain; its nodes are those of the chain, gears are worked in.
+    """Return the linear system of a chain; its nodes are those of the chain, gears are included.
 
     Returns
     -------

@@ -32,20 +32,20 @@ class ElementLoads:
     Parameters
     ----------
     elements : OrderSeries
-        What each element passes on, all of it: (k (1 + i eta) + i w c) times its twist or
-        lengthening d, the motion of its second node less that of its first. Positive where it
+        Total load of each element: (k (1 + i eta) + i w c) times its twist or
+        lengthening d, the motion of its second node minus that of its first. Positive where it
         drives the first node forwards and holds the second one back.
     elastic : OrderSeries
         The part k d, which strains the element; the rest is loss factor and viscous damping.
     ground : OrderSeries
-        What each node passes to ground through spring and damper there, (g + i w c) x; zero at a
+        Load of each node's spring and damper to ground, (g + i w c) x; zero at a
         node without.
     dashpots : OrderSeries
-        What each dashpot passes on, i w c times its relative motion.
+        Load of each dashpot, i w c times its relative motion.
 
     Notes
     -----
-    Along an element with distributed inertia the load changes; k d is its mean.
+    Along an element with distributed inertia the load varies; k d is its mean.
     """
 
     elements: OrderSeries
@@ -67,11 +67,11 @@ class ElementLoads:
         Parameters
         ----------
         axes : matplotlib.axes.Axes, optional
-            Where to draw; those of a new figure if not given.
+            Where to draw; new axes by default.
         element : int or str, optional
             By number from 0 or name; of nodes or dashpots for these parts.
         quantity : {"twist", "displacement", "torque", "force", "stress"}, optional
-            What the values are, for the unit of the axis; SI if it is not told.
+            Quantity of the values, for the unit of the axis; SI by default.
         part : {"elastic", "elements", "ground", "dashpots"}, optional
             Which of the four series.
         **drawn
@@ -84,7 +84,7 @@ class ElementLoads:
         Raises
         ------
         InputError
-            If element, quantity or part is unknown, or a limit, range or number is no such.
+            If element, quantity or part is unknown, or a limit, range or number is invalid.
         """
         check_choice("part", part, PARTS, "one series is drawn")
         shown = quantity_display(quantity, "N m or N", "alternating load")
@@ -124,7 +124,7 @@ def element_loads(response: ForcedResponse) -> ElementLoads:
 
 
 def elastic_loads(response: ForcedResponse) -> ComplexArray:
-    """Return the part of each element's load that strains it, (K, S, e): `ElementLoads.elastic` alone.
+    """Return the strain-related part of each element's load, (K, S, e): `ElementLoads.elastic` alone.
 
     Raises
     ------
@@ -138,7 +138,7 @@ def elastic_loads(response: ForcedResponse) -> ComplexArray:
 def section_modulus(
     kind: Literal["torsional", "axial"], diameter: ArrayLike, bore: ArrayLike = 0.0
 ) -> FloatArray:
-    """Return what a load is divided by to give the nominal stress of round sections.
+    """Return the divisor of a load for the nominal stress of round sections.
 
     Parameters
     ----------
@@ -172,7 +172,7 @@ def section_modulus(
 def alternating_stress(
     loads: ElementLoads, sections: ArrayLike | Mapping[int, float] | Mapping[str, float]
 ) -> OrderSeries:
-    """Return the nominal alternating stress [Pa] of elements, from what strains them.
+    """Return the nominal alternating stress [Pa] of elements, from the elastic part of their loads.
 
     Parameters
     ----------
@@ -185,8 +185,8 @@ def alternating_stress(
     Returns
     -------
     OrderSeries
-        Of the elements given, in the order of the chain. Nominal: factors of stress concentration
-        are the reader's to apply.
+        Of the elements given, in the order of the chain. Nominal: without
+        stress concentration factors.
 
     Raises
     ------

@@ -36,7 +36,7 @@ class OrderExcitation:
 
     At the shaft angle phi the force is the real part of the sum over the orders k of
     F_k exp(i k phi), and an order acts at the angular frequency k times speed. The mean force is
-    not among them: it turns or bends the shaft, but does not make it vibrate.
+    not included: it deforms the shaft, but does not make it vibrate.
 
     Parameters
     ----------
@@ -104,9 +104,9 @@ class OrderExcitation:
     def at_speeds(self, speeds: ArrayLike) -> "OrderExcitation":
         """Return the excitation at other speeds within the range, interpolated.
 
-        Through the amplitudes of three or more speeds goes a cubic spline; between two alone they
-        change linearly with the squared speed. Both meet exactly what is constant or, as forces of
-        inertia, grows with the square of the speed.
+        The amplitudes at three or more speeds are interpolated by a cubic spline, those at two linearly
+        in the squared speed. Both are exact for constants and for quantities that, like inertia
+        forces, grow with the square of the speed.
 
         Raises
         ------
@@ -123,7 +123,7 @@ class OrderExcitation:
         Raises
         ------
         InputError
-            If a speed is outside the range, or an index that of no order.
+            If a speed is outside the range, or there is no order with the index.
         """
         order_index, speeds = np.asarray(order_index), turning_speeds("speeds", speeds)
         count = len(self.orders)
@@ -190,13 +190,13 @@ def phasors_of(found: Harmonics, orders: ArrayLike) -> ComplexArray:
     Returns
     -------
     ndarray of shape (K,), complex
-        Phases count from where those of the harmonics do.
+        Phases count from the same angle as those of the harmonics.
 
     Raises
     ------
     InputError
-        If the samples do not resolve an order: a higher one would look like a lower one, and of
-        that at the half sampling rate they show one part only.
+        If the samples do not resolve an order: a higher one would appear as a lower one, and at
+        half the sampling rate they determine one part only.
     """
     wanted = checked_orders(orders)
     places = [found.index_of(order) for order in wanted.tolist()]
@@ -242,19 +242,19 @@ def checked_speeds(speeds: ArrayLike) -> FloatArray:
 
 
 def checked_speed_index(speed_index: int, speeds: FloatArray) -> int:
-    """Return the place of a speed, from 0.
+    """Return the index of a speed, from 0.
 
     Raises
     ------
     InputError
-        If there is no such place.
+        If there is no such index.
     """
     reason = f"there are {speeds.size} speeds"
     return whole_within("speed_index", speed_index, 0, speeds.size - 1, reason)
 
 
 def check_ascending(field: str, values: FloatArray, unit: str, why: str) -> None:
-    """Refuse values that do not ascend, or are none.
+    """Refuse values that do not ascend, or are empty.
 
     Raises
     ------

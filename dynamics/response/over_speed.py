@@ -1,4 +1,4 @@
-"""Amplitudes between the speeds at which they are known."""
+"""Amplitudes interpolated between known speeds."""
 
 from dataclasses import dataclass
 
@@ -10,7 +10,7 @@ from crankbase.checks.arrays import ComplexArray, FloatArray
 
 @dataclass(frozen=True, eq=False)
 class OverSpeed:
-    """Amplitudes by orders as polynomials of the speed from one known speed to the next.
+    """Amplitudes by orders as piecewise polynomials of the speed.
 
     Parameters
     ----------
@@ -18,7 +18,7 @@ class OverSpeed:
         Ascending [rad/s].
     coefficients : complex ndarray of shape (pieces, powers, K, n)
         By powers of the speed above the piece's lower end, the highest first; one piece of one power
-        where a single speed is known.
+        for a single known speed.
     """
 
     speeds: FloatArray
@@ -31,7 +31,7 @@ class OverSpeed:
         Notes
         -----
         A cubic spline, through three speeds a parabola. Two speeds alone are joined by a + b w^2,
-        not by a straight line. All of these meet constants and squares of the speed exactly.
+        not linearly. All are exact for constants and squares of the speed.
         """
         values = amplitudes.swapaxes(0, 1)
         if speeds.size == 1:
@@ -44,7 +44,7 @@ class OverSpeed:
         return cls(speeds, np.asarray(CubicSpline(speeds, values).c).swapaxes(0, 1))
 
     def pieces(self, speeds: FloatArray) -> NDArray[np.int64]:
-        """Return in which piece speeds lie; the first and the last one go on outside."""
+        """Return the pieces of speeds; the first and the last one are extrapolated."""
         found = np.searchsorted(self.speeds, speeds, "right") - 1
         return np.asarray(np.clip(found, 0, len(self.coefficients) - 1))
 

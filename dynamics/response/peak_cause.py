@@ -1,4 +1,4 @@
-"""What makes a peak: the part of each order in it, and whether a resonance makes that order large."""
+"""Cause of a peak: the contribution of each order, and whether a resonance makes that order large."""
 
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Literal
@@ -37,7 +37,7 @@ State = Literal["at resonance", "near resonance", "forced"]
 @summarized("order", "contribution", "amplitude", "state", "mode")
 @dataclass(frozen=True)
 class OrderPart:
-    """The part of one order in a peak of all orders together.
+    """The contribution of one order to a peak of all orders together.
 
     Parameters
     ----------
@@ -45,21 +45,21 @@ class OrderPart:
         In cycles per crankshaft revolution.
     contribution : float
         Half the difference of the order's values at the two angles at which the sum of all orders is
-        highest and lowest: these add up to the peak. Negative where it makes the peak smaller.
+        highest and lowest: these add up to the peak. Negative if the order reduces the peak.
     amplitude : float
-        Of the order by itself; the contribution is no larger.
+        Of the order alone; the magnitude of the contribution is not larger.
     state : {"at resonance", "near resonance", "forced"}
-        Whether a resonance makes the order's amplitude what it is; see `peak_cause`.
+        Whether the order is at a resonance; see `peak_cause`.
     mode : int
-        Number of the elastic mode that gives most of the order's amplitude, 0 where none does.
+        Number of the elastic mode with the largest part of the order's amplitude, 0 for none.
     mode_share : float
-        Part of the order's amplitude that this mode gives.
+        Part of the order's amplitude from this mode.
     magnifier : float
         Dynamic magnifier of this mode at the order's frequency.
     detuning : float
         Frequency of the order over that of the mode, less 1.
     kind : str
-        Of the vibration that the mode belongs to, "torsional" or "axial"; may be empty.
+        Vibration of the mode, "torsional" or "axial"; may be empty.
     """
 
     order: float
@@ -73,7 +73,7 @@ class OrderPart:
     kind: str = ""
 
     def row(self) -> Row:
-        """Return what a table of orders shows, each value with its unit; see `table_of`."""
+        """Return the columns of a table of orders, each value with its unit; see `table_of`."""
         return {
             "order": (self.order, "1"),
             "contribution": (self.contribution, "SI"),
@@ -93,7 +93,7 @@ Orders = tuple[OrderPart, ...]
 @summarized("place", "speed [rad/s]", "amplitude", "parts")
 @dataclass(frozen=True)
 class PeakCause:
-    """What makes a vibration as large as it is at one speed.
+    """Cause of a vibration's amplitude at one speed.
 
     Parameters
     ----------
@@ -125,7 +125,7 @@ class PeakCause:
         return tuple(sorted(found, key=lambda one: -one.contribution))
 
     def share(self, state: State, mode: int | None = None) -> float:
-        """Return which share of the peak orders of a state make, of one mode or of all."""
+        """Return the share of the peak from orders of a state, of one mode or of all."""
         chosen = [
             one.contribution
             for one in self.parts
@@ -135,12 +135,12 @@ class PeakCause:
 
     @property
     def sentence(self) -> str:
-        """The amplitude, its speed, and the orders that make it with their shares."""
+        """The amplitude, its speed, and the main orders with their shares."""
         return f"{self._quantity(self.amplitude)} at {self._speed}: {self.reasons}."
 
     @property
     def reasons(self) -> str:
-        """The orders that make the amplitude, with their shares, the largest first."""
+        """The main orders of the amplitude with their shares, the largest first."""
         if np.isinf(self.amplitude):
             return "; ".join(
                 f"order {one.order:g} excites {_mode(one)}, which nothing damps"
@@ -175,7 +175,7 @@ class PeakCause:
         return table_of(self.parts)
 
     def _together(self) -> list[Orders]:
-        """Return the orders that are told together: those of one resonance, and all that are forced."""
+        """Return the orders reported together: those of one resonance, and all that are forced."""
         found: dict[tuple[str, str], list[OrderPart]] = {}
         for one in self.parts:
             key = (one.state, "" if one.state == "forced" else _mode(one))
@@ -183,9 +183,9 @@ class PeakCause:
         return [tuple(own) for own in found.values()]
 
     def _runs(self, parts: Orders, least: float) -> tuple[Orders, ...]:
-        """Return the main orders of those told together: runs of them, with the small ones between.
+        """Return the main orders of those reported together: runs of them, with the small ones between.
 
-        Runs of fewer than three main orders are single ones.
+        A run has at least three main orders.
         """
         main = [place for place, one in enumerate(parts) if abs(one.contribution) >= least]
         if not main:
@@ -247,13 +247,13 @@ def peak_cause(
     modes: ComplexModes | None = None,
     driven: tuple[OrderExcitation, PeakCause] | None = None,
 ) -> PeakCause:
-    """Find what makes a vibration as large as it is at one speed.
+    """Find the cause of a vibration's amplitude at one speed.
 
     Parameters
     ----------
     response : ForcedResponse
     series : OrderSeries
-        What is looked at: motions, loads or stresses of the response, at its orders and speeds.
+        Motions, loads or stresses of the response, at its orders and speeds.
     place : int or str
         Element or node of the series, by number from 0 or name; one of the response by its name.
     speed_index : int
@@ -263,10 +263,10 @@ def peak_cause(
     kind : str, optional
         "torsional" or "axial", for the names of modes in the text.
     modes : ComplexModes, optional
-        Of the response's system, where they are known.
+        Of the response's system, if known.
     driven : tuple of OrderExcitation and PeakCause, optional
-        The part of the excitation that another vibration brings, as torques do in a shaft that
-        lengthens when it is twisted, at the same speeds and at some of the orders, and the cause of
+        The part of the excitation that comes from another vibration, such as the lengthening of a shaft
+        by its twist, at the same speeds and at some of the orders, and the cause of
         that vibration at the same speed.
 
     Returns
@@ -276,25 +276,25 @@ def peak_cause(
     Raises
     ------
     InputError
-        If there is no such place or speed, or the place is none of the response.
+        If there is no such location or speed, or the location is not in the response.
 
     Notes
     -----
     y(phi) = Re sum_k Y_k exp(i k phi) is highest at one angle and lowest at another. Half of the
-    difference of order k's values there is its contribution; all together are the amplitude exactly,
+    difference of order k's values there is its contribution; their sum is the amplitude exactly,
     whatever the phases.
 
     Each order's Y_k is a sum over the damped modes. The order is at a resonance of a mode if
 
-    - the mode gives more than half of Y_k, counted in phase with it;
+    - the mode gives more than half of Y_k, measured in phase with it;
     - its dynamic magnifier D at the order's frequency is 2 or more. Of an amplitude D times the
-      static one, the share (D - 1) / D comes from resonance: half of it and more;
+      static one, the share (D - 1) / D comes from resonance: at least half of it;
     - D is at least half of the largest that the mode's damping allows, 1 / (2 d sqrt(1 - d^2)):
       near a lightly damped resonance, within 1.7 half bandwidths of it.
 
-    It is near the resonance if in place of the last the frequencies are within 10 %, the usual margin
-    of critical speeds. Otherwise it is forced: its size is that of its forces. Where more than half of
-    these, by what they bring about, come from another vibration whose order is at a resonance or near
+    It is near the resonance if, instead of the last condition, the frequencies are within 10 %, the usual
+    margin of critical speeds. Otherwise it is forced: its size is that of its forces. If more than half of
+    these, by their effect, come from another vibration whose order is at a resonance or near
     one, that resonance is named.
     """
     number = index_of_name("place", place, series.names, "the series", "a peak is that of a place")
@@ -350,7 +350,7 @@ def peak_cause(
 
 
 def _resonance_of(part: OrderPart, other: PeakCause) -> OrderPart:
-    """Return a part with the resonance of the same order of another vibration, if it has one."""
+    """Return a part with the resonance of the same order of another vibration, if there is one."""
     for one in other.parts:
         if one.order == part.order and one.state != "forced":
             own = {name: getattr(part, name) for name in ("contribution", "amplitude")}

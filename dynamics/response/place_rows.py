@@ -1,4 +1,4 @@
-"""What loads and motions of places are per motion of a system's unknowns."""
+"""Loads and motions of locations per motion of a system's unknowns."""
 
 from collections.abc import Sequence
 
@@ -31,7 +31,7 @@ def load_rows(response: ForcedResponse, elements: Sequence[int | str] | None = N
 
 
 def motion_row(response: ForcedResponse, node: int | str) -> Rows:
-    """Return the motion of a node less that of the rigid body, (1, q), and its name.
+    """Return the motion of a node relative to that of the rigid body, (1, q), and its name.
 
     Raises
     ------
@@ -45,7 +45,7 @@ def motion_row(response: ForcedResponse, node: int | str) -> Rows:
 
 
 def named_row(response: ForcedResponse, name: str) -> FloatArray:
-    """Return what the element or node of a name does, (q,): its load or its motion.
+    """Return the load or the motion of the element or node of a name, (q,).
 
     Raises
     ------
@@ -63,6 +63,6 @@ def named_row(response: ForcedResponse, name: str) -> FloatArray:
 
 
 def _elastic(system: LinearSystem, row: FloatArray) -> FloatArray:
-    """Return a combination of unknowns (q,) without what the motion of the rigid body gives to it."""
+    """Return a combination of unknowns (q,) without the contribution of rigid-body motion."""
     rigid = system.shapes[:, : system.rigid.shape[1]]
     return np.asarray(row - system.mass @ rigid @ (rigid.T @ row))

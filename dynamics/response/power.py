@@ -1,4 +1,4 @@
-"""Where the power that excites a vibration goes: heat in each element and damper."""
+"""Power balance of a vibration: excitation, and heat in each element and damper."""
 
 from dataclasses import dataclass
 
@@ -30,15 +30,15 @@ NO_HEAT = 1e-10
 class PowerBalance:
     """Mean power over the cycle [W] by order and speed; inf where the vibration is unbounded.
 
-    Orders do not share power over a common cycle: the powers of all orders add up.
+    Orders do not exchange power over a common cycle: the powers of all orders add up.
 
     Parameters
     ----------
     power_in : ndarray of shape (K, S)
-        What the exciting forces put in.
+        Power of the exciting forces.
     apparent : ndarray of shape (K, S)
-        Half the product of force and speed amplitudes, summed over the nodes: what would come in
-        if each force were in phase with the speed of its node.
+        Half the product of force and speed amplitudes, summed over the nodes: the power if
+        each force were in phase with the speed of its node.
     elements : ndarray of shape (K, S, e)
         Heat in each element, by viscous damping and loss factor.
     dashpots : ndarray of shape (K, S, d)
@@ -46,7 +46,7 @@ class PowerBalance:
     ground : ndarray of shape (K, S, n)
         Heat in the damper to ground at each node.
     rest : ndarray of shape (K, S)
-        What modal damping or a magnifier takes; for a system that is no chain, all of its damping.
+        Power dissipated by modal damping or a magnifier; for a system that is not a chain, by all damping.
     unbounded : ndarray of shape (K, S), bool
     element_names, dashpot_names, node_names : tuple of str
     orders : ndarray of shape (K,)
@@ -70,7 +70,7 @@ class PowerBalance:
 
     @property
     def dissipated(self) -> FloatArray:
-        """All heat together [W], (K, S); it equals what comes in."""
+        """All heat together [W], (K, S); it equals the power of excitation."""
         own = self.elements.sum(axis=2) + self.dashpots.sum(axis=2) + self.ground.sum(axis=2)
         return np.asarray(own + self.rest)
 
@@ -78,7 +78,7 @@ class PowerBalance:
     def error(self) -> float:
         """Largest difference of power in and heat at any speed, all orders together, as a share.
 
-        Where nothing damps, or so little that the heat is lost in round-off of the apparent power,
+        Without damping, or if the heat is lost in round-off of the apparent power,
         as a share of the apparent power instead.
         """
         bounded = ~np.any(self.unbounded, axis=0)
@@ -89,17 +89,17 @@ class PowerBalance:
         return float(np.max(left / np.where(whole > 0.0, whole, 1.0), initial=0.0))
 
     def plot(self, axes: Axes | None = None) -> Axes:
-        """Draw what comes in and where it goes over the speed, all orders together.
+        """Draw the power of excitation and of all kinds of damping over the speed, all orders together.
 
         Parameters
         ----------
         axes : matplotlib.axes.Axes, optional
-            Where to draw; those of a new figure if not given.
+            Where to draw; new axes by default.
 
         Returns
         -------
         matplotlib.axes.Axes
-            Kinds of damping that take nothing are left out.
+            Kinds of damping without power are left out.
         """
         axes = new_axes(axes)
         sinks = {
@@ -202,7 +202,7 @@ def power_balance(response: ForcedResponse) -> PowerBalance:
 
 
 def checked_power_balance(response: ForcedResponse) -> PowerBalance:
-    """Find the power balance of `power_balance`, which must balance.
+    """Return the result of `power_balance`, checked.
 
     Raises
     ------

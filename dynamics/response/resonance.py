@@ -45,17 +45,17 @@ class Resonance:
     speed : float
         [rad/s].
     amplitude : float
-        Of this order at the chosen node, all modes together, calculated at this very speed [rad or
+        Of this order at the chosen node, all modes together, calculated at exactly this speed [rad or
         m]; inf where unbounded.
     equilibrium : float
         Static displacement of that node in this mode under the order's forces [rad or m].
     magnifier : float
-        Of this mode, 1 / (2 damping ratio); inf where nothing damps it.
+        Of this mode, 1 / (2 damping ratio); inf where undamped.
     estimate : float
         The classical equilibrium amplitude times magnifier [rad or m]: this mode alone.
     share : float
-        Sum of the forces' phasors, each weighted with the mode at its node, over the sum of their
-        sizes: 1 where all work together on this mode, 0 where they cancel.
+        Magnitude of the sum of the forces' phasors, each weighted with the mode at its node, over the sum of
+        their magnitudes: 1 if all act in phase on this mode, 0 if they cancel.
     severity : float
         Amplitude over the largest of the table (of those that are bounded; 1 for an unbounded one).
     kind : {"major", "minor"}
@@ -63,7 +63,7 @@ class Resonance:
     unbounded : bool
         Whether an undamped mode is excited.
     in_running_range : bool
-        Whether the engine runs at that speed; limits may hold at higher ones too.
+        Whether the engine runs at that speed; limits may apply at higher speeds too.
     """
 
     mode: int
@@ -86,7 +86,7 @@ class Resonance:
         return self.speed * 30.0 / pi
 
     def row(self) -> Row:
-        """Return what a table of resonances shows, each value with its unit; see `table_of`."""
+        """Return the columns of a table of resonances, each value with its unit; see `table_of`."""
         return {
             "mode": (self.mode, "1"),
             "order": (self.order, "1"),
@@ -110,16 +110,16 @@ def resonances(
     *,
     speed_range: tuple[float, float] | None = None,
 ) -> tuple[Resonance, ...]:
-    """Find all resonances of elastic modes and orders, and how bad each is.
+    """Find all resonances of elastic modes and orders, and their severity.
 
     Parameters
     ----------
     response : ForcedResponse
         Its system and excitation are used; forces between its speeds are interpolated.
     node : int or str, optional
-        Node whose amplitude is told, by number from 0 or name; the first by default.
+        Node whose amplitude is reported, by number from 0 or name; the first by default.
     speed_range : tuple of two floats, optional
-        Within the speeds of the response, which it is by default [rad/s].
+        Within the speeds of the response; by default all of them [rad/s].
 
     Returns
     -------
@@ -188,7 +188,7 @@ def resonances(
 
 
 def _summed(phasors: ComplexArray) -> tuple[FloatArray, FloatArray]:
-    """Return the size of each row's sum, and its share of the sum of sizes (0 without forces)."""
+    """Return the magnitude of each row's sum, and its share of the sum of magnitudes (0 without forces)."""
     sums, sizes = np.abs(phasors.sum(axis=1)), np.abs(phasors).sum(axis=1)
     share: NDArray[np.float64] = np.divide(sums, sizes, out=np.zeros(sums.size), where=sizes > 0.0)
     return sums, share

@@ -28,7 +28,7 @@ from dynamics.response.synthesis import Synthesis, synthesis
 
 
 class DrawnBeside(TypedDict, total=False):
-    """What a diagram over the speed shows beside the synthesis of the orders.
+    """Additional contents of a diagram of orders over the speed.
 
     Parameters
     ----------
@@ -37,10 +37,10 @@ class DrawnBeside(TypedDict, total=False):
     barred : sequence of pairs of floats, optional
         Ranges of speed [rad/s], shaded.
     main_orders : int, optional
-        How many orders, those with the largest peaks, get a line of their own.
+        Number of orders, those with the largest peaks, with a curve of their own.
     running : tuple of two floats, optional
-        Lowest and highest running speed [rad/s]: what lies outside is shaded, and neither chooses these
-        orders nor sets the height.
+        Lowest and highest running speed [rad/s]: speeds outside are shaded, and determine neither these
+        orders nor the height.
     """
 
     limits: Mapping[str, ArrayLike] | None
@@ -52,7 +52,7 @@ class DrawnBeside(TypedDict, total=False):
 @summarized("orders", "speeds [rad/s]", "amplitude", "names")
 @dataclass(frozen=True, eq=False)
 class OrderSeries:
-    """Values by order, speed and place: y = Re sum_k Y_k exp(i k phi) at the shaft angle phi.
+    """Values by order, speed and location: y = Re sum_k Y_k exp(i k phi) at the shaft angle phi.
 
     Parameters
     ----------
@@ -61,11 +61,11 @@ class OrderSeries:
     speeds : ndarray of shape (S,)
         [rad/s].
     values : ndarray of shape (K, S, p), complex
-        Zero where unbounded, so that sums stay numbers.
+        Zero where unbounded, so that sums stay finite.
     unbounded : ndarray of shape (K, S), bool
         Where there is no steady vibration.
     names : tuple of p str
-        Of the places.
+        Names of the locations.
     """
 
     orders: FloatArray
@@ -76,7 +76,7 @@ class OrderSeries:
 
     @cached_property
     def amplitude(self) -> FloatArray:
-        """Amplitude by order, speed and place, (K, S, p); inf where unbounded."""
+        """Amplitude by order, speed and location, (K, S, p); inf where unbounded."""
         return with_unbounded(np.abs(self.values), self.unbounded)
 
     @cached_property
@@ -86,7 +86,7 @@ class OrderSeries:
 
     @property
     def largest_place(self) -> int:
-        """Number of the place with the largest amplitude of all orders together, from 0."""
+        """Index of the location with the largest amplitude of all orders together, from 0."""
         return int(np.argmax(np.max(self.synthesis.amplitude, axis=0)))
 
     def at_angle(self, speed_index: int, *, shaft_angle_deg: ArrayLike) -> FloatArray:
@@ -127,14 +127,14 @@ class OrderSeries:
         quantity: Quantity | None = None,
         **drawn: Unpack[DrawnBeside],
     ) -> Axes:
-        """Draw one place's main orders, their synthesis and their plain sum over the speed.
+        """Draw one location's main orders, their synthesis and their plain sum over the speed.
 
         Parameters
         ----------
         axes : matplotlib.axes.Axes, optional
-            Where to draw; those of a new figure if not given.
+            Where to draw; new axes by default.
         place : int or str, optional
-            Which one, by number from 0 or name.
+            The location, by number from 0 or name.
         quantity : {"twist", "displacement", "torque", "force", "stress"}, optional
             What the values are, for the unit of the axis; SI if it is not told.
         **drawn
@@ -143,12 +143,12 @@ class OrderSeries:
         Returns
         -------
         matplotlib.axes.Axes
-            Curves have gaps where the vibration is unbounded, with an upright line there.
+            Curves have gaps where the vibration is unbounded, with a vertical line there.
 
         Raises
         ------
         InputError
-            If the place or the quantity is unknown, or a limit, range or number is no such.
+            If the location or the quantity is unknown, or a limit, range or number is invalid.
         """
         return self.draw(axes, place, quantity_display(quantity, "SI"), **drawn)
 
@@ -164,7 +164,7 @@ class OrderSeries:
         main_orders: int = MAIN_ORDERS,
         running: tuple[float, float] | None = None,
     ) -> Axes:
-        """Draw one place as `plot` does, with its quantity's unit; `field` names the place."""
+        """Draw one location as `plot` does, with its quantity's unit; `field` names the argument."""
         number = index_of_name(
             field, place, self.names, "the series", "one curve is that of one place"
         )
@@ -181,12 +181,12 @@ class OrderSeries:
         return axes
 
     def over_speed(self, place: int, quantity: QuantityDisplay, **more: Any) -> Curves:
-        """Describe what `plot` draws of a place, from 0; further arguments as for `over_speed`.
+        """Describe the diagram of `plot` for a location, from 0; further arguments as for `over_speed`.
 
         Raises
         ------
         InputError
-            If there is no such place.
+            If there is no such location.
         """
         why = "one curve is that of one place"
         place = whole_within("place", place, 0, self.amplitude.shape[2] - 1, why)
@@ -203,7 +203,7 @@ class OrderSeries:
         )
 
     def to_xarray(self, quantity: Quantity | None = None) -> Dataset:
-        """Return complex ``values`` and ``unbounded`` over order, speed and place.
+        """Return complex ``values`` and ``unbounded`` over order, speed and location.
 
         Parameters
         ----------
@@ -240,6 +240,6 @@ class OrderSeries:
 
 
 def with_unbounded(values: FloatArray, unbounded: NDArray[np.bool_]) -> FloatArray:
-    """Return values (K, S, ...) with inf where the answer is unbounded (K, S)."""
+    """Return values (K, S, ...) with inf where the response is unbounded (K, S)."""
     where = unbounded.reshape(unbounded.shape + (1,) * (values.ndim - unbounded.ndim))
     return np.where(where, np.inf, values)

@@ -1,4 +1,4 @@
-"""Speeds to calculate at: an even grid, refined where orders meet natural frequencies."""
+"""Speeds for a calculation: an even grid, refined where orders meet natural frequencies."""
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -24,7 +24,7 @@ def refined_speeds(
     *,
     points: int = 200,
 ) -> FloatArray:
-    """Return speeds at which no peak of a lightly damped system is missed.
+    """Return speeds that miss no peak of a lightly damped system.
 
     Parameters
     ----------
@@ -37,7 +37,7 @@ def refined_speeds(
     speed_range : tuple of two floats
         Lowest and highest speed [rad/s].
     points : int, optional
-        Speeds of the even grid.
+        Number of speeds of the even grid.
 
     Returns
     -------
@@ -47,15 +47,15 @@ def refined_speeds(
     Raises
     ------
     InputError
-        If a value is out of range, or the range upside down.
+        If a value is out of range, or the range is reversed.
 
     Notes
     -----
-    A mode of damping ratio d answers with 1 / sqrt(1 + (x / d)^2) of its peak at the relative
-    distance x from resonance: half the bandwidth at half power is d. At magnifier 40 that is 1.25 %
-    of the speed, so that an even grid may read a peak far too low. Here the speeds stand d/8 apart
-    within d/2: wherever between them the peak is drawn by other modes, no less than
-    1 - (1/16)^2 / 2 = 99.8 % of it is read. Beyond, the distance grows to that of the even grid.
+    The response of a mode of damping ratio d is 1 / sqrt(1 + (x / d)^2) of its peak at the relative
+    distance x from resonance: half the bandwidth at half power is d. At magnifier 40 this is 1.25 %
+    of the speed, so an even grid may give a peak far too low. Here the speeds are d/8 apart
+    within d/2: wherever other modes shift the peak between them, at least
+    1 - (1/16)^2 / 2 = 99.8 % of it is found. Further away the spacing grows to that of the even grid.
     """
     natural = nonnegative_vector("frequencies", frequencies, "Hz", "they count vibrations in time")
     ratios = one_for_each(

@@ -35,7 +35,7 @@ BATCH = 2**19
 @summarized("speeds [rad/s]", "amplitude", "plain_sum", "period [rad]")
 @dataclass(frozen=True, eq=False)
 class Synthesis:
-    """Vibration with all orders together, at each speed and place.
+    """Vibration with all orders together, at each speed and location.
 
     Parameters
     ----------
@@ -46,7 +46,7 @@ class Synthesis:
     highest, lowest : ndarray of shape (S, ...)
         Extreme values, without the mean; inf and -inf where unbounded.
     plain_sum : ndarray of shape (S, ...)
-        Sum of the amplitudes of all orders, as if their peaks met: no amplitude exceeds it.
+        Sum of the amplitudes of all orders, as if their peaks coincided: an upper bound of the amplitude.
     unbounded : ndarray of shape (S,), bool
         Where any order is unbounded.
     period : float
@@ -94,12 +94,12 @@ def synthesis(
     -----
     A sum of orders up to N times the lowest common one is a trigonometric polynomial of degree N.
     From m > 2 N even samples its largest absolute value is known within the factor cos(pi N / m)
-    (Ehlich, Zeller, Mathematische Zeitschrift 86, 1964, 41-44). Less the middle of the extreme
-    samples, the same holds for half the distance of the extremes, as no other constant leaves a
-    smaller largest value than the true middle: the sampled amplitude falls short by less than
-    1 - cos(pi N / m), 0.48 % with the 32 samples to a cycle of the highest order taken here. Every
-    sample that may lie beside the true extreme is then followed to the peak by Newton's method,
-    which leaves round-off.
+    (Ehlich, Zeller, Mathematische Zeitschrift 86, 1964, 41-44). After subtracting the middle of the extreme
+    samples, the same holds for half the distance of the extremes, as no other constant gives a
+    smaller largest value than the true middle: the error of the sampled amplitude is below
+    1 - cos(pi N / m), 0.48 % with the 32 samples to a cycle of the highest order used here. Every
+    sample that may be next to the true extreme is then followed to the peak by Newton's method,
+    which leaves only round-off.
     """
     multiples, common = common_order(orders)
     count, places = orders.size, phasors.shape[1:]
@@ -133,7 +133,7 @@ def synthesis(
 
 
 def common_order(orders: FloatArray) -> tuple[NDArray[np.int64], float]:
-    """Find the highest order of which all are whole multiples.
+    """Find the highest order of which all are integer multiples.
 
     Returns
     -------
@@ -194,8 +194,8 @@ def _peaks(
 
     The amplitudes of each sum add up to one.
 
-    A true peak, counted from the middle of the extremes, stands above a sample beside it by the
-    factor 1/cos(pi N / m) at most: samples below the highest by more than that are left alone.
+    A true peak, measured from the middle of the extremes, exceeds an adjacent sample by a
+    factor of at most 1/cos(pi N / m): samples further below the highest are skipped.
     """
     size = samples.shape[1]
     top = np.max(samples, axis=1)

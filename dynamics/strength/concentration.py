@@ -28,7 +28,7 @@ FACTORS = (
 @summarized("alpha_bending", "alpha_torsion", "beta_bending", "beta_torsion", "coefficients")
 @dataclass(frozen=True)
 class ConcentrationFactors:
-    """Factors on the nominal stresses of a web's pin and journal, each calculated when asked for.
+    """Factors on the nominal stresses of a web's pin and journal, each calculated on demand.
 
     Parameters
     ----------
@@ -40,7 +40,7 @@ class ConcentrationFactors:
     Raises
     ------
     InputError
-        If a ratio of the web lies outside the range of the formulas.
+        If a ratio of the web is outside the range of the formulas.
 
     Notes
     -----
@@ -163,12 +163,12 @@ class ConcentrationFactors:
         return _polynomial(self._oil_hole, 4.0, -6.0, 30.0)
 
     def at(self, place: str) -> tuple[float, float, float]:
-        """Return the factors on bending, shear and torsion at a place; 0 where shear is left out.
+        """Return the factors on bending, shear and torsion at a location; 0 where shear does not count.
 
         Raises
         ------
         InputError
-            If the web has no such place, or the rule no factor.
+            If the web has no such location, or the rule no factor.
         """
         if place == "pin fillet":
             return self.alpha_bending, 0.0, self.alpha_torsion
@@ -230,12 +230,12 @@ class ConcentrationFactors:
 
 
 def coefficient_differences(web: CrankWeb) -> dict[str, float]:
-    """Return by what share the suspected coefficients change a web's factors from the printed ones.
+    """Return the relative change of a web's factors from the printed to the suspected coefficients.
 
     Raises
     ------
     InputError
-        If a ratio of the web lies outside the range of the formulas.
+        If a ratio of the web is outside the range of the formulas.
     """
     printed, suspected = (ConcentrationFactors(web, one) for one in COEFFICIENTS)
     doubted = {"alpha_T": "alpha_torsion"}

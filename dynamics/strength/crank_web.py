@@ -1,4 +1,4 @@
-"""A crank web with its pin, its journal and their fillets: what UR M53 takes of a throw."""
+"""A crank web with its pin, its journal and their fillets: the dimensions of UR M53."""
 
 import math
 from dataclasses import KW_ONLY, dataclass, fields
@@ -33,7 +33,7 @@ MAY_BE_ZERO = (
 @summarized("pin_diameter [m]", "journal_diameter [m]", "overlap [m]", "web_thickness [m]")
 @dataclass(frozen=True)
 class CrankWeb:
-    """One web of a throw with the pin and the main journal beside it [m].
+    """One web of a throw with the adjacent pin and main journal [m].
 
     Parameters
     ----------
@@ -48,16 +48,16 @@ class CrankWeb:
     pin_bore, journal_bore : float, optional
         D_BH, D_BG.
     pin_recess, journal_recess : float, optional
-        T_H, T_G: how deep the fillets are cut into the web.
+        T_H, T_G: depth to which the fillets are recessed into the web.
     oil_hole_diameter : float, optional
         D_O of a radial hole in the pin; 0 for none.
     semi_built : bool, optional
-        Whether the journal is shrunk into the web: then it has no fillet to be judged.
+        Whether the journal is shrunk into the web: then it has no fillet to be assessed.
 
     Raises
     ------
     InputError
-        If a length is not above zero (recesses, fillets and holes: negative), or a bore no smaller than
+        If a length is not above zero (recesses, fillets and holes: negative), or a bore not smaller than
         its journal.
     """
 
@@ -96,12 +96,12 @@ class CrankWeb:
 
     @property
     def overlap(self) -> float:
-        """S of pin and journal, negative where none [m]."""
+        """S of pin and journal, negative without overlap [m]."""
         return 0.5 * (self.pin_diameter + self.journal_diameter) - self.crank_radius
 
     @property
     def section_thickness(self) -> float:
-        """W, less what a recess deeper than the pin's fillet takes where pin and journal do not overlap [m].
+        """W, reduced by a recess deeper than the pin's fillet if pin and journal do not overlap [m].
 
         W_red = W - (T_H - R_H), of semi-built cranks at any overlap.
         """
@@ -128,7 +128,7 @@ class CrankWeb:
         return float(getattr(self, length)) / self.pin_diameter
 
     def place_radius(self, place: str) -> tuple[float, float]:
-        """Return the diameter and the radius that decide at a fillet or at the oil hole's outlet [m]."""
+        """Return the diameter and the radius that determine the strength of a fillet or oil hole [m]."""
         check_choice("place", place, PLACES, "the rule judges these")
         return {
             "pin fillet": (self.pin_diameter, self.pin_fillet_radius),
@@ -146,7 +146,7 @@ def check_ranges(web: CrankWeb) -> None:
     Raises
     ------
     InputError
-        With the ratio that lies outside.
+        With the ratio that is outside.
     """
     for name in RANGES:
         if web.semi_built and name == "journal_fillet_radius":

@@ -1,4 +1,4 @@
-"""Factors of stress concentration from finite elements, in the place of the formulas of UR M53."""
+"""Factors of stress concentration from finite elements, in place of the formulas of UR M53."""
 
 import math
 from dataclasses import dataclass
@@ -57,19 +57,19 @@ class ElementFactors:
 
     @property
     def shear_error(self) -> float | None:
-        """Estimated relative error of `beta_shear`: of `error`, what the difference of stresses makes."""
+        """Estimated relative error of `beta_shear`: `error`, magnified by the difference of stresses."""
         if self.beta_combined is None or self.beta_bending is None:
             return None
         left = abs(self.beta_combined - self.beta_bending)
         return self.error * self.beta_combined / left if left > 0.0 else math.inf
 
     def at(self, place: str) -> tuple[float, float, float]:
-        """Return the factors on bending, shear and torsion at a place; 0 where shear is left out.
+        """Return the factors on bending, shear and torsion at a location; 0 where shear does not count.
 
         Raises
         ------
         InputError
-            If the throw is modeled without that place.
+            If the throw is modeled without that location.
         """
         bending, shear, torsion = {
             "pin fillet": (self.alpha_bending, 0.0, self.alpha_torsion),

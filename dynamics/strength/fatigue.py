@@ -1,4 +1,4 @@
-"""Equivalent alternating stress, fatigue strength and acceptability of a place by UR M53."""
+"""Equivalent alternating stress, fatigue strength and acceptability of a location by UR M53."""
 
 import math
 from dataclasses import dataclass, fields
@@ -31,7 +31,7 @@ LEAST_RADIUS = 2e-3
 )
 @dataclass(frozen=True)
 class PlaceStrength:
-    """One place of a throw: its alternating stresses, and the strength that stands against them.
+    """One location of a throw: its alternating stresses and its fatigue strength.
 
     Parameters
     ----------
@@ -39,9 +39,9 @@ class PlaceStrength:
         Number of the throw, from 1 at the free end.
     place : {"pin fillet", "journal fillet", "oil hole"}
     web : str
-        Beside which web, "left web" or "right web"; "" of an oil hole.
+        Adjacent web, "left web" or "right web"; "" for an oil hole.
     depth : float
-        Below the surface, of a hardened place [m].
+        Depth below the surface, of a hardened location [m].
     nominal_bending, nominal_shear, nominal_torsion : float
         Alternating, without stress concentration [Pa].
     bending, torsion : float
@@ -51,7 +51,7 @@ class PlaceStrength:
     equivalent : float
         [Pa]
     strength : float
-        Fatigue strength of the place [Pa].
+        Fatigue strength at the location [Pa].
     """
 
     throw: int
@@ -69,7 +69,7 @@ class PlaceStrength:
 
     @property
     def acceptability(self) -> float:
-        """Q: strength over equivalent stress; inf where nothing acts."""
+        """Q: strength over equivalent stress; inf without stress."""
         return self.strength / self.equivalent if self.equivalent else math.inf
 
     @property
@@ -89,7 +89,7 @@ class PlaceStrength:
 def fatigue_strength(
     tensile_strength: float, diameter: float, radius: float, factor: float = 1.0
 ) -> float:
-    """Return the alternating bending fatigue strength s_DW of a place [Pa].
+    """Return the alternating bending fatigue strength s_DW at a location [Pa].
 
     Parameters
     ----------
@@ -131,7 +131,7 @@ def fillet_equivalent(bending: float, torsion: float, added: float) -> float:
     Raises
     ------
     InputError
-        If a stress is no finite number.
+        If a stress is not a finite number.
     """
     _check_finite(bending=bending, torsion=torsion, added=added)
     return math.hypot(bending + added, math.sqrt(3.0) * torsion)
@@ -143,11 +143,11 @@ def hole_equivalent(bending: float, torsion: float) -> float:
     Raises
     ------
     InputError
-        If a stress is no finite number.
+        If a stress is not a finite number.
 
     Notes
     -----
-    s_BO / 3 (1 + 2 sqrt(1 + 9/4 (s_TO / s_BO)^2)), written so that it holds without bending too.
+    s_BO / 3 (1 + 2 sqrt(1 + 9/4 (s_TO / s_BO)^2)), written so that it is valid without bending too.
     """
     _check_finite(bending=bending, torsion=torsion)
     return (bending + math.hypot(2.0 * bending, 3.0 * torsion)) / 3.0
@@ -166,7 +166,7 @@ def added_bending(piston: str, axial_vibration: float | None = None) -> float:
     piston : {"trunk", "crosshead"}
         10 N/mm2 with trunk pistons; 30 with crossheads, of which 20 are for axial vibration.
     axial_vibration : float, optional
-        What a calculation of the axial vibration found in place of the 20 [Pa]; of use with crossheads.
+        Result of a calculation of the axial vibration that replaces the 20 [Pa]; for crossheads only.
 
     Raises
     ------

@@ -1,4 +1,4 @@
-"""Findley's criterion of fatigue on a critical plane, for the stress history of a place on a free surface."""
+"""Findley's criterion of fatigue on a critical plane, for the stress history of a point on a free surface."""
 
 import math
 from dataclasses import dataclass
@@ -27,18 +27,18 @@ HELD, MOST_STEPS = 1e-9, 60
 @summarized("value [Pa]", "shear_amplitude [Pa]", "normal_stress [Pa]", "moment", "normal")
 @dataclass(frozen=True, eq=False)
 class CriticalPlane:
-    """The plane through a place on which the criterion is largest.
+    """The plane through a point on which the criterion is largest.
 
     Attributes
     ----------
     value : float
         shear_amplitude + k normal_stress [Pa].
     shear_amplitude : float
-        Radius of the smallest circle round the path of the shear stress [Pa].
+        Radius of the smallest circle around the path of the shear stress [Pa].
     normal_stress : float
         The largest over the history [Pa].
     moment : int
-        Which one of the history has that.
+        Its index in the history.
     normal : (3,) array
         Of the plane: along both directions of the surface, and out of it.
     """
@@ -80,7 +80,7 @@ def findley_factor(torsion_share: float = TORSION_SHARE) -> float:
 
 
 def findley_limit(bending_strength: float, factor: float) -> float:
-    """Return what the criterion may reach [Pa]: f/2 (k + sqrt(1 + k^2)).
+    """Return the limit of the criterion [Pa]: f/2 (k + sqrt(1 + k^2)).
 
     Parameters
     ----------
@@ -100,7 +100,7 @@ def findley_limit(bending_strength: float, factor: float) -> float:
 
 
 def critical_plane(history: ArrayLike, factor: float) -> CriticalPlane:
-    """Find the plane on which shear amplitude and largest normal stress together are worst.
+    """Find the plane with the worst combination of shear amplitude and largest normal stress.
 
     Parameters
     ----------
@@ -116,12 +116,12 @@ def critical_plane(history: ArrayLike, factor: float) -> CriticalPlane:
     Raises
     ------
     InputError
-        If the history is no such array, or the factor below zero.
+        If the history is not such an array, or the factor below zero.
 
     Notes
     -----
-    Planes are looked at all round in steps of 10 degrees, then near the worst in steps of 2 and 0.4. Stresses
-    on a plane are linear in those of the history, so that the corners of its path are enough.
+    Planes are searched over all directions in steps of 10 degrees, then near the worst in steps of 2 and 0.4.
+    Stresses on a plane are linear in those of the history, so the corners of its path are sufficient.
     """
     given = finite_array("history", history)
     factor = nonnegative_number("factor", factor, "", "it weighs the normal stress")
@@ -153,7 +153,7 @@ def critical_plane(history: ArrayLike, factor: float) -> CriticalPlane:
 
 
 def _corners(history: FloatArray) -> NDArray[np.int64]:
-    """Return the moments at which the path turns outwards: others hold no circle, and no largest stress."""
+    """Return the moments at which the path turns outwards: only they determine circle and largest stress."""
     try:
         return np.sort(ConvexHull(history, qhull_options="QJ").vertices)
     except QhullError:  # too few moments, or all alike
@@ -161,7 +161,7 @@ def _corners(history: FloatArray) -> NDArray[np.int64]:
 
 
 def findley_bound(histories: ArrayLike, factor: float) -> FloatArray:
-    """Return what the criterion does not exceed at any plane, (...), of histories (..., m, 3) [Pa].
+    """Return an upper bound of the criterion on any plane, (...), of histories (..., m, 3) [Pa].
 
     Notes
     -----
@@ -210,12 +210,12 @@ def _on_planes(
 
 
 def enclosing_radius(paths: ArrayLike) -> FloatArray:
-    """Return the radius (b,) of the smallest circle round each path (b, m, 2).
+    """Return the radius (b,) of the smallest circle around each path (b, m, 2).
 
     Notes
     -----
-    A circle through two or three points grows by the point farthest outside until none is: each step is
-    the smallest circle round four points, and the farthest is on it.
+    A circle through two or three points is enlarged by the point farthest outside until none is: each step
+    is the smallest circle around four points, with the farthest on it.
     """
     points = np.asarray(paths, dtype=np.float64)
     count = np.arange(len(points))
@@ -240,9 +240,9 @@ def enclosing_radius(paths: ArrayLike) -> FloatArray:
 
 
 def _round_four(held: FloatArray, new: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Return the smallest circle through `new` (b, 2) round it and three points (b, 3, 2).
+    """Return the smallest circle through `new` (b, 2) around it and three points (b, 3, 2).
 
-    Gives the points that hold it (b, 3, 2), its center and its radius.
+    Gives the points that determine it (b, 3, 2), its center and its radius.
     """
     four = np.concatenate([held, new[:, None]], axis=1)
     sets, centers = [], []

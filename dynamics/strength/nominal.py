@@ -1,4 +1,4 @@
-"""Nominal alternating stresses of a throw over the cycle: web, oil hole and torsion, as UR M53 takes them."""
+"""Nominal alternating stresses of a throw over the cycle by UR M53: web, oil hole and torsion."""
 
 from dataclasses import dataclass
 
@@ -35,14 +35,14 @@ class SupportedThrow:
     length : float
         L_3, between the supports [m].
     rods : (n,) array_like
-        Place of each rod from the left support [m], L_2.
+        Position of each rod from the left support [m], L_2.
     radial, tangential : (n, m) array_like
         Force of each rod on the pin over one cycle, towards the shaft and in the sense of rotation [N].
 
     Raises
     ------
     InputError
-        If there are no forces for each rod, or one does not stand between the supports.
+        If there are no forces for each rod, or one is not between the supports.
     """
 
     length: float
@@ -69,25 +69,25 @@ class SupportedThrow:
             object.__setattr__(self, name, forces)
 
     def moment(self, at: float, force: ArrayLike) -> FloatArray:
-        """Return the bending moment at a place from the left support, of forces as `radial` [N m], (m,).
+        """Return the bending moment at a distance from the left support, of forces as `radial` [N m], (m,).
 
         Raises
         ------
         InputError
-            If the place is no finite number, or there are no forces for each rod.
+            If the distance is not a finite number, or there are no forces for each rod.
         """
         rods, forces = self._checked(at, force)
         left = (self.length - rods) / self.length @ forces
         return np.asarray(left * at - np.maximum(at - rods, 0.0) @ forces)
 
     def shear(self, at: float, force: ArrayLike) -> FloatArray:
-        """Return the shear force at a place from the left support [N], (m,); all else as of `moment`."""
+        """Return the shear force at a distance from the left support [N], (m,); otherwise as `moment`."""
         rods, forces = self._checked(at, force)
         left = (self.length - rods) / self.length @ forces
         return np.asarray(left - (rods < at).astype(float) @ forces)
 
     def _checked(self, at: float, force: ArrayLike) -> tuple[FloatArray, FloatArray]:
-        """Return the rods and the forces on them, checked with the place where they are asked for."""
+        """Return the rods and the forces on them, checked with the position of the section."""
         nonnegative_number("at", at, "m", "it is counted from the left support")
         rods, forces = np.asarray(self.rods), finite_array("force", force)
         check_shape("force", forces, (rods.size, *forces.shape[1:]))
@@ -102,7 +102,7 @@ def alternating(values: ArrayLike) -> FloatArray:
 def web_stresses(
     throw: SupportedThrow, web: CrankWeb, at: float, *, strokes: int
 ) -> tuple[float, float]:
-    """Return the nominal alternating stresses of a web by the radial forces [Pa].
+    """Return the nominal alternating stresses of a web due to the radial forces [Pa].
 
     Parameters
     ----------
@@ -142,15 +142,15 @@ def hole_stress(
     web : CrankWeb
         Of the pin.
     at : float
-        Place of the hole from the left support [m].
+        Position of the hole from the left support [m].
     angle_deg : float, optional
         psi: of the outlet from the direction in which the pin moves, positive away from the shaft [deg];
-        the direction with the largest stress if not given.
+        by default the direction with the largest stress.
 
     Notes
     -----
-    M_BO = M_BTO cos(psi) + M_BRO sin(psi) over pi/32 (D^4 - D_BH^4) / D. A force bends the pin towards
-    where it points; the radial force points to the shaft, hence M_BRO counts it negative.
+    M_BO = M_BTO cos(psi) + M_BRO sin(psi) over pi/32 (D^4 - D_BH^4) / D. A force bends the pin in its
+    own direction; the radial force points to the shaft, so it counts as negative in M_BRO.
     """
     directions = DIRECTIONS_DEG if angle_deg is None else finite_array("angle_deg", [angle_deg])
     psi = np.radians(directions)

@@ -1,4 +1,4 @@
-"""The shrink fit of a semi-built crankshaft by UR M53: bore, shrinkage and what lies beside it."""
+"""The shrink fit of a semi-built crankshaft by UR M53: bore, shrinkage and adjacent fillet."""
 
 import math
 from dataclasses import KW_ONLY, dataclass
@@ -32,13 +32,13 @@ class ShrinkFit:
         D_A: the web's outer diameter, or twice the least distance from the journal's center to the web's
         contour [m].
     journal_diameter, fillet_radius : float
-        D_G and R_G beside the web [m].
+        D_G and R_G next to the web [m].
     distance : float
         Y, of the generatrices of pin and journal [m].
     web_yield, journal_yield : float
         Yield strengths s_SW, s_SP [Pa].
     torque : float
-        M_max: the largest the fit passes on, mean and alternating [N m].
+        M_max: the largest torque of the fit, mean and alternating [N m].
     journal_bore : float, optional
         D_BG [m].
     friction : float, optional
@@ -98,7 +98,7 @@ class ShrinkFit:
 
     @property
     def largest_bore(self) -> float:
-        """Largest bore of the journal that the fit bears [m]; 0 where a solid one is too weak.
+        """Largest permissible bore of the journal [m]; 0 where a solid one is too weak.
 
         D_S sqrt(1 - 4000 S_R M_max / (mu pi D_S^2 L_S s_SP)), there with N and mm.
         """
@@ -107,7 +107,7 @@ class ShrinkFit:
 
     @property
     def least_shrinkage(self) -> float:
-        """Z_min, the larger of what makes the web yield and what holds the torque [m]."""
+        """Z_min, the larger of the shrinkages for yield of the web and for the torque [m]."""
         web, journal = self._ratios
         yields = self.web_yield * self.shrink_diameter / self.youngs_modulus
         thin = (1.0 - (web * journal) ** 2) / ((1.0 - web**2) * (1.0 - journal**2))
@@ -120,7 +120,7 @@ class ShrinkFit:
 
     @cached_property
     def refusals(self) -> tuple[str, ...]:
-        """What the rule does not allow, a sentence each; none where the fit is fine."""
+        """Violations of the rule, a sentence each; empty if the fit complies."""
         found = []
         size = self.shrink_diameter
         if self.distance < LEAST_DISTANCE * size:
@@ -154,7 +154,7 @@ class ShrinkFit:
 
     @property
     def remarks(self) -> tuple[str, ...]:
-        """What the rule asks to be considered, a sentence each."""
+        """Points that the rule requires to be considered, a sentence each."""
         low, high = (share * self.shrink_diameter for share in (LEAST_DISTANCE, SPECIAL_DISTANCE))
         if not low <= self.distance < high:
             return ()
@@ -165,7 +165,7 @@ class ShrinkFit:
 
     @property
     def passed(self) -> bool:
-        """Whether the rule allows the fit, with a shrinkage between the least and the most."""
+        """Whether the rule permits the fit, with a shrinkage between the least and the largest."""
         return not self.refusals
 
     @property

@@ -34,9 +34,9 @@ class SurfaceTreatment:
     Parameters
     ----------
     process : {"induction", "nitriding"}
-        Stroke peening and cold rolling raise the strength by tests alone, and are none of these.
+        Stroke peening and cold rolling raise the strength by tests alone, and are not included.
     depth : float
-        To where 80 % of the least surface hardness is left (induction), t_N (nitriding) [m].
+        Depth at which 80 % of the least surface hardness is left (induction), t_N (nitriding) [m].
     surface_hardness : float
         Vickers: 400 or more of induction, 600 or more of nitriding.
 
@@ -74,7 +74,7 @@ class SurfaceTreatment:
 
     @property
     def transition(self) -> float:
-        """Depth at which the untreated steel below must hold [m]."""
+        """Depth below which the untreated steel must have the strength [m]."""
         return self.depth * (NITRIDED_TRANSITION if self.process == "nitriding" else 1.0)
 
     def transition_strength(self, untreated: float) -> float:
@@ -123,7 +123,7 @@ class SurfaceTreatment:
 
 
 def strength_near_end(distance: float, depth: float) -> float:
-    """Return the factor on the strength near where induction hardening ends at the surface.
+    """Return the factor on the strength near the end of induction hardening at the surface.
 
     Parameters
     ----------
@@ -151,14 +151,14 @@ def factors_below(
     ----------
     factors : ConcentrationFactors or ElementFactors
     place : {"pin fillet", "oil hole"}
-        The journal's fillet has no formula in the text that was at hand.
+        The available text has no formula for the journal's fillet.
     depth : float
         t [m].
 
     Raises
     ------
     InputError
-        If the place is another, there is no such, or the depth is negative.
+        If the location is unknown, it has no such part, or the depth is negative.
 
     Notes
     -----

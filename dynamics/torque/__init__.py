@@ -1,1 +1,1 @@
-"""The torque of an engine over its cycle, its harmonics, and how the cylinders add up by order."""
+"""The torque of an engine over its cycle, its harmonics, and the sum over the cylinders by order."""

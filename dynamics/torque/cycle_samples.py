@@ -72,6 +72,6 @@ def _are_pressures(
 def from_firing_top(
     engine: EngineLayout, place: int, angles: FloatArray, values: FloatArray
 ) -> Harmonics:
-    """Return the harmonics of a cylinder's values (m,), its place from 0, from its firing top."""
+    """Return the harmonics of a cylinder's values (m,), its index from 0, counted from its firing top."""
     since_firing = np.degrees(angles - np.radians(engine.firing_deg[place]))
     return harmonics(values, engine.strokes, angles_deg=since_firing)

@@ -1,4 +1,4 @@
-"""Harmonics of the force of each cylinder on its crankpin, as a vibration model takes them."""
+"""Harmonics of the force of each cylinder on its crankpin, for vibration models."""
 
 import math
 from collections.abc import Sequence
@@ -38,7 +38,7 @@ from dynamics.torque.cycle_samples import (
 class PinForceHarmonics:
     """Harmonics of one cylinder's force on its crankpin, by its cause [N].
 
-    Phases count from the cylinder's own firing top: a harmonic of order k stands at
+    Phases count from the cylinder's own firing top: a harmonic of order k is
     M_k sin(k (shaft angle - firing angle) + a_k).
 
     Parameters
@@ -75,11 +75,11 @@ class PinForceHarmonics:
         Parameters
         ----------
         axes : matplotlib.axes.Axes, optional
-            Where to draw; those of a new figure if not given.
+            Where to draw; new axes by default.
         show : {"tangential", "radial"}, optional
             Which of the forces on the crankpin.
         highest_order : float, optional
-            Up to which orders are drawn; all by default.
+            Highest order drawn; all by default.
 
         Returns
         -------
@@ -149,7 +149,7 @@ def pin_force_harmonics(
     engine, speed, pressure, samples, model, crankcase_pressure
         As for `engine_torque`.
     highest_order : float, optional
-        The harmonics end with it; the samples must resolve it.
+        Highest order; the samples must resolve it.
 
     Returns
     -------

@@ -1,4 +1,4 @@
-"""Star diagrams: how the harmonics of all cylinders add up, order by order."""
+"""Star diagrams: sums of the harmonics of all cylinders, order by order."""
 
 import cmath
 import math
@@ -40,7 +40,7 @@ class Star:
     """The harmonics of one order of all cylinders as vectors.
 
     A cylinder that fires at f and whose harmonic is M sin(k (x - f) + a) has the direction k f - a:
-    there its harmonic rises through zero, in terms of k x. The sum over the cylinders is
+    it is the phase at which its harmonic rises through zero, in terms of k x. The sum over the cylinders is
     resultant sin(k x - its direction).
 
     Parameters
@@ -50,7 +50,7 @@ class Star:
     directions_deg : ndarray of shape (n,)
         Of the cylinders' vectors [deg], from 0 to below 360.
     weights : ndarray of shape (n,)
-        Their lengths; negative where the mode shape turns a vector round.
+        Their lengths; negative where the mode shape reverses a vector.
     """
 
     order: float
@@ -76,7 +76,7 @@ class Star:
 
     @property
     def largest(self) -> float:
-        """What the resultant would be with all vectors in line."""
+        """The resultant if all vectors had one direction."""
         return float(np.sum(np.abs(self.weights)))
 
     @property
@@ -86,7 +86,7 @@ class Star:
 
     @property
     def kind(self) -> Kind:
-        """Return "major" with all vectors in line, "balanced" with no resultant, else "minor"."""
+        """Return "major" with all vectors in one direction, "balanced" with no resultant, else "minor"."""
         if self.share >= 1.0 - FULL_SUM_TOLERANCE:
             return "major"
         return "balanced" if self.share <= FULL_SUM_TOLERANCE else "minor"
@@ -97,7 +97,7 @@ class Star:
         Parameters
         ----------
         axes : matplotlib.axes.Axes, optional
-            Where to draw; those of a new figure if not given.
+            Where to draw; new axes by default.
 
         Returns
         -------
@@ -147,13 +147,13 @@ def star_diagram(
     Parameters
     ----------
     engine : EngineLayout, optional
-        The engine, or in its place `firing_angles_deg`.
+        The engine, or instead `firing_angles_deg`.
     orders : array_like of shape (K,) or number, optional
         Orders, or the highest of all orders of the cycle.
     firing_angles_deg : array_like of shape (n,), optional
-        Shaft angle at which each cylinder fires [deg], where no engine is given.
+        Shaft angle at which each cylinder fires [deg], if no engine is given.
     strokes : int, optional
-        Per cycle, 2 or 4: the engine's own; for firing angles with a highest order 4 if not given.
+        Per cycle, 2 or 4: the engine's own; for firing angles with a highest order 4 by default.
     amplitudes : array_like of shape (n,) or (K, n), optional
         Of the cylinders' harmonics, where they differ; 1 by default.
     phases_deg : array_like of shape (n,) or (K, n), optional
@@ -169,7 +169,7 @@ def star_diagram(
     ------
     InputError
         If an array does not fit, the strokes are not 2 or 4 or not the engine's, or an order is not
-        above zero or, where the strokes are known, not one of the cycle's.
+        above zero or, if the strokes are known, not one of the cycle's.
 
     Examples
     --------
@@ -204,7 +204,7 @@ def star_diagram(
 def _firing_and_strokes(
     engine: EngineLayout | None, firing_angles_deg: ArrayLike | None, strokes: int | None
 ) -> tuple[FloatArray, int | None]:
-    """Return the firing angles [rad], and the strokes where they are known."""
+    """Return the firing angles [rad], and the strokes if known."""
     told = None if strokes is None else checked_strokes(strokes)
     if engine is None and firing_angles_deg is not None:
         firing = np.radians(finite_vector("firing_angles_deg", firing_angles_deg))
@@ -230,7 +230,7 @@ def _firing_and_strokes(
 
 
 def _requested_orders(orders: ArrayLike | float, strokes: int | None) -> FloatArray:
-    """Return the requested orders: themselves, or all up to a highest one."""
+    """Return the requested orders: those given, or all up to a highest one."""
     if np.ndim(orders) == 0:
         highest = float(finite_array("orders", orders))
         return np.asarray(engine_orders(4 if strokes is None else strokes, highest))
@@ -248,7 +248,7 @@ def _requested_orders(orders: ArrayLike | float, strokes: int | None) -> FloatAr
 
 
 def leading_stars(stars: Sequence[Star]) -> tuple[Star, ...]:
-    """Return the major orders, or where none is, as with uneven firing, the strongest ones.
+    """Return the major orders, or if there is none, as with uneven firing, the largest ones.
 
     Raises
     ------
@@ -267,9 +267,9 @@ def leading_stars(stars: Sequence[Star]) -> tuple[Star, ...]:
 
 
 def same_stars(stars: Iterable[Star]) -> tuple[tuple[Star, ...], ...]:
-    """Return the stars in groups that look alike, the mirror image included.
+    """Return the stars in groups of equal shape, mirror images included.
 
-    Two are alike if the lengths are equal and the directions, counted from the first cylinder's,
+    Two are equal if the lengths are equal and the directions, counted from the first cylinder's,
     are equal or opposite.
     """
     groups = grouped(stars, lambda group, star: _alike(group[0], star))

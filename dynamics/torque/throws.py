@@ -1,4 +1,4 @@
-"""Which cylinders work on which throw of the crankshaft."""
+"""Cylinders of each throw of the crankshaft."""
 
 import math
 from collections.abc import Sequence
@@ -17,7 +17,7 @@ def throws_along_shaft(engine: EngineLayout) -> tuple[tuple[int, ...], ...]:
     """Return the numbers of the cylinders on each throw, from the free end to the flywheel.
 
     Cylinders share a throw if a rod of one is hinged to that of the other, or if their crank angles
-    are equal, their banks differ and they stand closer along the shaft than a bank allows. Throws
+    are equal, their banks differ and they are closer along the shaft than a bank allows. Throws
     at one position are in the order of their cylinders' numbers.
     """
     numbers = range(1, len(engine.cylinders) + 1)
@@ -52,7 +52,7 @@ def checked_throws(engine: EngineLayout, throws: Sequence[int]) -> tuple[tuple[i
     Raises
     ------
     InputError
-        If there is not one for each cylinder, one is no whole number, or a throw has none.
+        If there is not one for each cylinder, one is not a whole number, or a throw has none.
     """
     given = list(throws)
     if len(given) != len(engine.cylinders):

@@ -55,9 +55,9 @@ class EngineTorque:
     speed : float
         Constant speed of the shaft [rad/s].
     shaft_angles_deg : ndarray of shape (m,)
-        Evenly over the cycle from zero, the closing sample left out [deg].
+        Evenly over the cycle from zero, without the closing sample [deg].
     gas, inertia : ndarray of shape (n, m)
-        Cylinder by cylinder, what gas and what moving masses give [N m].
+        Of each cylinder, from the gas and from moving masses [N m].
     throws : tuple of tuples of int
         Numbers of the cylinders on each throw, from the free end to the flywheel.
     indicated_work : ndarray of shape (n,)
@@ -87,7 +87,7 @@ class EngineTorque:
 
     @property
     def passed_on(self) -> FloatArray:
-        """Torque that the main journal after each throw passes on to the flywheel (k, m) [N m]."""
+        """Torque in the main journal after each throw, towards the flywheel (k, m) [N m]."""
         return np.asarray(np.cumsum(self.per_throw, axis=0))
 
     @property
@@ -115,9 +115,9 @@ class EngineTorque:
 
     @property
     def energy_error(self) -> float:
-        """Mean torque times the cycle's angle less indicated work, relative to the gas's exchange.
+        """Mean torque times the cycle's angle minus indicated work, relative to the gas's exchange.
 
-        That is the work of the gas on all pistons, each bit taken positive.
+        The exchange is the work of the gas on all pistons, integrated as absolute value.
         """
         step = cycle_radians(self.engine.strokes) / self.shaft_angles_deg.size
         exchanged = float(np.sum(np.abs(self.gas))) * step
@@ -152,14 +152,14 @@ class EngineTorque:
         )
 
     def plot(self, axes: Axes | None = None, throw: int | None = None) -> Axes:
-        """Draw the torque of the engine with its mean, or that of one throw by cause, over the cycle.
+        """Draw the torque of the engine with its mean, or that of one throw by source, over the cycle.
 
         Parameters
         ----------
         axes : matplotlib.axes.Axes, optional
-            Where to draw; those of a new figure if not given.
+            Where to draw; new axes by default.
         throw : int, optional
-            Number of the throw, from 1 at the free end; the whole engine if not given.
+            Number of the throw, from 1 at the free end; by default the whole engine.
 
         Returns
         -------
@@ -229,7 +229,7 @@ class EngineTorque:
 
 
 def check_energy(torque: EngineTorque) -> None:
-    """Refuse a torque whose work over a cycle is not that of the gas.
+    """Refuse a torque whose work over a cycle differs from that of the gas.
 
     Raises
     ------
@@ -260,10 +260,10 @@ def engine_torque(
     speed : float
         Of the shaft, constant [rad/s].
     pressure : GasPressure, sequence of n GasPressure, array_like or None
-        Pressures as `gas_forces` takes them, or forces on the pistons towards the shaft at the
+        Pressures as for `gas_forces`, or forces on the pistons towards the shaft at the
         samples (n, samples) [N]; None for no gas force.
     samples : int, optional
-        Over one cycle; they resolve orders up to half their number per revolution.
+        Number of samples over one cycle; they resolve orders up to half their number per revolution.
     model : str, optional
         Of the rods, one of `ROD_MODELS`.
     throws : sequence of n int, optional

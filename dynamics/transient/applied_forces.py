@@ -1,4 +1,4 @@
-"""All forces on a system over time: excitations that take over from each other, and loads."""
+"""All forces on a system over time: excitations that replace each other, and loads."""
 
 import math
 from collections.abc import Sequence
@@ -22,18 +22,18 @@ MOST_STEPS = 1e15
 
 @dataclass(frozen=True)
 class LoadStep:
-    """A constant torque or force that comes at a time and stays.
+    """A constant torque or force that begins at a time and remains.
 
     Parameters
     ----------
     time : float
         [s]
     node : int
-        Where it acts, from 0.
+        Its node, from 0.
     load : float
         Torque in the sense of rotation [N m], or force [N]; a brake is negative.
     rise : float, optional
-        Time that it takes to grow evenly from nothing [s].
+        Time of its linear increase from zero [s].
 
     Raises
     ------
@@ -75,7 +75,7 @@ class AppliedForces:
     ----------
     curve : SpeedCurve
     excitations : tuple of (float, OrderForces)
-        Each with the time from which on it acts [s], ascending.
+        Each with its start time [s], ascending.
     loads : tuple of LoadStep
     inputs : ndarray of shape (n, q)
         Forces on the nodes to forces on the modes, by multiplication from the right.
@@ -95,12 +95,12 @@ class AppliedForces:
         loads: Sequence[LoadStep],
         inputs: FloatArray,
     ) -> "AppliedForces":
-        """Return what acts; arguments as for `transient_motion`.
+        """Return the forces; arguments as for `transient_motion`.
 
         Raises
         ------
         InputError
-            If times do not ascend within the run, a node does not exist, or forces are not known at
+            If times do not ascend within the run, a node does not exist, or forces are unknown at
             the speeds at which they act.
         """
         for place, load in enumerate(loads):
@@ -114,7 +114,7 @@ class AppliedForces:
         return np.unique(np.concatenate([own.orders for _, own in self.excitations]))
 
     def at(self, starts: FloatArray, step: float, places: FloatArray) -> FloatArray:
-        """Return the forces (m, places, q) at places of steps that no change falls into."""
+        """Return the forces (m, places, q) at points of steps without a change inside."""
         times = (starts[:, np.newaxis] + step * places).reshape(-1)
         middle = float(starts[0]) + 0.5 * step
         by_orders = next(own for begins, own in reversed(self.excitations) if begins <= middle)
@@ -125,7 +125,7 @@ class AppliedForces:
 
 
 def time_segments(acting: AppliedForces, longest: float) -> list[TimeSegment]:
-    """Return segments of time, each of even steps, between whatever is not smooth."""
+    """Return segments of time, each of even steps, between discontinuities."""
     curve = acting.curve
     first, last = float(curve.times[0]), float(curve.times[-1])
     inner = [
@@ -151,7 +151,7 @@ def _successive_excitations(
     speed: SpeedCurve,
     inputs: FloatArray,
 ) -> tuple[tuple[float, OrderForces], ...]:
-    """Return the forces on the modes and from when on each acts, and check their speeds."""
+    """Return the forces on the modes and the start time of each, and check their speeds."""
     begins = [float(speed.times[0])]
     for place, (time, _) in enumerate(changes):
         value = float(finite_array(f"changes[{place}]", time))

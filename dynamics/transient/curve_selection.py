@@ -1,4 +1,4 @@
-"""Which node or element of a run a diagram shows, and in which unit."""
+"""Node or element of a run shown in a diagram, and its unit."""
 
 from typing import Any, Literal, NamedTuple, TypeAlias
 
@@ -17,7 +17,7 @@ OF_ELEMENTS = ("torque", "force")
 
 
 class SelectedCurve(NamedTuple):
-    """The curve that a diagram shows.
+    """The curve of a diagram.
 
     Parameters
     ----------
@@ -30,7 +30,7 @@ class SelectedCurve(NamedTuple):
     label : str
         Of the axis, with its unit.
     factor : float
-        What a value in SI is multiplied by.
+        Factor from SI to the unit of the axis.
     of_element : bool
         Whether it is the load of an element, not the motion of a node.
     """
@@ -93,7 +93,7 @@ def units_of(quantity: Moving | None) -> tuple[str, str]:
     Parameters
     ----------
     quantity : {"torque", "force", "twist", "displacement"} or None
-        Either of those of a torsional or of an axial chain; None for a chain that does not say.
+        That of a torsional or of an axial chain; None for a chain of unknown kind.
 
     Raises
     ------
@@ -133,9 +133,9 @@ def motion_grid(
     quantity : str or None
         As for `units_of`.
     words : str, optional
-        What the motion is.
+        Quantity of the motion.
     **more
-        Other arrays of the dataset, as `grid` takes them.
+        Other arrays of the dataset, for `grid`.
 
     Raises
     ------

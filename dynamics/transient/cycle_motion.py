@@ -1,4 +1,4 @@
-"""What all motions that repeat with the cycle of a shaft show alike."""
+"""Common behavior of all motions that repeat with the cycle of a shaft."""
 
 from typing import Any
 
@@ -22,7 +22,7 @@ FINER = 4
 
 
 class CycleMotion:
-    """A cycle: its turns, angles (m,), motions (m, n) and torques (m, e), and how to look at them."""
+    """A cycle: its revolutions, angles (m,), motions (m, n) and torques (m, e), and its plots."""
 
     turns: int
     shaft_angle_deg: FloatArray
@@ -31,12 +31,12 @@ class CycleMotion:
 
     @property
     def amplitude(self) -> FloatArray:
-        """Half of the way between the extremes of each node [rad or m], (n,); inf if unbounded."""
+        """Half of the range of each node [rad or m], (n,); inf if unbounded."""
         return self._half_way(self.motion)
 
     @property
     def torque_amplitude(self) -> FloatArray:
-        """Half of the way between the extremes of each element [N m or N], (e,)."""
+        """Half of the range of each element [N m or N], (e,)."""
         return self._half_way(self.torque)
 
     def phasors(self, orders: ArrayLike) -> ComplexArray:
@@ -50,7 +50,7 @@ class CycleMotion:
         return self._phasors(orders, self.motion)
 
     def torque_phasors(self, orders: ArrayLike) -> ComplexArray:
-        """Return those of the elements' torque by orders, shape (K, e) [N m or N]; as `phasors`."""
+        """Return the phasors of the elements' torque by orders, shape (K, e) [N m or N]; as `phasors`."""
         return self._phasors(orders, self.torque)
 
     def plot(
@@ -61,7 +61,7 @@ class CycleMotion:
         Parameters
         ----------
         axes : matplotlib.axes.Axes, optional
-            Where to draw; those of a new figure if not given.
+            Where to draw; new axes by default.
         place : int or str, optional
             Element, or node for "twist" and "displacement", by number from 0 or name.
         quantity : {"torque", "force", "twist", "displacement"}, optional
@@ -74,7 +74,7 @@ class CycleMotion:
         Raises
         ------
         InputError
-            If it is not the motion of a chain, or there is no such place or quantity, or it is unbounded.
+            If it is not the motion of a chain, an element, node or quantity is unknown, or it is unbounded.
         """
         chain, speed = self._chain_and_speed()
         shown = format_quantity(speed, "rad/s", 5)
@@ -92,11 +92,11 @@ class CycleMotion:
         return axes
 
     def _chain_and_speed(self) -> tuple[Chain | None, float]:
-        """Return what vibrates, and the mean speed of the shaft [rad/s]."""
+        """Return the vibrating system, and the mean speed of the shaft [rad/s]."""
         raise NotImplementedError
 
     def _grid(self, quantity: Moving | None, **more: Any) -> Dataset:
-        """Return what all cycles have and `more`, over shaft angle, node and element."""
+        """Return the data common to all cycles and `more`, over shaft angle, node and element."""
         chain, _ = self._chain_and_speed()
         axis = {"shaft_angle": angle_axis(self.shaft_angle_deg)}
         return motion_grid(chain, axis, self.motion, self.torque, quantity, **more)

@@ -1,4 +1,4 @@
-"""Amplitudes of a vibration that changes over time, turn by turn."""
+"""Amplitudes of a vibration that changes over time, by revolution."""
 
 from dataclasses import dataclass
 from itertools import pairwise
@@ -25,7 +25,7 @@ from dynamics.transient.curve_selection import OF_ELEMENTS, Moving
 @summarized("turns", "time [s]", "speed [rad/s]", "motion", "torque")
 @dataclass(frozen=True, eq=False)
 class Envelope:
-    """Half of the way between the extremes within each window of whole turns.
+    """Half of the range within each window of whole revolutions.
 
     Parameters
     ----------
@@ -34,7 +34,7 @@ class Envelope:
     time : ndarray of shape (w,)
         Middle of each window [s].
     speed : ndarray of shape (w,)
-        There [rad/s].
+        Speed there [rad/s].
     motion : ndarray of shape (w, n)
         Of each node [rad or m].
     torque : ndarray of shape (w, e)
@@ -60,7 +60,7 @@ class Envelope:
         Parameters
         ----------
         axes : matplotlib.axes.Axes, optional
-            Where to draw; those of a new figure if not given.
+            Where to draw; new axes by default.
         place : int, optional
             Element, or node for "twist" and "displacement", from 0.
         quantity : {"torque", "force", "twist", "displacement"}, optional
@@ -73,7 +73,7 @@ class Envelope:
         Raises
         ------
         InputError
-            If there is no such place, quantity or axis.
+            If there is no such element, node, quantity or axis.
         """
         check_choice("quantity", quantity, MOVING, "amplitudes of these are known")
         check_choice("over", over, ("speed", "time"), "amplitudes are known over these")
@@ -111,17 +111,17 @@ def envelope_over(
         [s, rad/s, rad]
     motion, torque : ndarray of shape (m, n) and (m, e)
     turns : int
-        Of the shaft in one window: as many as the orders take to repeat, or more.
+        Revolutions of the shaft in one window: those after which the orders repeat, or more.
 
     Raises
     ------
     InputError
-        If the motion does not last for one window, or the number is not whole.
+        If the motion is shorter than one window, or the number is not whole.
 
     Notes
     -----
-    Windows begin at the start; what is left of one at the end is not used. Half of the way between
-    extremes leaves out whatever stays the same over the window, such as the twist by mean torque.
+    Windows begin at the start; an incomplete one at the end is not used. Half of the range
+    excludes whatever is constant over the window, such as the twist by mean torque.
     """
     count = whole_number("turns", turns, 1, "a window takes whole turns of the shaft")
     window = 2.0 * np.pi * count
@@ -158,7 +158,7 @@ def half_peak_to_peak(values: FloatArray) -> FloatArray:
     """Return half of the peak-to-peak value of samples (m, k), (k,).
 
     The extremes are those of the parabolas through the highest and the lowest sample and its
-    neighbors: with samples half a radian of a sine apart, the highest one alone may miss the peak by
+    neighbors: with samples half a radian of a sine apart, the highest sample may miss the peak by
     3 %, the parabola by 0.02 %.
     """
     if not values.shape[1]:

@@ -61,7 +61,7 @@ class OrderForces:
         return cls(excitation.orders, over_speed, np.ascontiguousarray(both))
 
     def check_speeds(self, lowest: float, highest: float) -> None:
-        """Refuse speeds for which the forces are not known.
+        """Refuse speeds for which the forces are unknown.
 
         Raises
         ------
@@ -113,7 +113,7 @@ def checked_step(step: float, orders: FloatArray, highest_speed: float) -> float
 
 
 def cycle_turns(orders: FloatArray) -> int:
-    """Return the least number of turns after which all orders repeat.
+    """Return the least number of revolutions after which all orders repeat.
 
     Raises
     ------
@@ -131,7 +131,7 @@ def cycle_turns(orders: FloatArray) -> int:
 
 
 def sampling_note(natural: FloatArray, step: float) -> str:
-    """Say which modes the samples at each step are too few to show, or nothing."""
+    """State which modes the samples at each step are too few to show, or nothing."""
     unseen = int(np.count_nonzero(natural * step > np.pi))
     if not unseen:
         return ""
@@ -143,7 +143,7 @@ def sampling_note(natural: FloatArray, step: float) -> str:
 
 
 def midpoint_residual(forces: FloatArray) -> tuple[FloatArray, NDArray[np.int64]]:
-    """Return what the polynomials of some steps miss at their midpoints, (k, q), and those steps.
+    """Return the errors of the polynomials of some steps at their midpoints, (k, q), and those steps.
 
     Parameters
     ----------

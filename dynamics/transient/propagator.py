@@ -1,4 +1,4 @@
-"""Exact steps through time of a linear system under forces that are polynomials within each step."""
+"""Exact time steps of a linear system under forces that are polynomials within each step."""
 
 from dataclasses import dataclass
 from math import factorial
@@ -16,25 +16,25 @@ PLACES = 0.5 + 0.5 * np.polynomial.legendre.leggauss(POINTS)[0]
 
 @dataclass(frozen=True, eq=False)
 class StateSpace:
-    """The equation of motion of the first order in time, in the undamped modes.
+    """The first-order equation of motion in the undamped modes.
 
     z = (w_r y_r of the elastic modes, their velocities, velocities of the rigid motions, their
-    displacements times the lowest elastic frequency), so that z' z / 2 is the energy but for the last.
+    displacements times the lowest elastic frequency), so that z' z / 2 is the energy except for the last.
 
     Parameters
     ----------
     matrix : ndarray of shape (2 q, 2 q)
         A of z' = A z + forces on velocities.
     velocities : ndarray of shape (q,)
-        Where in z the velocity of each mode stands, rigid motions first as in the system.
+        Indices in z of the velocity of each mode, rigid motions first as in the system.
     displacements : ndarray of shape (q,)
-        Where its displacement stands.
+        Indices of its displacement.
     scales : ndarray of shape (q,)
-        What displacements are multiplied by there [1/s].
+        Factor of displacements in z [1/s].
     inputs : ndarray of shape (n, q)
         Forces on the nodes to forces on the modes, by multiplication from the right.
     rigid : int
-        Number of rigid motions; their displacements stand last in z.
+        Number of rigid motions; their displacements are last in z.
     """
 
     matrix: FloatArray
@@ -95,9 +95,9 @@ class Propagator:
         Notes
         -----
         The integral of exp(A (h - s)) B (s/h)^k ds over the step is h k! phi_(k+1)(A h) B. All phi
-        come from one exponential: that of A h with B and a chain of unit matrices beside it (C. Van
-        Loan, IEEE Trans. Automatic Control 23 (1978) 395-404). No step is too long for a stiff
-        chain; what bounds it is how well the polynomials follow the forces.
+        come from one exponential: that of A h augmented with B and a chain of unit matrices (C. Van
+        Loan, IEEE Trans. Automatic Control 23 (1978) 395-404). The step is not limited by the stiffness of
+        the chain, only by the accuracy of the polynomials.
         """
         size, count = len(space.matrix), space.velocities.size
         whole = np.zeros((size + POINTS * count,) * 2)

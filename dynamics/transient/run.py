@@ -1,4 +1,4 @@
-"""Motion through time while the speed changes, cylinders fail or loads come and go."""
+"""Motion through time while the speed changes, cylinders fail or loads change."""
 
 import contextlib
 import math
@@ -43,14 +43,14 @@ SAME_STEP = 1e-11
 @summarized("time [s]", "shaft_speed [rad/s]", "torque", "complete", "force_error", "notes")
 @dataclass(frozen=True, eq=False)
 class TransientMotion(ShaftRun):
-    """How a chain or system moved.
+    """Motion of a chain or system over time.
 
     Parameters
     ----------
     time, shaft_speed, shaft_angle_deg : ndarray of shape (m,)
         [s, rad/s, deg]
     motion : ndarray of shape (m, n)
-        Of the nodes, beside the even turning [rad or m]; in a free system less its rigid-body
+        Of the nodes, relative to the uniform rotation [rad or m]; in a free system without its rigid-body
         motion.
     rigid_motion : ndarray of shape (m, n)
         Of a free system, due to the forces alone [rad or m]; zero where the system is held.
@@ -59,14 +59,14 @@ class TransientMotion(ShaftRun):
     complete : bool
         False if the run was interrupted; the arrays then end there.
     step : float
-        The longest [s].
+        Longest step [s].
     force_error : float
-        Largest difference between the forces and the polynomials that stand for them within steps,
-        beside the largest force on each mode. All else is exact.
+        Largest difference between the forces and the polynomials that replace them within steps,
+        relative to the largest force on each mode. All else is exact.
     orders : ndarray of shape (K,)
-        Of all excitations.
+        Orders of all excitations.
     system : ViscousSystem
-        What vibrates.
+        The vibrating system.
     notes : tuple of str
     """
 
@@ -85,22 +85,22 @@ class TransientMotion(ShaftRun):
 
     @property
     def turns(self) -> int:
-        """After which the orders repeat.
+        """Revolutions after which the orders repeat.
 
         Raises
         ------
         InputError
-            If they do not within 12 turns; `envelope` then has to be told how many to take.
+            If they do not within 12 revolutions; then give `envelope` the number.
         """
         return cycle_turns(self.orders)
 
     def envelope(self, turns: int | None = None, *, rigid: bool = False) -> Envelope:
-        """Return the amplitudes in windows of so many turns; by default as the orders repeat.
+        """Return the amplitudes in windows of whole revolutions; by default as the orders repeat.
 
         Parameters
         ----------
         turns : int, optional
-            Of the shaft in one window.
+            Revolutions of the shaft in one window.
         rigid : bool, optional
             Whether rigid-body motion counts, as it does in `SteadyMotion` and `forced_response`.
 
@@ -117,8 +117,8 @@ class TransientMotion(ShaftRun):
         Parameters
         ----------
         quantity : {"torque", "force", "twist", "displacement"}, optional
-            What the values are: torque or twist of a torsional chain, force or displacement of an axial
-            one. A chain does not say which it is: without it units are "rad or m" and "N m or N".
+            Quantity of the values: torque or twist of a torsional chain, force or displacement of an axial
+            one. A chain does not determine it: by default units are "rad or m" and "N m or N".
 
         Returns
         -------
@@ -149,7 +149,7 @@ def transient_motion(
     progress: Callable[[float], None] | None = None,
     **damping: Unpack[ViscousDamping],
 ) -> TransientMotion:
-    """Follow the vibration through time while the shaft turns at a given, changing speed.
+    """Integrate the vibration over time while the shaft turns at a given, changing speed.
 
     Parameters
     ----------
@@ -160,23 +160,23 @@ def transient_motion(
     speed : SpeedCurve
         Within the speeds of the excitation.
     changes : sequence of (float, OrderExcitation), optional
-        Excitations that take over at given times [s], ascending, as after a cylinder has failed.
+        Excitations that replace it at given times [s], ascending, such as after a cylinder has failed.
     loads : sequence of LoadStep, optional
-        Torques or forces that come in addition. The speed is given: it does not answer to them.
+        Additional torques or forces. The speed is given: it does not react to them.
     start : {"steady", "rest"}
-        Whether the motion begins as that at the first speed, kept forever, or from no motion.
+        Whether the motion starts as the steady one at the first speed, or from rest.
     step : float, optional
         Longest step, which is also that of the results [s]; by default each covers half a radian of
         the highest order at the highest speed.
     progress : callable, optional
-        Told the share that is done, between 0 and 1, every 2000 steps.
+        Called with the share done, between 0 and 1, every 2000 steps.
     **damping
         loss_as, loss_frequency, magnifier, modal_damping, as for `viscous_system`.
 
     Returns
     -------
     TransientMotion
-        On KeyboardInterrupt, from the keyboard or from `progress`, what was finished until then.
+        On KeyboardInterrupt, from the keyboard or from `progress`, the part finished until then.
 
     Raises
     ------
@@ -186,9 +186,9 @@ def transient_motion(
 
     Notes
     -----
-    Each step is exact for forces that are polynomials of the fifth degree within it, met at six
-    Gauss points; changes, points of the speed curve and loads' beginnings and ends lie between
-    steps. How stiff the chain is does not bound the step.
+    Each step is exact for forces that are polynomials of the fifth degree within it, fitted at six
+    Gauss points; changes, points of the speed curve and starts and ends of loads are between
+    steps. The stiffness of the chain does not limit the step.
     """
     system = viscous_system(chain_or_system, **damping)
     space = StateSpace.of(system.system)
@@ -205,7 +205,7 @@ def transient_motion(
     count, each = sum(piece.steps for piece in pieces), len(space.matrix) + 3 * len(space.inputs)
     if count * each > MOST_NUMBERS:
         raise InputError(
-            f"speed: given a curve that takes {count} steps; allowed are {int(MOST_NUMBERS / each)}, "
+            f"speed: given a curve that takes {count} steps; allowed is {int(MOST_NUMBERS / each)} at most, "
             "because the results of all steps are kept in memory."
         )
     state = np.zeros(len(space.matrix))
@@ -243,7 +243,7 @@ def _integrate_segments(
     start: FloatArray,
     progress: Callable[[float], None] | None,
 ) -> tuple[FloatArray, FloatArray, float, bool]:
-    """Return times (m,), states (m, 2 q), the error of the forces, and whether all is done."""
+    """Return times (m,), states (m, 2 q), the error of the forces, and whether the run is complete."""
     count = 1 + sum(piece.steps for piece in pieces)
     times, states = np.empty(count), np.empty((count, start.size))
     times[0], states[0] = pieces[0].start, start

@@ -1,4 +1,4 @@
-"""What all runs of a shaft through time show alike."""
+"""Common behavior of all runs of a shaft over time."""
 
 from typing import Any
 
@@ -15,7 +15,7 @@ from dynamics.transient.viscous import ViscousSystem
 
 
 class ShaftRun:
-    """A run: time, speed, angle, motions (m, n) and torques (m, e), and how to look at them."""
+    """A run: time, speed, angle, motions (m, n) and torques (m, e), and its plots."""
 
     time: FloatArray
     shaft_speed: FloatArray
@@ -25,7 +25,7 @@ class ShaftRun:
     system: ViscousSystem
 
     def envelope(self, turns: int | None = None) -> Envelope:
-        """Return the amplitudes in windows of so many turns; by default as the run repeats.
+        """Return the amplitudes in windows of whole revolutions; by default as the run repeats.
 
         Raises
         ------
@@ -58,7 +58,7 @@ class ShaftRun:
         Parameters
         ----------
         axes : matplotlib.axes.Axes, optional
-            Where to draw; those of a new figure if not given.
+            Where to draw; new axes by default.
         place : int or str, optional
             Element, or node for "twist" and "displacement", by number from 0 or name.
         quantity : {"torque", "force", "twist", "displacement"}, optional
@@ -66,7 +66,7 @@ class ShaftRun:
         steady : (speeds [rad/s], amplitudes), optional
             Amplitudes at constant speeds, ascending, drawn where the run passes these speeds.
         turns : int, optional
-            Of the shaft for which one amplitude is taken; by default after which the run repeats.
+            Revolutions of the shaft for one amplitude; by default those after which the run repeats.
 
         Returns
         -------
@@ -75,7 +75,7 @@ class ShaftRun:
         Raises
         ------
         InputError
-            If it is not the run of a chain, there is no such place or quantity, the run is shorter than
+            If it is not the run of a chain, an element, node or quantity is unknown, the run is shorter than
             one window of its envelope, or steady amplitudes do not fit their speeds.
         """
         picked = select_curve(self.system.chain, quantity, place, self.motion, self.torque)
@@ -93,7 +93,7 @@ class ShaftRun:
         return plot_run(axes, self.time, self.shaft_speed, curve, steady)
 
     def _grid(self, quantity: Moving | None, **more: Any) -> Dataset:
-        """Return what all runs have and `more`, over time, node and element."""
+        """Return the data common to all runs and `more`, over time, node and element."""
         return motion_grid(
             self.system.chain,
             {"time": time_axis(self.time)},

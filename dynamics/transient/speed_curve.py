@@ -1,4 +1,4 @@
-"""The speed of a shaft over time, and the angle through which it has turned."""
+"""The speed of a shaft over time, and its angle."""
 
 import math
 from collections.abc import Callable
@@ -34,7 +34,7 @@ ROUND_OFF = 1e-14
 @summarized("times [s]", "speeds [rad/s]", "duration [s]")
 @dataclass(frozen=True, eq=False)
 class SpeedCurve:
-    """The speed over time, straight between the values given; the angle is its integral.
+    """The speed over time, linear between the values given; the angle is its integral.
 
     Parameters
     ----------
@@ -95,16 +95,16 @@ class SpeedCurve:
         duration: float | None = None,
         start_angle_deg: float = 0.0,
     ) -> "SpeedCurve":
-        """Return an even run-up, or run-down, from time zero.
+        """Return a uniform run-up, or run-down, from time zero.
 
         Parameters
         ----------
         start_speed, end_speed : float
             [rad/s]
         acceleration : float, optional
-            Its size, whichever way the speed goes [rad/s^2].
+            Its magnitude, for either direction [rad/s^2].
         duration : float, optional
-            In its place [s].
+            Alternatively, duration [s].
         start_angle_deg : float, optional
             [deg]
 
@@ -143,7 +143,7 @@ class SpeedCurve:
         samples: int = 1001,
         start_angle_deg: float = 0.0,
     ) -> "SpeedCurve":
-        """Return the straight pieces through a function time [s] -> speed [rad/s] from time zero."""
+        """Return the linear pieces through a function time [s] -> speed [rad/s] from time zero."""
         end = positive_number("duration", duration, "s", "time runs forward")
         count = whole_number("samples", samples, 2, "start and end are among them")
         times = np.linspace(0.0, end, count)
@@ -164,7 +164,7 @@ class SpeedCurve:
         Raises
         ------
         InputError
-            If a time lies outside.
+            If a time is outside.
         """
         return np.asarray(np.interp(self._checked(time), self.times, self.speeds))
 
@@ -174,7 +174,7 @@ class SpeedCurve:
         Raises
         ------
         InputError
-            If a time lies outside.
+            If a time is outside.
         """
         times = self._checked(time)
         piece = np.clip(np.searchsorted(self.times, times, "right") - 1, 0, self.times.size - 2)
@@ -185,7 +185,7 @@ class SpeedCurve:
         )
 
     def time_at(self, *, angle_deg: ArrayLike) -> FloatArray:
-        """Return when the shaft passes angles [deg], such as that at which a cylinder would fire.
+        """Return the times at which the shaft passes angles [deg], such as firing angles.
 
         Raises
         ------
@@ -232,7 +232,7 @@ class SpeedCurve:
         Parameters
         ----------
         axes : matplotlib.axes.Axes, optional
-            Where to draw; those of a new figure if not given.
+            Where to draw; new axes by default.
 
         Returns
         -------

@@ -44,10 +44,10 @@ class SteadyMotion(CycleMotion):
     turns : int
         Of the shaft in one cycle.
     shaft_angle_deg : ndarray of shape (m,)
-        Even over the cycle, without its end [deg].
+        Evenly over the cycle, without its end [deg].
     motion : ndarray of shape (m, n)
         Of the nodes [rad or m]; zero if it is unbounded. Rigid-body motion of a free system is that
-        which the forces bring about, of mean zero.
+        caused by the forces, with zero mean.
     torque : ndarray of shape (m, e)
         Of the spring of each element of a chain [N m or N]; e is 0 for other systems.
     unbounded : bool
@@ -55,7 +55,7 @@ class SteadyMotion(CycleMotion):
     step : float
         [s]
     system : ViscousSystem
-        What vibrates.
+        The vibrating system.
     note : str
         How loss factors were replaced; empty if there are none.
     """
@@ -81,8 +81,8 @@ class SteadyMotion(CycleMotion):
         Parameters
         ----------
         quantity : {"torque", "force", "twist", "displacement"}, optional
-            What the values are: torque or twist of a torsional chain, force or displacement of an axial
-            one. A chain does not say which it is: without it units are "rad or m" and "N m or N".
+            Quantity of the values: torque or twist of a torsional chain, force or displacement of an axial
+            one. A chain does not determine it: by default units are "rad or m" and "N m or N".
 
         Returns
         -------
@@ -125,7 +125,7 @@ def steady_motion(
     speed : float
         Within those of the excitation [rad/s].
     steps : int, optional
-        Per cycle, even; by default so many that each covers half a radian of the highest order.
+        Number of steps per cycle; by default each covers half a radian of the highest order.
     **damping
         loss_as, loss_frequency, magnifier, modal_damping, as for `viscous_system`.
 
@@ -136,15 +136,15 @@ def steady_motion(
     Raises
     ------
     InputError
-        If the speed is not above zero or outside of the excitation's, the steps do not resolve the
+        If the speed is not above zero or outside the excitation's, the steps do not resolve the
         highest order, orders have no common cycle, or damping is out of range.
 
     Notes
     -----
     Over a cycle of time T the state becomes z(T) = Phi z(0) + z_p, so that it repeats for
-    (I - Phi) z(0) = z_p. Nothing depends on the place of rigid motions: it is no unknown, but that
-    it repeats is an equation, which also settles a speed that no damping holds. Then the mean place
-    over the cycle is taken off.
+    (I - Phi) z(0) = z_p. Nothing depends on the position of rigid motions: it is not an unknown, but its
+    periodicity is an equation, which also determines a speed that no damping holds. Then the mean position
+    over the cycle is subtracted.
     """
     at_speed = positive_number("speed", speed, "rad/s", "the shaft turns forward")
     system = viscous_system(chain_or_system, **damping)
@@ -158,7 +158,7 @@ def steady_from(
     start_angle: float,
     steps: int | None = None,
 ) -> tuple[SteadyMotion, FloatArray]:
-    """Return the steady motion over a cycle from a shaft angle on, and the state at its start."""
+    """Return the steady motion over a cycle from a shaft angle, and the state at its start."""
     space = StateSpace.of(system.system)
     forces = OrderForces.of(excitation, space.inputs)
     forces.check_speeds(speed, speed)
@@ -206,7 +206,7 @@ def spring_torques(chain: Chain | None, motion: FloatArray) -> FloatArray:
 def _periodic_start(
     space: StateSpace, propagator: Propagator, forces: FloatArray, period: float
 ) -> tuple[FloatArray, bool]:
-    """Return the state that comes back after the cycle, and whether none does."""
+    """Return the state that repeats after the cycle, and whether there is none."""
     size = len(space.matrix)
     free = size - space.rigid
     gained = propagator.propagate(np.zeros(size), forces)[-1]

@@ -21,7 +21,7 @@ NEGLIGIBLE = 1e-14
 
 @dataclass(frozen=True, eq=False)
 class ThrowCurves:
-    """What t throws do, each by its own angle: y = mean + Re sum of a_k exp(i k theta).
+    """Curves of t throws, each over its own angle: y = mean + Re sum of a_k exp(i k theta).
 
     Parameters
     ----------
@@ -44,7 +44,7 @@ class ThrowCurves:
     torque: ComplexArray
 
     def at(self, angles: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """Return inertia, its derivative by the angle, and torque at angles (c, t), each so."""
+        """Return inertia, its derivative by the angle, and torque at angles (c, t), each of that shape."""
         table = self._table
         # Waves of all orders by repeated multiplication: it costs a tenth of exponentials.
         waves = np.empty((*angles.shape, table.shape[1]), dtype=np.complex128)
@@ -56,7 +56,7 @@ class ThrowCurves:
 
     @cached_property
     def _step(self) -> float:
-        """Of which all orders are multiples."""
+        """Order of which all orders are multiples."""
         return 1.0 / cycle_turns(self.orders) if self.orders.size else 1.0
 
     @cached_property
@@ -91,7 +91,7 @@ def throw_inertia_curves(
     Raises
     ------
     InputError
-        If there is no such model, or a rod passes so barely that its harmonics do not fade out.
+        If there is no such model, or a rod is so short that its harmonics do not decay.
     """
     models = rod_models(engine, model)
 

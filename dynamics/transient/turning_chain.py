@@ -1,4 +1,4 @@
-"""A torsional chain that turns with its rods and pistons: the full equations of motion."""
+"""A rotating torsional chain with its rods and pistons: the full equations of motion."""
 
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -43,7 +43,7 @@ class TurningChain:
     relative_damping, ground_damping : ndarray of shape (q, q)
         [N m s/rad]
     even : ndarray of shape (q,)
-        Even turning: motion of the unknowns per shaft angle.
+        Uniform rotation: motion of the unknowns per shaft angle.
     load : ndarray of shape (q,)
         Braking torques on the unknowns per torque of the load.
     """
@@ -59,7 +59,7 @@ class TurningChain:
 
     @cached_property
     def separate(self) -> bool:
-        """Whether each unknown has its own inertia, with none between them."""
+        """Whether each unknown has its own inertia, without coupling inertias."""
         diagonal = np.array_equal(self.constant_mass, np.diag(np.diag(self.constant_mass)))
         return diagonal and bool(np.all((self.throws == 0.0) | (self.throws == 1.0)))
 
@@ -107,26 +107,26 @@ class TurningChain:
     def torques(
         self, twist: FloatArray, speeds: FloatArray, even_turning: FloatArray, reference: FloatArray
     ) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
-        """Return torques on the unknowns of springs, dampers and gas, and what accelerates.
+        """Return the torques of springs, dampers and gas on the unknowns, and the inertia terms.
 
         Parameters
         ----------
         twist : ndarray of shape (c, q)
-            Unknowns less even turning [rad], of c copies of the chain.
+            Unknowns minus uniform rotation [rad], of c copies of the chain.
         speeds : ndarray of shape (c, q)
             [rad/s]
         even_turning : ndarray of shape (c,)
-            Of the shaft, beside which the twist is counted [rad].
+            Of the shaft, relative to which the twist is counted [rad].
         reference : ndarray of shape (c,)
-            Shaft speed that dampers to ground turn with [rad/s].
+            Shaft speed of the dampers to ground [rad/s].
 
         Returns
         -------
         springs, dampers, gas : ndarray of shape (c, q)
             [N m]
         inertia : ndarray of shape (c, t, 2)
-            Inertia of rods and pistons on each throw [kg m^2], and the torque by its change that
-            brakes the throw, I' w^2 / 2 [N m].
+            Inertia of rods and pistons on each throw [kg m^2], and the braking torque by its
+            change, I' w^2 / 2 [N m].
 
         Raises
         ------
@@ -181,12 +181,12 @@ class TurningChain:
             check_shape(name, values, (count, self.even.size))
 
     def torque_size(self, speed: float) -> float:
-        """Return how large the torques on one throw may be at a shaft speed [rad/s], in N m.
+        """Return the order of magnitude of the torques on one throw at a shaft speed [rad/s], in N m.
 
         Raises
         ------
         InputError
-            If the speed is no finite number, or higher than any.
+            If the speed is not a finite number, or unrealistically high.
         """
         speed = float(turning_speeds("speed", speed))
         curves = self.curves
@@ -212,16 +212,16 @@ def turning_chain(
     ----------
     engine : EngineLayout
     engine_chain : EngineChain
-        Torsional, not held by ground stiffness. The inertia of each throw in it stands for shaft,
-        rods and pistons together: the mean inertia of rods and pistons is taken off, and their exact
-        one by the throw's own angle put in its place.
+        Torsional, not held by ground stiffness. The inertia of each throw in it includes shaft,
+        rods and pistons: the mean inertia of rods and pistons is subtracted and replaced by the exact
+        one over the throw's own angle.
     gas : CylinderForces
         From `cylinder_forces(..., inertia=False)`: inertia forces follow from the equations here.
-        Torques are taken as functions of the throw's own angle.
+        Torques are functions of the throw's own angle.
     speed_index : int, optional
         Which of its speeds, from 0.
     load_node : int, optional
-        Where the load brakes, from 0; by default the last node.
+        Node where the load brakes, from 0; by default the last node.
     model : str, optional
         Of the rods, one of `ROD_MODELS`.
     **damping
@@ -241,7 +241,7 @@ def turning_chain(
     Notes
     -----
     With absolute angles theta of the unknowns, I_i the inertia of rods and pistons on throw i, and
-    M_0 what is left of the chain's inertia, Lagrange's equations of the energy
+    M_0 the rest of the chain's inertia, Lagrange's equations of the energy
     (theta' M_0 theta' + sum of I_i(theta_i) theta_i'^2) / 2 are M_0 theta'' + sum over the throws of
     (I_i theta_i'' + I_i' theta_i'^2 / 2) = torques of springs, dampers, gas and load.
     """
@@ -279,7 +279,7 @@ def assemble_turning_chain(
     Raises
     ------
     InputError
-        If a node of a throw has no inertia left beside rods and pistons, or turns at another speed.
+        If a node of a throw has no inertia left besides rods and pistons, or turns at another speed.
     """
     chain, linear = system.chain, system.system
     assert chain is not None

@@ -1,4 +1,4 @@
-"""Steady running of a turning chain with variable inertia at a mean speed."""
+"""Steady running of a rotating chain with variable inertia at a mean speed."""
 
 import math
 from collections.abc import Callable
@@ -45,23 +45,23 @@ class TurningCycle(CycleMotion):
     turns : int
         Of the shaft in the cycle.
     load : float
-        Constant moment that brakes [N m].
+        Constant braking moment [N m].
     shaft_angle_deg : ndarray of shape (m,)
-        Mean speed times time, even over the cycle, without its end [deg].
+        Mean speed times time, evenly over the cycle, without its end [deg].
     motion : ndarray of shape (m, n)
-        Angle of each node beside its even turning [rad]; the mean includes the twist by the torque
-        passed on.
+        Angle of each node relative to its uniform rotation [rad]; the mean includes the twist by the
+        transmitted torque.
     speed : ndarray of shape (m, n)
         Of each node [rad/s].
     torque : ndarray of shape (m, e)
         Of the spring of each element, mean included [N m].
     gas_work, load_work, damping_work : float
-        Over the cycle, positive when it drives [J]; damping includes what its dampers to ground, which
-        turn evenly, bring in.
+        Over the cycle, positive when it drives [J]; damping includes the power input of its dampers to
+        ground, which turn uniformly.
     energy_error : float
-        Sum of the works, which should be zero, beside the largest of them and of the swing of energy.
+        Sum of the works, ideally zero, relative to the largest of them and to the fluctuation of energy.
     closing_error : float
-        By what share of the largest motion the cycle does not close.
+        Closing error of the cycle, as a share of the largest motion.
     chain : TurningChain
     note : str
         How loss factors were replaced; empty if there are none.
@@ -109,17 +109,17 @@ def steady_cycle(
     method: IntegrationMethod = "DOP853",
     samples: int | None = None,
 ) -> TurningCycle:
-    """Find the cycle that repeats at a mean speed, and the constant load that keeps it.
+    """Find the periodic cycle at a mean speed, and the constant load that keeps it.
 
     Parameters
     ----------
     chain : TurningChain
-        As `turning_chain` makes it.
+        From `turning_chain`.
     mean_speed : float
         [rad/s]
     method : {"DOP853", "Radau"}
-        Of `scipy.integrate.solve_ivp`: explicit of the eighth order, or implicit where a chain is so
-        stiff that its highest frequency, not the motion, would set the step.
+        Of `scipy.integrate.solve_ivp`: explicit of the eighth order, or implicit for a chain so
+        stiff that its highest frequency, not the motion, would limit the step.
     samples : int, optional
         Over the cycle; by default eight per period of the highest order, 360 at least.
 
@@ -135,10 +135,10 @@ def steady_cycle(
 
     Notes
     -----
-    Shooting: what is sought is the state at the start and the load for which the state is the same
-    after the cycle and the mean place of the shaft is that of even turning. Derivatives come from
-    disturbed copies of the chain, all integrated at once; from trial to trial they are corrected by
-    what the trial has shown (C. G. Broyden, Mathematics of Computation 19 (1965) 577-593).
+    Shooting: the unknowns are the state at the start and the load for which the state is the same
+    after the cycle and the mean position of the shaft is that of uniform rotation. Derivatives come from
+    perturbed copies of the chain, all integrated at once; from trial to trial they are updated
+    (C. G. Broyden, Mathematics of Computation 19 (1965) 577-593).
     """
     speed = positive_number("mean_speed", mean_speed, "rad/s", "the shaft turns forward")
     check_method(method)
@@ -158,7 +158,7 @@ def steady_cycle(
 
 @dataclass(frozen=True, eq=False)
 class _Shooting:
-    """The conditions of a closed cycle; unknowns and misses count in sizes of the state."""
+    """The conditions of a periodic cycle; unknowns and residuals are scaled by the state."""
 
     chain: TurningChain
     speed: float
@@ -203,7 +203,7 @@ class _Shooting:
         return found
 
     def solved(self) -> tuple[FloatArray, float]:
-        """Return the unknowns (2 q + 1,) of the cycle that closes, and what it still misses."""
+        """Return the unknowns (2 q + 1,) of the periodic cycle, and their residual."""
         size = self.count + 1
         unknowns = np.zeros(size)
         mean = float(self.chain.curves.torque_mean.sum())
@@ -227,7 +227,7 @@ class _Shooting:
         raise InputError(self.unsteady())
 
     def unsteady(self) -> str:
-        """Say that no cycle closes."""
+        """Report that no cycle is periodic."""
         return (
             f"mean_speed: given {self.speed:g} rad/s; allowed is a speed at which the shaft runs steadily, "
             "because no cycle was found that repeats."

@@ -1,4 +1,4 @@
-"""The equations of a turning chain as a state over time, ready for an integrator."""
+"""The equations of a rotating chain as a state over time, for an integrator."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -21,7 +21,7 @@ FIRST_STEP = 0.1
 
 @dataclass(frozen=True, eq=False)
 class TurningState:
-    """Columns of a state array (c, 2 q + 4) of c copies of a chain, beside even turning at a speed.
+    """Columns of a state array (c, 2 q + 4) of c copies of a chain, relative to uniform rotation.
 
     They are twist, its speed, works of gas, load and dampers, and the integral over time of the
     shaft's part of the twist.
@@ -30,13 +30,13 @@ class TurningState:
     ----------
     chain : TurningChain
     frame : float
-        Speed of the even turning that twists are counted from [rad/s].
+        Speed of the uniform rotation that twists are counted from [rad/s].
     holds : bool
-        Whether dampers to ground turn at that speed, or at the mean speed of the moment.
+        Whether dampers to ground turn at that speed, or at the current mean speed.
     load : callable
-        Shaft speeds (c,) [rad/s] and time [s] to the moments that brake (c,) [N m].
+        Shaft speeds (c,) [rad/s] and time [s] to the braking moments (c,) [N m].
     typical_speed : float
-        Of the shaft, from which follows how large torques and motions are [rad/s].
+        Of the shaft, for the scale of torques and motions [rad/s].
     """
 
     chain: TurningChain
@@ -52,7 +52,7 @@ class TurningState:
 
     @cached_property
     def sizes(self) -> FloatArray:
-        """What counts as large for each column, (2 q + 4,)."""
+        """Scale of each column, (2 q + 4,)."""
         chain = self.chain
         rigid = chain.system.system.rigid.shape[1]
         lowest = float(chain.system.system.natural[rigid])
@@ -121,7 +121,7 @@ class TurningState:
 
 
 def check_method(method: str) -> None:
-    """Refuse a method of integration that there is not.
+    """Refuse an unknown method of integration.
 
     Raises
     ------

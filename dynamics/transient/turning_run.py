@@ -1,4 +1,4 @@
-"""A turning chain with variable inertia left to gas and load: run-up, failing load, stopping."""
+"""A rotating chain with variable inertia under gas and load: run-up, failing load, stopping."""
 
 import contextlib
 import math
@@ -37,16 +37,16 @@ Load = Callable[[float, float], float]
 @summarized("time [s]", "speed [rad/s]", "turns", "complete", "energy_error", "notes")
 @dataclass(frozen=True, eq=False)
 class TurningRun(ShaftRun):
-    """How a shaft turned by itself.
+    """Free rotation of a shaft over time.
 
     Parameters
     ----------
     time : ndarray of shape (m,)
         [s]
     shaft_angle_deg, shaft_speed : ndarray of shape (m,)
-        Of even turning with the same angular momentum about the shaft [deg, rad/s].
+        Of uniform rotation with the same angular momentum about the shaft [deg, rad/s].
     motion : ndarray of shape (m, n)
-        Angle of each node beside that [rad], twist by mean torques included.
+        Angle of each node relative to it [rad], twist by mean torques included.
     speed : ndarray of shape (m, n)
         Of each node [rad/s].
     torque : ndarray of shape (m, e)
@@ -54,9 +54,9 @@ class TurningRun(ShaftRun):
     kinetic_energy, strain_energy : ndarray of shape (m,)
         [J]
     gas_work, load_work, damping_work : ndarray of shape (m,)
-        Since the start, positive when it drove [J].
+        Since the start, positive for driving work [J].
     turns : int
-        After which gas and inertia repeat.
+        Revolutions after which gas and inertia repeat.
     complete : bool
         False if the run was interrupted or the shaft stopped; the arrays then end there.
     system : ViscousSystem
@@ -82,7 +82,7 @@ class TurningRun(ShaftRun):
 
     @property
     def energy_error(self) -> float:
-        """Largest difference of energy gained and work done, beside the largest energy."""
+        """Largest difference of energy gained and work done, relative to the largest energy."""
         energy = self.kinetic_energy + self.strain_energy
         done = self.gas_work + self.load_work + self.damping_work
         return float(np.max(np.abs(energy - energy[0] - done)) / np.max(energy))
@@ -118,39 +118,39 @@ def turn_under_gas(
     samples_per_turn: int = 180,
     progress: Callable[[float], None] | None = None,
 ) -> TurningRun:
-    """Follow a shaft that gas and load turn, from even turning without twist at shaft angle zero.
+    """Integrate a shaft driven by gas and load, from uniform rotation without twist at shaft angle zero.
 
     Parameters
     ----------
     chain : TurningChain
-        As `turning_chain` makes it.
+        From `turning_chain`.
     start_speed : float
         [rad/s]
     duration : float
-        At most a day [s], and 20,000 turns.
+        At most a day [s], and 20,000 revolutions.
     load : float or callable, optional
-        Moment that brakes at the load's node [N m], or a callable (shaft speed [rad/s], time [s]) ->
-        moment: a governor is load = mean + gain (speed - wanted speed).
+        Braking moment at the load's node [N m], or a callable (shaft speed [rad/s], time [s]) ->
+        moment: a governor is load = mean + gain (speed - set speed).
     changes : tuple of (float, TurningChain), optional
-        Chains of the same matrices with other gas that take over at given times [s], ascending, as
+        Chains of the same matrices with other gas that replace it at given times [s], ascending, such as
         after a cylinder has failed.
     method : {"DOP853", "Radau"}
         As for `steady_cycle`.
     samples_per_turn : int, optional
         Of the results.
     progress : callable, optional
-        Told the share that is done after each turn, between 0 and 1.
+        Called with the share done after each revolution, between 0 and 1.
 
     Returns
     -------
     TurningRun
-        On KeyboardInterrupt, from the keyboard or from `progress`, the turns finished until then.
+        On KeyboardInterrupt, from the keyboard or from `progress`, the revolutions finished until then.
 
     Raises
     ------
     InputError
         If a number is out of range, changes do not ascend within the run or have other matrices, or
-        the load gives no finite moment.
+        the load is not a finite moment.
     """
     speed = positive_number("start_speed", start_speed, "rad/s", "the shaft turns forward")
     end = run_time("duration", duration)
@@ -201,7 +201,7 @@ def _turn(
     method: IntegrationMethod,
     told: int,
 ) -> tuple[float, FloatArray, FloatArray, bool]:
-    """Follow about one turn; return its end, times (m,), states there (m, ...), whether it stops."""
+    """Integrate about one revolution; return its end, times (m,), states (m, ...), whether it stops."""
     chain, count = state.chain, state.chain.even.size
     speed = float(now[count : 2 * count] @ chain.momentum)
     span = 2.0 * np.pi / speed

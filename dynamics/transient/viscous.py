@@ -1,4 +1,4 @@
-"""A system with viscous damping in place of loss factors, which have no meaning over time."""
+"""A system with viscous damping in place of loss factors, which are undefined over time."""
 
 from dataclasses import dataclass, replace
 from typing import Literal, TypedDict, get_args
@@ -18,7 +18,7 @@ LossAs = Literal["viscous", "modal"]
 
 
 class ViscousDamping(TypedDict, total=False):
-    """What `viscous_system` is told of damping, which see."""
+    """Damping arguments of `viscous_system`, which see."""
 
     loss_as: LossAs
     loss_frequency: float | None
@@ -29,14 +29,14 @@ class ViscousDamping(TypedDict, total=False):
 @summarized("system.natural", "note")
 @dataclass(frozen=True, eq=False)
 class ViscousSystem:
-    """A linear system that can be followed through time.
+    """A linear system that can be integrated over time.
 
     Parameters
     ----------
     system : LinearSystem
         Without hysteretic damping.
     chain : Chain or None
-        What it was made from.
+        Its origin.
     note : str
         How loss factors were replaced; empty if there are none.
     """
@@ -61,9 +61,9 @@ def viscous_system(
     chain_or_system : Chain or LinearSystem
     loss_as : {"viscous", "modal"}
         "viscous": each element of loss factor eta and stiffness k gets a damper of
-        eta k / w, right at one angular frequency w. "modal": each elastic mode gets half of its own
-        loss factor as share of critical damping, right at the frequency of each mode, the coupling
-        of modes by damping being left out.
+        eta k / w, exact at one angular frequency w. "modal": each elastic mode gets half of its own
+        loss factor as share of critical damping, exact at the frequency of each mode, without the
+        coupling of modes by damping.
     loss_frequency : float, optional
         w for "viscous" [rad/s]; the lowest elastic mode's by default.
     magnifier : float, optional
@@ -83,8 +83,8 @@ def viscous_system(
 
     Notes
     -----
-    Under harmonic motion of angular frequency W a loss factor brings the force i eta k x, a damper
-    i W c x: with c = eta k / w the energy lost in a cycle is right at W = w and off by W / w
+    Under harmonic motion of angular frequency W a loss factor causes the force i eta k x, a damper
+    i W c x: with c = eta k / w the energy lost in a cycle is exact at W = w and wrong by W / w
     elsewhere. The mode of natural frequency w_r and shape x_r has the loss factor
     x_r' H x_r / (w_r^2 x_r' M x_r).
     """

@@ -1,1 +1,1 @@
-"""A crank that turns freely under gas, load and friction: over time, over the angle, steadily."""
+"""A free-running crank under gas, load and friction: over time, over the angle, in steady running."""

@@ -1,4 +1,4 @@
-"""Quantities that repeat with every turn of the shaft, ready for quick evaluation at any angle."""
+"""Periodic quantities of the shaft angle, for quick evaluation at any angle."""
 
 import functools
 import math
@@ -21,7 +21,7 @@ NEGLIGIBLE = 1e-17
 
 @dataclass(frozen=True, eq=False)
 class TurnCurves:
-    """Several curves over one turn as Fourier series, which know their derivatives.
+    """Several periodic curves as Fourier series, with derivatives.
 
     Parameters
     ----------
@@ -43,7 +43,7 @@ class TurnCurves:
 
 
 def turn_curves(function: Callable[[FloatArray], FloatArray]) -> TurnCurves:
-    """Return the series of curves over a turn.
+    """Return the series of curves over a revolution.
 
     Parameters
     ----------
@@ -53,7 +53,7 @@ def turn_curves(function: Callable[[FloatArray], FloatArray]) -> TurnCurves:
     Raises
     ------
     InputError
-        If a curve's harmonics do not fade out.
+        If a curve's harmonics do not decay.
     """
     largest = np.max(
         np.abs(function(even_angles(2.0 * np.pi, SIZE_SAMPLES))), axis=1, keepdims=True
@@ -69,7 +69,7 @@ def turn_curves(function: Callable[[FloatArray], FloatArray]) -> TurnCurves:
 
 
 def engine_curves(engine: EngineLayout, models: tuple[RodModel, ...]) -> TurnCurves:
-    """Return the curves of an engine: places of the n pistons, inertia, static moment upwards.
+    """Return the curves of an engine: positions of the n pistons, inertia, static moment upwards.
 
     Parameters
     ----------
@@ -80,12 +80,12 @@ def engine_curves(engine: EngineLayout, models: tuple[RodModel, ...]) -> TurnCur
     -------
     TurnCurves
         c = n + 2: s of each piston pin [m]; inertia reduced to the shaft [kg m^2]; sum of masses
-        times heights [kg m], from which the work of gravity follows.
+        times heights [kg m], which determines the work of gravity.
 
     Raises
     ------
     InputError
-        If a rod passes so barely that no reasonable number of harmonics describes the motion.
+        If a rod is so short that no reasonable number of harmonics describes the motion.
     """
     return turn_curves(functools.partial(_engine_samples, engine, models))
 

@@ -1,4 +1,4 @@
-"""An engine left to itself: its crank angle over time under gas, load, friction and weight."""
+"""A free-running engine: its crank angle over time under gas, load, friction and weight."""
 
 import math
 from collections.abc import Callable
@@ -44,14 +44,14 @@ PASSED = 1e-9
 
 @dataclass(frozen=True, eq=False)
 class WorkShare:
-    """What one cause did to the shaft.
+    """Moment and work of one cause on the shaft.
 
     Parameters
     ----------
     moment : ndarray of shape (m,)
         Reduced to the shaft, positive when it drives [N m].
     work : ndarray of shape (m,)
-        Since the start, positive when it drove [J].
+        Since the start, positive for driving work [J].
     """
 
     moment: FloatArray
@@ -61,7 +61,7 @@ class WorkShare:
 @summarized("time [s]", "angle_deg [deg]", "speed [rad/s]", "energy_error", "stopped", "remark")
 @dataclass(frozen=True, eq=False)
 class FreeTurning:
-    """How an engine turned by itself.
+    """Free rotation of an engine over time.
 
     Parameters
     ----------
@@ -78,7 +78,7 @@ class FreeTurning:
     gas, load, friction, gravity : WorkShare
         Moments and work of each; load and friction are negative when they brake.
     remark : str
-        Empty, or a sentence that says where and when the engine stopped; the arrays end there.
+        Empty, or a sentence with the angle and time at which the engine stopped; the arrays end there.
     """
 
     time: FloatArray
@@ -94,7 +94,7 @@ class FreeTurning:
 
     @property
     def stopped(self) -> bool:
-        """Whether the engine came to a stop within the time asked for."""
+        """Whether the engine stopped within the requested time."""
         return bool(self.remark)
 
     @property
@@ -115,7 +115,7 @@ class FreeTurning:
         Parameters
         ----------
         axes : matplotlib.axes.Axes, optional
-            Where to draw; those of a new figure if not given.
+            Where to draw; new axes by default.
         show : {"speed", "moment", "work"}, optional
 
         Returns
@@ -125,7 +125,7 @@ class FreeTurning:
         Raises
         ------
         InputError
-            If it is none of these.
+            If it is unknown.
         """
         check_choice("show", show, ("speed", "moment", "work"), "these are known over the time")
         axes = new_axes(axes)
@@ -181,12 +181,12 @@ def turn_freely(
     times: ArrayLike | None = None,
     samples: int = 1001,
 ) -> FreeTurning:
-    """Follow the crank angle of an engine from a given start.
+    """Integrate the crank angle of an engine from a given start.
 
     Parameters
     ----------
     engine : EngineLayout
-        Its shaft_inertia includes the flywheel and what is driven.
+        Its shaft_inertia includes the flywheel and the driven parts.
     start_angle_deg : float
         Of the shaft [deg].
     start_speed : float
@@ -194,13 +194,13 @@ def turn_freely(
     duration : float
         At most a day [s], 20,000 turns, and 500,000 evaluations of the moments.
     gas : GasPressure, sequence of n GasPressure, or callable, optional
-        Pressures as `gas_forces` takes them, or a callable (number, position, direction, angle) ->
+        Pressures as for `gas_forces`, or a callable (number, position, direction, angle) ->
         force on that cylinder's piston towards the shaft [N]: number from 1, position from 0 at the
-        piston's lowest place to 1 at its highest, direction 1 when it moves away from the shaft and
+        piston's lowest position to 1 at its highest, direction 1 when it moves away from the shaft and
         -1 when it moves towards it, angle from the cylinder's firing top [rad], from zero to one
         cycle. It need not be continuous. None: no gas force.
     load, friction : float or callable, optional
-        Moment that brakes the shaft [N m], or a callable (speed [rad/s], angle [rad]) -> moment.
+        Braking moment on the shaft [N m], or a callable (speed [rad/s], angle [rad]) -> moment.
     gravity : float, optional
         Acceleration of gravity along -y [m/s^2].
     model : str, optional
@@ -208,27 +208,27 @@ def turn_freely(
     crankcase_pressure : float, optional
         Absolute pressure under the pistons [Pa]; for pressures only.
     times : array_like of shape (m,), optional
-        When to tell [s], from zero or later to the duration, ascending.
+        Output times [s], from zero or later to the duration, ascending.
     samples : int, optional
-        Without `times`: how many evenly spaced times, both ends included.
+        Without `times`: number of evenly spaced times, both ends included.
 
     Returns
     -------
     FreeTurning
-        If the engine stops before the time is over, it ends there and the remark says so.
+        If the engine stops before the time is over, the result ends there and the remark states it.
 
     Raises
     ------
     InputError
         If a number is out of its range, times do not ascend, pressures do not fit the engine, gas,
-        load or friction give no finite moment, or the inertia vanishes at a dead center.
+        load or friction are not finite moments, or the inertia vanishes at a dead center.
 
     Notes
     -----
     I phi'' + I' phi'^2 / 2 = Q, with I(phi) from `reduced_inertia`, and Q the sum of the forces
-    times the derivatives of the pistons' places by the angle, less load and friction. Places and
-    inertia enter as their Fourier series over a turn, exact to round-off. The works are integrated
-    beside the speed, which does not know of them, so that `energy_error` compares two results.
+    times the derivatives of the pistons' positions by the angle, minus load and friction. Positions and
+    inertia are Fourier series over a revolution, exact to round-off. The works are integrated
+    independently of the speed, so `energy_error` compares two results.
     Runge-Kutta of order 8 (scipy's DOP853), stroke by stroke where the gas forces depend on the
     direction. Pressures from tables bend at every sample, which limits the accuracy of the speed to
     about 1e-6. The energies do not show that, for they are integrated in the same steps.
@@ -261,9 +261,9 @@ def turn_freely(
 def _integrated(
     moments: ShaftMoments, start: tuple[float, float], end: float, told: FloatArray
 ) -> tuple[FloatArray, float | None]:
-    """Return angle, speed and works at the told times (6, m), and when the engine stopped.
+    """Return angle, speed and works at the output times (6, m), and when the engine stopped.
 
-    Where gas forces jump at the ends of strokes, each stroke is integrated by itself with the
+    If gas forces jump at the ends of strokes, each stroke is integrated separately with the
     pistons' directions held: no step passes over a jump, and none is hidden from the error control.
     """
     time, state = 0.0, np.array([*start, *[0.0] * len(SHARES)])
@@ -296,7 +296,7 @@ def _integrated(
 
 
 def _next_end(ends: FloatArray, angle: float) -> float:
-    """Return the next angle ahead at which a stroke ends, infinity if none counts."""
+    """Return the next angle at which a stroke ends, infinity if strokes do not matter."""
     if ends.size == 0:
         return math.inf
     turn = 2.0 * math.pi
@@ -315,7 +315,7 @@ def _stroke(
     scales: FloatArray,
     evaluated: Callable[[float], None],
 ) -> Any:
-    """Integrate angle, speed and the four works until the time is over or an angle reached; to `last`."""
+    """Integrate angle, speed and the four works until the end time or an angle is reached; to `last`."""
     from scipy.integrate import solve_ivp
 
     def slope(now: float, state: FloatArray) -> list[float]:

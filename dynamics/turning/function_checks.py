@@ -1,4 +1,4 @@
-"""Checks of what functions given from outside return: one clear sentence each."""
+"""Checks of the values of user functions: one clear sentence each."""
 
 import math
 
@@ -10,8 +10,8 @@ def checked_moment(
 ) -> float:
     """Return a moment [N m] that a given function has returned.
 
-    Cheap enough for every step of an integration, which a value that is not finite keeps from ever
-    ending.
+    Cheap enough for every step of an integration, which would never end with a value that is not
+    finite.
 
     Parameters
     ----------
@@ -59,7 +59,7 @@ def checked_inertia(given: float, angle: float, least: float = 0.0) -> float:
 
 
 def _number(given: float) -> float:
-    """Return what a function of the user gave as a float, not a number if it is none."""
+    """Return the value of a user function as a float, NaN if it is none."""
     try:
         return float(given)
     except (TypeError, ValueError, OverflowError):

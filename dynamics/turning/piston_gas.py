@@ -1,4 +1,4 @@
-"""Gas forces on the pistons of an engine that turns freely, angle by angle."""
+"""Gas forces on the pistons of a free-running engine, angle by angle."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
@@ -37,7 +37,7 @@ class PistonGas:
 
 
 def piston_gas(engine: EngineLayout, gas: Gas, crankcase_pressure: float) -> PistonGas:
-    """Return the gas forces from pressures, or from a function of the piston's place and direction.
+    """Return the gas forces from pressures, or from a function of the piston's position and direction.
 
     Raises
     ------

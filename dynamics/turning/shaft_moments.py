@@ -1,4 +1,4 @@
-"""What turns an engine's shaft at an angle and a speed: gas, load, friction and weight."""
+"""Moments on an engine's shaft at an angle and a speed: gas, load, friction and weight."""
 
 import functools
 import math
@@ -28,15 +28,15 @@ LEAST_INERTIA = 1e-9
 
 @dataclass(frozen=True, eq=False)
 class ShaftMoments:
-    """What acts on the shaft.
+    """The moments on the shaft.
 
     Parameters
     ----------
     curves : TurnCurves
-        As `engine_curves` gives them.
+        From `engine_curves`.
     gas : PistonGas
     load, friction : callable
-        (speed [rad/s], angle [rad]) -> moment that brakes [N m].
+        (speed [rad/s], angle [rad]) -> braking moment [N m].
     gravity : float
         Along -y [m/s^2].
     """
@@ -59,13 +59,13 @@ class ShaftMoments:
         speed : float
             [rad/s]
         directions : ndarray of shape (n,), optional
-            Of the pistons, positive away from the shaft, where they are known better than by the
+            Of the pistons, positive away from the shaft, if known better than from the
             angle: at the end of a stroke.
 
         Raises
         ------
         InputError
-            If gas, load or friction give no finite moment, or the inertia vanishes.
+            If gas, load or friction are not finite moments, or the inertia vanishes.
         """
         values, slopes = self.curves.at(angle)
         ways = slopes[:-2] if directions is None else directions
@@ -101,7 +101,7 @@ class ShaftMoments:
         return np.sign(self.curves.at(angle)[1][:-2])
 
     def stroke_ends(self) -> FloatArray:
-        """Return the shaft angles of one turn at which a piston changes its direction (k,)."""
+        """Return the shaft angles of one revolution at which a piston changes its direction (k,)."""
         from scipy.optimize import brentq
 
         # Not at round angles, where strokes end.
@@ -128,7 +128,7 @@ def shaft_moments(
     model: RodModelName,
     crankcase_pressure: float,
 ) -> ShaftMoments:
-    """Gather what acts on an engine's shaft; arguments as for `turn_freely`.
+    """Collect the moments on an engine's shaft; arguments as for `turn_freely`.
 
     Raises
     ------

@@ -1,4 +1,4 @@
-"""The speed of a shaft of varying inertia as it turns: its energy equation over the angle."""
+"""The speed of a shaft of varying inertia over its angle, by the energy equation."""
 
 import math
 from collections.abc import Callable
@@ -57,7 +57,7 @@ STOPPED_SHARE = 1e-9
 @summarized("mean_speed [rad/s]", "fluctuation", "speed [rad/s]", "stopped_at_deg [deg]")
 @dataclass(frozen=True, eq=False)
 class SpeedOverAngle:
-    """How a shaft turned over given angles.
+    """Rotation of a shaft over given angles.
 
     Parameters
     ----------
@@ -97,7 +97,7 @@ class SpeedOverAngle:
         Parameters
         ----------
         axes : matplotlib.axes.Axes, optional
-            Where to draw; those of a new figure if not given.
+            Where to draw; new axes by default.
 
         Returns
         -------
@@ -154,21 +154,21 @@ def speed_over_angle(
         angle [rad] -> I [kg m^2].
     moment : callable
         (speed [rad/s], angle [rad]) -> Q [N m], all moments reduced to the shaft, positive when
-        they drive; the inertia's own part is not among them. It may jump with the angle, not with
+        they drive, without the part of the inertia. It may jump with the angle, not with
         the speed.
     start_angle_deg : float
         [deg]
     start_speed : float
         Above zero [rad/s].
     turns : float
-        How far to go, in turns of the shaft.
+        Length of the integration, in revolutions of the shaft.
     samples : int, optional
-        Steps per turn at which the result is given, both ends included.
+        Steps per revolution of the result, both ends included.
 
     Returns
     -------
     SpeedOverAngle
-        If the shaft stops on the way, it ends there and says so.
+        If the shaft stops on the way, the result ends there and states it.
 
     Raises
     ------
@@ -180,10 +180,10 @@ def speed_over_angle(
     Notes
     -----
     I phi'' + I' phi'^2 / 2 = Q is d(I phi'^2 / 2)/dphi = Q. With the energy as the unknown, I' is
-    not needed and no energy is lost to the integration: it changes by the integral of Q alone.
-    Gauss's collocation of order 6 in even steps of 1 deg or less: results depend smoothly on
-    what is given, and a moment that bends sharply does its harm in one step. Its equations are
-    solved by repetition, and a step in which that does not settle is halved, so that a moment that
+    not needed and no energy is lost in the integration: it changes by the integral of Q alone.
+    Gauss collocation of order 6 in even steps of 1 deg or less: results depend smoothly on
+    the inputs, and a kink of the moment affects only one step. The equations are
+    solved by iteration, and a step in which it does not converge is halved, so that a moment that
     is steep in the speed takes more and shorter steps.
     """
     first = math.radians(float(finite_array("start_angle_deg", start_angle_deg)))
@@ -206,7 +206,7 @@ def speed_over_angle(
 
 @dataclass(frozen=True)
 class _Shaft:
-    """Inertia and moment as given, and the energy [J] at which the shaft counts as stopped."""
+    """Inertia and moment as given, and the energy [J] below which the shaft counts as stopped."""
 
     inertia: Inertia
     moment: Moment
@@ -221,12 +221,12 @@ class _Shaft:
         return checked_moment("moment", self.moment(speed, angle), speed, angle)
 
     def stays_at_rest(self, angles: list[float]) -> bool:
-        """Tell whether the shaft, almost at rest, is not driven on at one of the angles."""
+        """Return whether the shaft, almost at rest, is not driven on at one of the angles."""
         return any(self.moment_at(self.speed(self.least, angle), angle) <= 0.0 for angle in angles)
 
 
 class UnsettledError(InputError):
-    """The moment is so steep in the speed that the two do not settle in the shortest steps."""
+    """The moment is so steep in the speed that the iteration fails in the shortest steps."""
 
 
 class _StoppedError(Exception):
@@ -265,10 +265,10 @@ def _integrate_speed(
 def _energy_after_step(
     shaft: _Shaft, begin: float, step: float, energy: float, halvings: int
 ) -> tuple[float, float]:
-    """Return the energy after a step and the time it takes, halving the step where that is needed.
+    """Return the energy after a step and its duration, halving the step if necessary.
 
-    An energy that seems spent is no proof that the shaft stops: in a step that is too long for a
-    steep moment it seems so, too. Near a true stop the steps become short, and at rest it stays.
+    An energy that falls to zero does not prove that the shaft stops: too long a step with a
+    steep moment does the same. Near a true stop the steps become short, and at rest this remains.
     """
     found = _collocated(shaft, begin, step, energy)
     if found is not None:
@@ -291,7 +291,7 @@ def _energy_after_step(
 def _collocated(
     shaft: _Shaft, begin: float, step: float, energy: float
 ) -> tuple[float, float] | None:
-    """Return energy and time of a single step, None if it does not settle or spends all energy."""
+    """Return energy and time of a single step, None if it does not converge or uses up all energy."""
     angles = [begin + stage * step for stage in STAGES]
     inertias = [checked_inertia(shaft.inertia(angle), angle) for angle in angles]
     energies = [energy] * len(STAGES)

@@ -1,4 +1,4 @@
-"""The kinetic energy with which a shaft turns at a wanted mean speed, the energy gained being known."""
+"""The kinetic energy of a shaft for a given mean speed, from the energy gained."""
 
 import numpy as np
 
@@ -23,12 +23,12 @@ def mean_speed(energy: FloatArray, inertia: FloatArray) -> float:
 
 
 def slowest_mean_speed(gained: FloatArray, inertia: FloatArray) -> float:
-    """Return the least mean speed at which a shaft still comes round [rad/s].
+    """Return the least mean speed at which a shaft completes a revolution [rad/s].
 
     Parameters
     ----------
     gained, inertia : ndarray of shape (m,)
-        Energy gained since the first angle [J], not everywhere the same, and inertia [kg m^2], at
+        Energy gained since the first angle [J], not constant, and inertia [kg m^2], at
         even angles.
     """
     swing = float(np.ptp(gained))
@@ -36,24 +36,24 @@ def slowest_mean_speed(gained: FloatArray, inertia: FloatArray) -> float:
 
 
 def energy_for_mean_speed(gained: FloatArray, inertia: FloatArray, speed: float) -> float | None:
-    """Return the kinetic energy at the first angle with which a shaft turns at a mean speed.
+    """Return the kinetic energy at the first angle of a shaft with a given mean speed.
 
     Parameters
     ----------
     gained, inertia : ndarray of shape (m,)
-        As for `slowest_mean_speed`; the energy gained may be the same everywhere.
+        As for `slowest_mean_speed`; the energy gained may be constant.
     speed : float
-        Wanted mean over time [rad/s].
+        Required mean over time [rad/s].
 
     Returns
     -------
     float or None
-        [J]; None if the shaft does not come round so slowly.
+        [J]; None if the shaft does not complete a revolution at this speed.
 
     Notes
     -----
-    The mean speed grows with the energy: one root, between a shaft that hardly comes round and one
-    whose least energy is that of the largest inertia at the wanted speed.
+    The mean speed grows with the energy: one root, between a shaft that barely completes the revolution
+    and one whose least energy is that of the largest inertia at the required speed.
     """
     from scipy.optimize import brentq
 

@@ -27,16 +27,16 @@ def turn_steadily(
     Parameters
     ----------
     mean_speed : float
-        One cycle's angle divided by its time [rad/s].
+        Angle of one cycle divided by its time [rad/s].
     engine, gas, friction, gravity, model, crankcase_pressure
         As for `turn_freely`.
     samples : int, optional
-        Per turn.
+        Steps per revolution.
 
     Returns
     -------
     SteadyTurning
-        With the load [N m] and the turning over one cycle, whose `fluctuation` is the coefficient
+        With the load [N m] and the rotation over one cycle, whose `fluctuation` is the coefficient
         of speed fluctuation, (highest - lowest speed) / mean speed.
 
     Raises

@@ -37,12 +37,12 @@ STOPPED = 1e3
 @summarized("load [N m]", "turning.mean_speed [rad/s]", "turning.fluctuation")
 @dataclass(frozen=True, eq=False)
 class SteadyTurning:
-    """Turning whose speed repeats, under a constant load.
+    """Rotation with a periodic speed under a constant load.
 
     Parameters
     ----------
     load : float
-        Constant moment that brakes [N m].
+        Constant braking moment [N m].
     turning : SpeedOverAngle
         Over one period.
     """
@@ -65,11 +65,11 @@ def steady_turning(
     Parameters
     ----------
     inertia, moment : callable
-        As `speed_over_angle` takes them; the load sought is not among the moments.
+        As for `speed_over_angle`, without the load to be found.
     mean_speed : float
-        Angle of the period by its time [rad/s].
+        Angle of the period divided by its time [rad/s].
     turns : float
-        Period of inertia and moment, in turns of the shaft: 2 for a four-stroke engine.
+        Period of inertia and moment, in revolutions of the shaft: 2 for a four-stroke engine.
     start_angle_deg : float, optional
         [deg]
     samples : int, optional
@@ -82,14 +82,14 @@ def steady_turning(
     Raises
     ------
     InputError
-        As `speed_over_angle`, and if the shaft does not turn steadily at so low a speed.
+        As `speed_over_angle`, and if the shaft cannot turn steadily at so low a speed.
 
     Notes
     -----
-    Two unknowns, load and speed at the start, from two conditions: the energy repeats, and the mean
-    speed is met. The search begins with the solution for the moments at the mean speed, which is
-    the solution where they do not depend on the speed. A trial in which the shaft stops counts as
-    far off, so that the search turns back from it.
+    Two unknowns, load and initial speed, from two conditions: the energy is periodic, and the mean
+    speed is as required. The search begins with the solution for the moments at the mean speed, which is
+    exact if they do not depend on the speed. A trial in which the shaft stops counts as
+    far off, so the search turns back from it.
     """
     from scipy.optimize import fsolve
 
@@ -150,9 +150,9 @@ def steady_turning(
 def _beginning(
     inertia: Inertia, moment: Moment, speed: float, first: float, period: float
 ) -> tuple[float, float, bool]:
-    """Return load and start energy from the moments at the mean speed, and whether they let it turn.
+    """Return load and initial energy from the moments at the mean speed, and whether it can turn.
 
-    Energies are sums over even angles, which hold for curves that are smooth between them.
+    Energies are sums over even angles, which is accurate for smooth curves.
     """
     count = max(1, round(SEARCH_SAMPLES * period / (2.0 * math.pi)))
     angles = (first + even_angles(period, count)).tolist()

@@ -1,1 +1,1 @@
-"""What throws, crankshafts and meshes look like, drawn on the axes of a diagram."""
+"""Drawings of throws, crankshafts and meshes on the axes of a diagram."""

@@ -1,4 +1,4 @@
-"""The outline of a throw as a small SVG, drawn in milliseconds: what follows while dimensions are turned."""
+"""The outline of a throw as a small SVG, drawn in milliseconds, for changes of dimensions by sliders."""
 
 from collections.abc import Callable
 from html import escape
@@ -103,7 +103,7 @@ def outline_svg(parts: ThrowParts, view: OutlineView = "side", label: str = "") 
     view : {"side", "front"}
         From the side, z to the right and y up; or from the left end, where x points to the left.
     label : str
-        What a screen reader says in place of the view's name.
+        Text for a screen reader instead of the view's name.
 
     Returns
     -------

@@ -1,4 +1,4 @@
-"""Runs and responses as they are given to a fit."""
+"""Checks of runs and responses for a fit."""
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -12,7 +12,7 @@ Array = NDArray[np.float64]
 def checked_runs(
     x_name: str, y_name: str, factors: tuple[str, ...], x: ArrayLike, y: ArrayLike, form: Form
 ) -> tuple[Array, Array]:
-    """Return columns (n, k) and responses (n,) that a form can be fitted to.
+    """Return columns (n, k) and responses (n,), checked for a fit.
 
     Raises
     ------

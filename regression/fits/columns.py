@@ -22,7 +22,7 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class Encoding:
-    """What the columns of an equation are.
+    """Description of the columns of an equation.
 
     Attributes
     ----------
@@ -31,7 +31,7 @@ class Encoding:
         Of the columns. A category of the labels a, b, c has the columns "name=b" and "name=c",
         which are 1 for that label and 0 for others; the first label has none.
     logged : tuple of bool
-        Of which columns a form in logarithms may take them.
+        Columns that a form in logarithms may use as logarithms.
     """
 
     basis: Basis
@@ -69,9 +69,9 @@ class Encoding:
 
 
 def factor_encoding(factors: Sequence[Factor], values: Array) -> Encoding:
-    """Take the factors themselves as columns.
+    """Use the factors themselves as columns.
 
-    A factor whose range reaches zero, such as a fillet that may be absent, keeps out of logarithms.
+    The logarithm of a factor whose range includes zero, such as an optional fillet, is not used.
 
     Parameters
     ----------
@@ -94,7 +94,7 @@ def factor_encoding(factors: Sequence[Factor], values: Array) -> Encoding:
 def group_encoding(
     factors: Sequence[Factor], values: Array, dimensions: Mapping[str, Array]
 ) -> Encoding:
-    """Take dimensionless groups that vary as columns, and categories beside them.
+    """Use varying dimensionless groups as columns, and categories.
 
     Parameters
     ----------
@@ -107,8 +107,8 @@ def group_encoding(
     Raises
     ------
     InputError
-        If a factor is no length, so that no groups of lengths follow it; or if more groups vary than
-        can be told apart, so that an equation in some of them would not carry over.
+        If a factor is not a length, so that groups of lengths do not follow it; or if more groups vary than
+        can be separated, so that an equation in some of them would not apply to other sizes.
     """
     numbers = [factor for factor in factors if not factor.labels]
     odd = [f.name for f in numbers if f.unit and f.name not in dimensions]
@@ -146,7 +146,7 @@ def _category_columns(factor: Factor, column: Array) -> list[str]:
 
 
 def constant_groups(dimensions: Mapping[str, Array]) -> dict[str, float]:
-    """Return the groups that are the same in all designs, with their value; absent features have none."""
+    """Return the groups that are constant over all designs, with their value; absent features have none."""
     found = group_values({name: column for name, column in dimensions.items() if is_length(name)})
     return {
         name: float(column[0])

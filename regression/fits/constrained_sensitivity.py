@@ -2,10 +2,10 @@
 
 With c(u) = E Var(y | all but x_u), the mean variance that is left while only the factors u are unknown,
 the first index is 1 - c(all but i) / c(all), the total one c(i) / c(all), and the Shapley effect the mean of
-(c(u and i) - c(u)) / c(all) over the places that a factor can have in an order of all (Song, Nelson and
+(c(u and i) - c(u)) / c(all) over all positions of a factor in an order of all factors (Song, Nelson and
 Staum, SIAM/ASA J. Uncertainty Quantification 4, 2016, pp. 1060-1083). Uniform over a region means uniform
-over each of its sections, so c(u) = E (y(x) - y(x'))^2 / 2, where x' is x with the factors u drawn anew until
-it lies in the region: for any constraints, and without error but that of chance.
+over each of its sections, so c(u) = E (y(x) - y(x'))^2 / 2, where x' is x with the factors u drawn again
+until it is in the region: valid for any constraints, with statistical error only.
 """
 
 from collections.abc import Callable, Sequence
@@ -34,11 +34,11 @@ class RegionSample:
     names : tuple of k str
     points : (n, k) array
     one_anew, others_anew : list of k (n, k) array
-        With the factor at that place drawn anew, and with all others.
+        With the factor at that index drawn again, and with all others.
     orders : (n, k) array of int
         For each point an order of the factors.
     first_anew : list of k (n, k) array
-        With the first factor of the order drawn anew, the first two, ..., all.
+        With the first factor of the order drawn again, the first two, ..., all.
     """
 
     names: tuple[str, ...]
@@ -58,19 +58,19 @@ def region_sample(
     ----------
     factors : sequence of k Factor
     inside : callable
-        Which of points (n, k) lie in the region.
+        Function that returns which of points (n, k) are in the region.
     count, seed : int
 
     Returns
     -------
     RegionSample or None
-        None where the region is too small a part of the box to be found.
+        None if the region is too small a part of the box to be found.
     """
     rng = np.random.default_rng(seed)
     width = len(factors)
 
     def anew(points: Array, free: NDArray[np.bool_]) -> tuple[Array, NDArray[np.int64]]:
-        """Draw the free factors of each point anew; also tell which were not found."""
+        """Draw the free factors of each point again; also return which were not found."""
         found, left = points.copy(), np.arange(len(points))
         for _ in range(TRIES):
             if not len(left):
@@ -115,7 +115,7 @@ def constrained_indices(model: Model, sample: RegionSample) -> SobolIndices | No
     Returns
     -------
     SobolIndices or None
-        Nothing for a response that does not vary. Estimates are uncertain by about 0.01.
+        None for a response that does not vary. Estimates are uncertain by about 0.01.
     """
     values = model(sample.points)
     size = float(np.max(np.abs(values)))
@@ -142,7 +142,7 @@ def constrained_indices(model: Model, sample: RegionSample) -> SobolIndices | No
 
 
 def _in_box(factors: Sequence[Factor], places: Array) -> Array:
-    """Values at places 0 to 1 of each range; of a choice the label that a place falls on."""
+    """Values at positions 0 to 1 of each range; of a choice the corresponding label."""
     columns = [
         np.floor(column * len(factor.labels))
         if factor.labels

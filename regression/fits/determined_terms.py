@@ -1,4 +1,4 @@
-"""Which terms of a form the runs determine, by the levels of their columns."""
+"""Terms of a form that the runs determine, by the levels of their columns."""
 
 from collections.abc import Sequence
 

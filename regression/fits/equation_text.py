@@ -1,4 +1,4 @@
-"""An equation as text in the units of the field, with digits enough to calculate with it."""
+"""An equation as text in the field's units, with sufficient digits for calculation."""
 
 import itertools
 import math
@@ -33,10 +33,10 @@ def equation_text(
     labels: Mapping[str, FactorLabel] | None = None,
     scale: float | None = None,
 ) -> str:
-    """Write the equation in natural units, with digits enough to calculate with it.
+    """Write the equation in natural units, with sufficient digits for calculation.
 
-    Evaluated by hand it gives the prediction within 1e-4 of its value all over the box of the
-    runs: numbers carry 6 digits, or as many more as that takes.
+    Evaluated by hand it gives the prediction within 1e-4 of its value over the whole box of the
+    runs: numbers have 6 digits, or more if necessary.
 
     Parameters
     ----------
@@ -45,11 +45,11 @@ def equation_text(
     symbol, unit : str
         Symbol and SI unit of the response, such as "e_n" and "m/N".
     basis : {"factors", "groups"}
-        What the columns are. On groups the equation gives the response made dimensionless.
+        Description of the columns. On groups the equation gives the dimensionless response.
     labels : mapping, optional
-        Factor name to its label, where `factor_label` does not do.
+        Factor name to its label, if it differs from `factor_label`.
     scale : float, optional
-        Power of ten that is taken out of the response; chosen from its size otherwise.
+        Power of ten factored out of the response; by default chosen from its size.
 
     Returns
     -------
@@ -57,8 +57,8 @@ def equation_text(
         ``e_n = 1e-9 * (6.1 - 0.0583 B + ...) m/N, lengths in mm``; in logarithms
         ``ln(e_n / (1e-9 m/N)) = 7.2 - 1.1 ln(B/mm) + ...``, of the first degree
         ``e_n = 7.2e-6 m/N * (B/mm)^-1.1 (h/mm)^-0.9``; on groups
-        ``ln(e_n E D_shm) = 3.1 + 0.9 ln(R/h) + ...``. A category stands as
-        ``[web_outline = rectangle]``, which is 1 where that holds and 0 elsewhere.
+        ``ln(e_n E D_shm) = 3.1 + 0.9 ln(R/h) + ...``. A category is written as
+        ``[web_outline = rectangle]``, which is 1 if it applies and 0 otherwise.
     """
     if basis == "groups":
         symbol, unit, scale = SCALES[unit].symbol.format(symbol), "", 1.0
@@ -188,7 +188,7 @@ def _units_text(labels: Sequence[FactorLabel]) -> str:
 def _digits_needed(
     fitted: FittedForm, natural: Mapping[Term, float], sizes: Sequence[float]
 ) -> int:
-    """Return the fewest digits, 6 or more, with which the printed equation predicts the same."""
+    """Return the least number of digits, 6 or more, with which the printed equation predicts the same."""
     coded = _trial_points(len(fitted.factors))
     raw = np.asarray(fitted.center) + coded * np.asarray(fitted.half_range)
     logged = np.asarray(fitted.log_factors)
@@ -218,7 +218,7 @@ def _trial_points(factors: int) -> NDArray[np.float64]:
 
 
 def term_effects(fitted: FittedForm) -> tuple[list[str], NDArray[np.float64]]:
-    """Return terms, as diagrams write them, and their coded coefficients, the largest first.
+    """Return terms, as written in diagrams, and their coded coefficients, the largest first.
 
     The constant is left out.
     """

@@ -1,8 +1,8 @@
-"""Least-squares fits of a response over a design, and how far each fit can be trusted.
+"""Least-squares fits of a response over a design, and their reliability.
 
 Finite element runs repeat exactly, so there is no replication noise: the residuals are lack of
-fit, and t and F values measure only that. Leave-one-out on a coarse grid does not see the error
-between its levels either. A fit is therefore judged by held-out designs spread over the box.
+fit, and t and F values measure only that. Leave-one-out on a coarse grid does not detect the error
+between its levels either. A fit is therefore assessed by held-out designs spread over the box.
 """
 
 from collections.abc import Sequence
@@ -63,12 +63,12 @@ class Fit:
         Of the polynomial in coded variables; in a form in logarithms of the response, of its
         logarithm.
     r_squared, adjusted_r_squared : float
-        R2 of the response itself at the runs, for a form in logarithms too; 1 for a constant
+        R2 of the response itself at the runs, also for a form in logarithms; 1 for a constant
         response. The adjusted one is None without degrees of freedom.
     q_squared : float or None
         Leave-one-out Q2 = 1 - PRESS / total sum of squares, of the response itself. Each run is left out
-        of the selection of the terms too, but for large studies (runs^2 times terms above
-        `LARGEST_SELECTION`), where one run of hundreds hardly changes it. None if some run alone
+        of the selection of the terms too, except in large studies (runs^2 times terms above
+        `LARGEST_SELECTION`), where one run of hundreds hardly changes it. None if a single run
         determines a coefficient before the selection (as with as many runs as coefficients).
     largest_error, mean_error : float
         At the runs.
@@ -77,17 +77,17 @@ class Fit:
     runs, heldout_runs : int
         Numbers of runs fitted and held out.
     band_error : float or None
-        The error that 95 % of new designs keep to (`regression.fits.statistics.tolerance_limit`): of the
+        The error not exceeded by 95 % of new designs (`regression.fits.statistics.tolerance_limit`): of the
         runs, each left out in turn, or of the held-out designs, whichever is larger; None if there is
         neither.
     band_designs : int
-        Number of designs that it is taken from.
+        Number of designs that it is based on.
     lowest, highest : tuple of float
         Of each column at the runs.
     undetermined : tuple of str
-        Terms that the form has but the runs' levels do not determine.
+        Terms of the form that the runs' levels do not determine.
     dropped : tuple of str
-        Terms without which PRESS did not grow, in the order of their going.
+        Terms without which PRESS did not grow, in the order of their removal.
     """
 
     fitted: FittedForm
@@ -109,7 +109,7 @@ class Fit:
     band_designs: int = 0
 
     def __repr__(self) -> str:
-        """Say in a line what it is; coefficients and statistics would fill screens."""
+        """Summarize the fit in a line; coefficients and statistics would fill screens."""
         heldout = self.largest_heldout_error
         judged = (
             "" if heldout is None else f", {100.0 * heldout:.3g} % at {self.heldout_runs} held out"
@@ -247,33 +247,33 @@ def fit_form(
     Parameters
     ----------
     form : str
-        One of `regression.fits.forms.FORMS`. In a form in logarithms, squares of ln y are the smallest.
+        One of `regression.fits.forms.FORMS`. A form in logarithms minimizes squares of ln y.
     factors : sequence of str
         Names of the k columns; one with "=" in it is the 0/1 column of a category.
     x, heldout_x : (n, k), (m, k) array_like
-        Columns of the runs to fit, and of those to judge by.
+        Columns of the runs to fit, and of those to assess the fit.
     y, heldout_y : (n,), (m,) array_like
-        The response; no value 0, for errors are relative.
+        The response; no value may be 0, as errors are relative.
     scale, heldout_scale : array_like, optional
-        What the equation's value is multiplied with to give y, for an equation on dimensionless
+        Factor from the equation's value to y, for an equation on dimensionless
         groups; a number, or one for each run.
     logged : sequence of bool, optional
-        Of which columns a form in logarithms may take them; otherwise of the groups that say so, and
-        of all factors. Only of columns that are positive at the runs, and never of 0/1 columns.
+        Columns that a form in logarithms may use as logarithms; by default the groups that allow it, and
+        all factors. Only columns that are positive at the runs, and never 0/1 columns.
     drop_terms : bool
-        Whether terms go without which PRESS does not grow (`regression.fits.selection`).
+        Whether to remove terms without which PRESS does not grow (`regression.fits.selection`).
 
     Returns
     -------
     Fit
-        Terms that need more levels of a column than the runs have are not in it; of a cubic form,
-        neither those that follow from the others at the runs.
+        Without terms that need more levels of a column than the runs have; a cubic form also
+        without terms that follow from the others at the runs.
 
     Raises
     ------
     InputError
         If the shapes do not fit, a number is not finite, there are fewer runs than coefficients,
-        the runs do not determine a coefficient, or a form in logarithms meets a response that is
+        the runs do not determine a coefficient, or a form in logarithms has a response that is
         not positive.
     """
     kind = form_named(form)

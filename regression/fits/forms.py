@@ -32,11 +32,11 @@ class Form:
     degree : int
         Of its polynomial.
     logarithmic : bool
-        Whether it is one for the logarithm of the response, in the logarithms of the columns.
+        Whether it is a form for the logarithm of the response, in the logarithms of the columns.
     squares : bool
         Whether columns are multiplied with themselves, not only with each other.
     basis : {"factors", "groups"}
-        Whether its columns are the study's factors or dimensionless groups; then the response is
+        Whether its columns are the study's factors or dimensionless groups; with groups the response is
         divided by its scale.
     """
 
@@ -109,18 +109,18 @@ class FittedForm:
     Parameters
     ----------
     form : str
-        Name of the form, for people; nothing is calculated from it.
+        Name of the form, for display; not used in calculations.
     factors : tuple of str
         Names of the k columns: factors such as "web_width", 0/1 columns of a category such as
         "web_outline=rectangle", or dimensionless groups such as "B/D_shm".
     logarithmic : bool
         Whether the polynomial gives the logarithm of the response.
     log_factors : tuple of bool
-        Of which columns the logarithm is taken.
+        Columns whose logarithm is used.
     center, half_range : tuple of float
-        Of each column, or of its logarithm where it is taken: z = (u - center) / half_range.
+        Of each column, or of its logarithm if used: z = (u - center) / half_range.
     terms : tuple of Term
-        What the coefficients multiply, each a tuple of columns' numbers: () for the constant,
+        Products for the coefficients, each a tuple of columns' indices: () for the constant,
         (0,) for the first column, (0, 0) for its square, (0, 0, 1) for that times the second.
     coefficients : tuple of float
         Of the terms in z.
@@ -128,8 +128,8 @@ class FittedForm:
     Raises
     ------
     InputError
-        If the numbers of entries do not fit each other, a term names a column that is not there
-        or stands twice, a number is not finite, or a half range is not positive.
+        If the numbers of entries differ, a term names a column that does not exist
+        or occurs twice, a number is not finite, or a half range is not positive.
     """
 
     form: str
@@ -186,7 +186,7 @@ class FittedForm:
         Raises
         ------
         InputError
-            If the last axis does not hold the k columns, or a logarithm is asked of a value that
+            If the last axis does not have k columns, or a logarithm is taken of a value that
             is not positive.
         """
         points = np.asarray(x, dtype=np.float64)
@@ -222,8 +222,8 @@ class FittedForm:
         Returns
         -------
         dict of Term to float
-            Rounded once from the exact expansion. The equation's own terms come first; where it
-            lacks a term that divides one of its own, that follows.
+            Rounded once from the exact expansion. The equation's own terms come first; a missing term
+            that divides one of its own follows.
         """
         shifts, spans = self._natural_coding(factor_sizes)
         exact = expand(self.terms, self.coefficients, shifts, spans)
@@ -233,14 +233,14 @@ class FittedForm:
         return {term: float(value / Fraction(response_size)) for term, value in exact.items()}
 
     def natural_transformation(self) -> tuple[tuple[Term, ...], NDArray[np.float64]]:
-        """Return how natural coefficients follow from coded ones.
+        """Return the matrix from coded to natural coefficients.
 
         Returns
         -------
         terms : tuple of Term
             In the order of `natural_coefficients`.
         matrix : (len(terms), number of coefficients) ndarray
-            Natural are matrix @ coded coefficients.
+            Natural coefficients are matrix @ coded coefficients.
         """
         shifts, spans = self._natural_coding(None)
         columns = [expand([term], [1.0], shifts, spans) for term in self.terms]

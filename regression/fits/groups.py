@@ -1,9 +1,9 @@
-"""Dimensionless groups of a throw's dimensions: coordinates that carry over between engine sizes.
+"""Dimensionless groups of a throw's dimensions: coordinates valid for all engine sizes.
 
-A linear elastic throw scaled by a factor keeps the responses divided by their scales: e E D_shm,
+A linear elastic throw scaled by a factor keeps its dimensionless responses: e E D_shm,
 torsional compliance times E D_shm^3, mass by rho D_shm^3. An equation for these in ratios of lengths
-therefore holds for any size (Poisson's ratio is that of the study). Overlap and radius are taken as
-s/R and R/h: the overlap is what makes webs stiff. For 160 throws of 13/14 to 25/34 size a quadratic in
+is therefore valid for any size (with Poisson's ratio of the study). Overlap and radius are used as
+s/R and R/h: the overlap stiffens the webs. For 160 throws of 13/14 to 25/34 size a quadratic form in
 these is a little better at held-out designs than one in D/R and h/R, 1.4 % against 1.7 %.
 """
 
@@ -37,11 +37,11 @@ class Group:
     name : str
         In the papers' symbols, such as "B/D_shm".
     dimensions : tuple of str
-        Names of the dimensions that it takes.
+        Names of the dimensions used.
     value : callable
-        Of a mapping of dimensions; works on plain numbers and on arrays.
+        Function of a mapping of dimensions; for plain numbers and arrays.
     logged : bool
-        Whether a form in logarithms takes its logarithm: not of one that may be 0 or negative.
+        Whether a form in logarithms uses its logarithm: not if it may be 0 or negative.
     """
 
     name: str
@@ -79,7 +79,7 @@ _OTHER = "/D_shm"
 
 
 def group_named(name: str) -> Group:
-    """Return the group of this name: of the catalogue, or any other length by the pin diameter.
+    """Return the group of this name: from the catalogue, or any other length over the pin diameter.
 
     Examples
     --------
@@ -89,7 +89,7 @@ def group_named(name: str) -> Group:
     Raises
     ------
     InputError
-        If the name is neither.
+        If the name is unknown.
     """
     if name in GROUPS:
         return GROUPS[name]
@@ -103,7 +103,7 @@ def group_named(name: str) -> Group:
 
 
 def group_names(dimensions: Iterable[str]) -> tuple[str, ...]:
-    """Return the groups that these dimensions make: those of the catalogue, then other lengths."""
+    """Return the groups of these dimensions: those of the catalogue, then other lengths."""
     given = tuple(dimensions)
     known = [name for name, group in GROUPS.items() if set(group.dimensions) <= set(given)]
     if "pin_diameter" not in given:
@@ -136,9 +136,9 @@ def is_length(name: str) -> bool:
 
 
 def independent_groups(values: Mapping[str, Array], limit: int) -> tuple[str, ...]:
-    """Choose groups that vary and say something of their own.
+    """Choose groups that vary independently.
 
-    From the first that varies on, the group is added of which those already chosen explain the
+    Starting with the first that varies, the group is added of which those already chosen explain the
     smallest share (by linear regression), as long as any has a share of its own.
 
     Parameters
@@ -146,7 +146,7 @@ def independent_groups(values: Mapping[str, Array], limit: int) -> tuple[str, ..
     values : mapping
         Group name to its values at the runs (n,).
     limit : int
-        Largest number of groups: no more can be independent than numbers vary in the study.
+        Largest number of groups: there are no more independent ones than varying numbers in the study.
 
     Returns
     -------

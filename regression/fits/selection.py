@@ -1,15 +1,15 @@
-"""Which terms of a form stay, and which form is taken.
+"""Selection of the terms of a form, and of the form.
 
 Terms are dropped backward: as long as the fit without some term has a leave-one-out sum of squares
-(PRESS) that is no greater than the fit with it, the term goes whose loss makes PRESS smallest.
+(PRESS) that is no greater than the fit with it, the term is dropped that leaves the smallest PRESS.
 Hierarchy is kept: a term stays while another contains it, h^2 while there is B h^2. Terms of the
-first degree always stay, for lack of fit elsewhere may hide what a factor does, and an equation that
-does not know a factor answers wrongly about it.
+first degree always stay: lack of fit elsewhere may hide the effect of a factor, and an equation
+without the factor would be wrong about it.
 
 The form is chosen by designs held out of all fits: of the forms whose largest held-out error is
 within a tenth of the smallest, or no more above it than the finite elements scatter from design to
-design, the one with the fewest coefficients. An error by which one of several was chosen flatters
-the chosen one a little: with ten forms and the few held-out designs of a study the truth is, over
+design, the one with the fewest coefficients. Since this error selected the form, it is slightly
+optimistic: with ten forms and the few held-out designs of a study the true error is, over
 new designs, somewhat larger.
 """
 
@@ -36,14 +36,14 @@ def backward(matrix: Array, y: Array, terms: Sequence[Term]) -> tuple[list[int],
     matrix : (n, p) ndarray
         Columns of the terms at the runs, of full rank.
     y : (n,) ndarray
-        What is fitted (the logarithm of the response in a form in logarithms).
+        Fitted values (the logarithm of the response in a form in logarithms).
     terms : sequence of Term
 
     Returns
     -------
     kept, dropped : list of int
-        Places of the terms that stay, in order, and of those that go, in the order of their going.
-        Nothing goes where no fit with one term less has a finite PRESS.
+        Indices of the terms that stay, in order, and of those dropped, in the order of their removal.
+        Nothing is dropped if no fit with one term less has a finite PRESS.
     """
     dropped: list[int] = []
     whole = np.asarray(np.linalg.pinv(matrix), dtype=np.float64)
@@ -87,11 +87,11 @@ def _drop(
     left_out: NDArray[np.intp],
     dropped: list[int] | None = None,
 ) -> Array:
-    """Drop terms of several fits of one form side by side, each to other runs.
+    """Drop terms of several fits of one form simultaneously, each to other runs.
 
     Without column j the hat matrix loses v v^T, where v is the unit vector along row j of the pseudoinverse:
-    v lies in the space of all columns and is orthogonal to the others. So residuals, leverages and the
-    pseudoinverse itself follow from those before.
+    v is in the space of all columns and orthogonal to the others. So residuals, leverages and the
+    pseudoinverse follow from those before.
 
     Parameters
     ----------
@@ -102,12 +102,12 @@ def _drop(
     left_out : (m, number) ndarray
         Which runs each fit leaves out.
     dropped : list, optional
-        Takes the places of what goes from the first fit, in order.
+        Called with the indices of the dropped terms of the first fit, in order.
 
     Returns
     -------
     (m, p, n) ndarray
-        Pseudoinverses of what is left; 0 for terms that went.
+        Pseudoinverses of the remaining terms; 0 for dropped ones.
     """
     fits = len(inverses)
     taking_part = np.ones((fits, len(y)))
@@ -149,7 +149,7 @@ def _drop(
 
 
 def _press(residuals: Array, left: Array) -> Array:
-    """PRESS along the last axis, infinite where a run cannot be missed."""
+    """PRESS along the last axis, infinite where a run cannot be left out."""
     possible = np.all(left > 1.0 - FULL_LEVERAGE, axis=-1)
     squares = np.sum((residuals / np.where(possible[..., None], left, 1.0)) ** 2, axis=-1)
     return np.where(possible, squares, np.inf)
@@ -176,7 +176,7 @@ AnyFit = TypeVar("AnyFit", bound=CrossValidatedForm)
 
 @dataclass(frozen=True)
 class Choice:
-    """The place of the fit taken, and why in one sentence."""
+    """The index of the selected fit, and the reason in one sentence."""
 
     place: int
     reason: str
@@ -190,7 +190,7 @@ def choose(fits: Sequence[AnyFit], scatter: float = 0.0) -> Choice:
     fits : sequence
     scatter : float
         Relative scatter of the finite element values from design to design: errors that differ by
-        less are the same.
+        less count as equal.
 
     Returns
     -------

@@ -1,4 +1,4 @@
-"""How much each factor moves a response: elasticities at a point, Sobol indices over the ranges."""
+"""Effect of each factor on a response: elasticities at a point, Sobol indices over the ranges."""
 
 import math
 from collections.abc import Callable, Sequence
@@ -25,23 +25,23 @@ CONSTANT = 1e-9
 
 @dataclass(frozen=True)
 class SobolIndices:
-    """Shares of a response's variance, uniform over the ranges or over what of them constraints leave.
+    """Shares of a response's variance, uniform over the ranges or the part within the constraints.
 
     Attributes
     ----------
     names : tuple of str
         Of the factors.
     first : tuple of float
-        Share that a factor causes alone, Var E(y | x_i) / Var y. Without constraints they sum up to 1 at
+        most; the rest is caused by factors together.
         most; what is missing is caused by factors together.
     total : tuple of float
         Share that a factor causes alone and together with others, E Var(y | all but x_i) / Var y. Under
-        constraints a factor also tells of others, and this may be less than the first.
+        constraints a factor also contains information on others, and this may be less than the first.
     points : int
         Number of points of each of the samples that they are estimated from.
     shapley : tuple of float or None
         Under constraints, the shares that add up to 1: means, over all orders in which the factors may
-        become known, of the variance that each takes away. Without constraints they lie between first and
+        become known, of the reduction of variance by each. Without constraints they are between first and
         total and are not calculated.
     """
 
@@ -53,10 +53,10 @@ class SobolIndices:
 
 
 def elasticities(model: Model, factors: Sequence[Factor], nominal: Sequence[float]) -> list[float]:
-    """Elasticities d ln y / d ln p: by how many per cent y changes for one per cent of p.
+    """Elasticities d ln y / d ln p: percent change of y for one percent change of p.
 
-    By central differences of y over p times and by exp(1e-4), so that a power of p has its exponent
-    but for about 1e-8 of it; the difference is divided by y at the nominal values, which may be
+    By central differences of y over p times and by exp(1e-4), so a power of p gives its exponent
+    within about 1e-8; the difference is divided by y at the nominal values, which may be
     negative.
 
     Parameters
@@ -64,7 +64,7 @@ def elasticities(model: Model, factors: Sequence[Factor], nominal: Sequence[floa
     model : callable
     factors : sequence of Factor
     nominal : sequence of float
-        Where they are asked for, one value of each factor; those of categories stay.
+        Point of evaluation, one value of each factor; those of categories stay.
 
     Returns
     -------
@@ -94,7 +94,7 @@ def elasticities(model: Model, factors: Sequence[Factor], nominal: Sequence[floa
 
 
 def nominal_values(factors: Sequence[Factor], given: Sequence[float | None]) -> list[float]:
-    """Return the point at which elasticities are taken.
+    """Return the point at which elasticities are evaluated.
 
     Parameters
     ----------
@@ -105,7 +105,7 @@ def nominal_values(factors: Sequence[Factor], given: Sequence[float | None]) -> 
     Returns
     -------
     list of float
-        The given value of a factor if it lies within its range, else the middle of the range; of a
+        The given value of a factor if it is within its range, else the middle of the range; of a
         category the given label's index, else that of the first.
     """
     return [
@@ -126,7 +126,7 @@ def sobol_indices(
     model : callable
     factors : sequence of Factor
         Each uniform over its range, a category over its labels, independent of each other; under
-        constraints `constrained_indices` is for them.
+        constraints use `constrained_indices`.
     points : int
         A power of 2.
     seed : int
@@ -135,8 +135,8 @@ def sobol_indices(
     Returns
     -------
     SobolIndices or None
-        Nothing for a response that does not vary. Estimates are uncertain by about 0.01: a first
-        index may come out a little below 0.
+        None for a response that does not vary. Estimates are uncertain by about 0.01: a first
+        index may be slightly below 0.
     """
     # Half a second, which a lookup need not wait for.
     from scipy import stats

@@ -1,8 +1,8 @@
-"""Ordinary least squares and what is said about it in statistics.
+"""Ordinary least squares and its statistics.
 
 Finite element runs repeat exactly: there is no replication noise. The residuals of a fit are its
-lack of fit, and so standard errors, t and F values measure that alone: how well the form follows
-the code, not how surely a coefficient differs from zero. No significance is derived from them.
+lack of fit, so standard errors, t and F values measure only that: how well the form follows
+the code, not the certainty that a coefficient differs from zero. No significance is derived from them.
 """
 
 import math
@@ -34,9 +34,9 @@ class LeastSquares:
     coefficients : (p,) ndarray
         Least-squares coefficients of the columns.
     fitted, residuals : (n,) ndarray
-        The fitted values, and what is left.
+        The fitted values, and the residuals.
     leverage : (n,) ndarray
-        Diagonal of the hat matrix; 1 where a run alone determines a coefficient.
+        Diagonal of the hat matrix; 1 if a run alone determines a coefficient.
     covariance_factor : (p, p) ndarray
         Inverse of ``matrix.T @ matrix``.
     total_squares, residual_squares : float
@@ -65,12 +65,12 @@ class LeastSquares:
 
     @property
     def degrees_of_freedom(self) -> int:
-        """Rows without those that the coefficients take, n - p."""
+        """Rows minus number of coefficients, n - p."""
         return len(self.fitted) - len(self.coefficients)
 
     @property
     def residual_variance(self) -> float | None:
-        """Residual sum of squares by degree of freedom; None if there is none left."""
+        """Residual sum of squares per degree of freedom; None if there is none left."""
         if self.degrees_of_freedom == 0:
             return None
         return self.residual_squares / self.degrees_of_freedom
@@ -89,13 +89,13 @@ class LeastSquares:
 
     @property
     def t_values(self) -> Array | None:
-        """Coefficients by their standard errors (p,); None where those are not, or are 0."""
+        """Coefficients over their standard errors (p,); None where these are None, or are 0."""
         errors = self.standard_errors
         return None if errors is None or not np.all(errors > 0.0) else self.coefficients / errors
 
     @property
     def f_value(self) -> float | None:
-        """Explained by residual variance; None where nothing is left or nothing explains."""
+        """Explained over residual variance; None if nothing is left or nothing explains."""
         variance, explaining = self.residual_variance, len(self.coefficients) - 1
         if not variance or not explaining:
             return None
@@ -110,12 +110,12 @@ class LeastSquares:
 
     @property
     def adjusted_r_squared(self) -> float | None:
-        """R2 by degrees of freedom; None without any left."""
+        """R2 adjusted for degrees of freedom; None without any left."""
         return adjusted(self.r_squared, self.runs, len(self.coefficients))
 
     @property
     def leave_one_out(self) -> Array | None:
-        """Leave-one-out predictions (n,), by the fits to all others; None where a row cannot be missed."""
+        """Leave-one-out predictions (n,), by the fits to all others; None if a row cannot be left out."""
         if float(np.max(self.leverage)) >= FULL_LEVERAGE:
             return None
         return self.fitted + self.residuals - self.residuals / (1.0 - self.leverage)
@@ -210,14 +210,14 @@ def least_squares(matrix: Array, y: Array, column_names: Sequence[str]) -> Least
 
 
 def adjusted(r_squared: float | None, runs: int, coefficients: int) -> float | None:
-    """Return R2 by degrees of freedom; None without any left."""
+    """Return R2 adjusted for degrees of freedom; None without any left."""
     if r_squared is None or runs <= coefficients:
         return None
     return 1.0 - (1.0 - r_squared) * (runs - 1) / (runs - coefficients)
 
 
 def coefficient_of_determination(values: Array, predicted: Array) -> float:
-    """Return R squared, 1 - residual / total sum of squares; 1 where there is nothing to explain."""
+    """Return R squared, 1 - residual / total sum of squares; 1 if there is nothing to explain."""
     # Divided by the largest value first, because squares of a compliance may be denormal.
     size = float(np.max(np.abs(values)))
     centered = (values - np.mean(values)) / size
@@ -229,16 +229,16 @@ def coefficient_of_determination(values: Array, predicted: Array) -> float:
 
 
 def tolerance_limit(errors: Array) -> float:
-    """Return the error that `COVERAGE` of new designs keep to, with `CONFIDENCE`.
+    """Return the error not exceeded by `COVERAGE` of new designs, with `CONFIDENCE`.
 
-    The limit free of any distribution (Wilks, Annals of Mathematical Statistics 12, 1941): the share of
+    The distribution-free limit (Wilks, Annals of Mathematical Statistics 12, 1941): the share of
     new errors below the r-th of n sorted ones has the distribution Beta(r, n - r + 1). It takes 45 errors;
-    the largest of fewer is less sure, n / (n + 1) on the average.
+    the largest of fewer is less certain, n / (n + 1) on average.
 
     Parameters
     ----------
     errors : (n,) ndarray
-        Of designs like the new ones, at least one.
+        Of designs similar to the new ones, at least one.
 
     Examples
     --------

@@ -1,4 +1,4 @@
-"""Terms of a polynomial: which there are, their columns, and their expansion in natural variables.
+"""Terms of a polynomial: their list, their columns, and their expansion in natural variables.
 
 A term is the tuple of the columns' numbers that it multiplies: () is the constant, (0,) the first
 column, (0, 0) its square, (0, 1) the product of the first two, (0, 0, 1) a square times a column.
@@ -57,7 +57,7 @@ def polynomial_terms(
 
 
 def levels_needed(term: Term) -> dict[int, int]:
-    """Return how many different values of each of its columns a term needs to be determined.
+    """Return the number of different values of each of its columns that a term requires.
 
     Examples
     --------
@@ -68,7 +68,7 @@ def levels_needed(term: Term) -> dict[int, int]:
 
 
 def divisors(term: Term) -> set[Term]:
-    """Return the terms that divide a term and are not the same.
+    """Return the proper divisors of a term.
 
     Examples
     --------
@@ -121,7 +121,7 @@ def code(
     Raises
     ------
     InputError
-        If a logarithm is asked of a value that is not positive.
+        If a logarithm is taken of a value that is not positive.
     """
     logged = np.asarray(log_factors, dtype=bool)
     if logged.any():
@@ -159,8 +159,8 @@ def expand(
     Returns
     -------
     dict of Term to Fraction
-        Coefficients of the terms in u, the given ones first and in their order; others follow
-        where the polynomial lacks a term that divides one of its own.
+        Coefficients of the terms in u, the given ones first and in their order; a missing term
+        that divides one of the polynomial's own follows.
     """
     result: dict[Term, Fraction] = {term: Fraction(0) for term in terms}
     for term, coefficient in zip(terms, coefficients, strict=True):

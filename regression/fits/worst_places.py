@@ -1,13 +1,13 @@
-"""Where equations are worst: which runs would tell most of what they do not know.
+"""Designs at which equations are worst: the most informative further runs.
 
-An equation errs for two reasons: the runs determine its coefficients badly, or it lacks a term. At three
-levels of every factor the second is all there is, and no run sees it. So the equation is taken with the
-terms that it lacks, those of one degree more, as normal variables about zero: y = F b + G g + e, Var g =
+An equation has two errors: the runs determine its coefficients badly, or it lacks a term. At three
+levels of every factor the second is the only one, and no run shows it. So the equation is extended by the
+missing terms, those of one degree more, as normal variables about zero: y = F b + G g + e, Var g =
 tau^2, Var e = tau^2 l; l and tau^2 are those that make the residuals at the runs most likely (restricted
-likelihood). The expected squared error at a place is then tau^2 l h (H^T H + l K)^-1 h^T, with H = [F G]
-at the runs, h that row at the place, and K 1 for terms that lack, 0 for others (the Bayesian design of
+likelihood). The expected squared error at a point is then tau^2 l h (H^T H + l K)^-1 h^T, with H = [F G]
+at the runs, h that row at the point, and K 1 for missing terms, 0 for others (the Bayesian design of
 DuMouchel and Jones, Technometrics 36, 1994, pp. 37-47). It falls with each further run by an amount that
-does not depend on the run's result, so that several can be chosen before any is computed.
+is independent of the run's result, so that several can be chosen before any is computed.
 """
 
 from collections.abc import Sequence
@@ -29,7 +29,7 @@ MOST_TERMS = 1200
 
 @dataclass(frozen=True, eq=False)
 class JudgedEquation:
-    """An equation, with its columns at runs and at places where its error is asked for.
+    """An equation, with its columns at runs and at points where its error is estimated.
 
     Attributes
     ----------
@@ -37,11 +37,11 @@ class JudgedEquation:
     runs : (n, k) array
         Columns at the runs to which it was fitted.
     target : (n,) array
-        What its polynomial was fitted to there: the response by its scale, or the logarithm of that.
+        Values fitted there: the response over its scale, or the logarithm of that.
     places : (m, k) array
         Columns at the places.
     sizes : (m,) array
-        What an error of the polynomial is divided by to be relative.
+        Divisor that makes an error of the polynomial relative.
     """
 
     fit: Fit
@@ -53,13 +53,13 @@ class JudgedEquation:
 
 @dataclass(frozen=True, eq=False)
 class ExpectedErrors:
-    """Covariance of an equation's relative errors at places, ``left @ right.T``.
+    """Covariance of an equation's relative errors at points, ``left @ right.T``.
 
     Attributes
     ----------
     left, right : (m, p) array
     noise : (m,) array
-        What of the square of an error no run takes away.
+        Part of the squared error that no run reduces.
     """
 
     left: Array
@@ -73,7 +73,7 @@ class ExpectedErrors:
         return squares
 
     def after_run(self, place: int) -> "ExpectedErrors":
-        """Return what is expected after a run at one of the places, whatever its result."""
+        """Return the expected errors after a run at one of the points, whatever its result."""
         shared = self.left @ self.right[place]
         total = shared[place] + self.noise[place]
         if not total > 0.0:
@@ -82,7 +82,7 @@ class ExpectedErrors:
 
 
 def expected_errors(equation: JudgedEquation) -> ExpectedErrors:
-    """Return the errors that are expected of an equation at its places."""
+    """Return the expected errors of an equation at its points."""
     form = equation.fit.fitted
     own, lacking = form.terms, lacking_terms(equation.fit)
 
@@ -101,7 +101,7 @@ def expected_errors(equation: JudgedEquation) -> ExpectedErrors:
 
 
 def lacking_terms(fit: Fit) -> tuple[Term, ...]:
-    """Return the terms that an equation has not, up to one degree more than it has."""
+    """Return the terms that an equation lacks, up to one degree more than it has."""
     form = fit.fitted
     degree = max(map(len, form.terms))
     indicators = [place for place, name in enumerate(form.factors) if "=" in name]
@@ -113,7 +113,7 @@ def lacking_terms(fit: Fit) -> tuple[Term, ...]:
 
 
 def _likeliest(known: Array, further: Array, target: Array) -> tuple[float, float]:
-    """Return l and tau^2 by the restricted likelihood of what the equation's own terms leave."""
+    """Return l and tau^2 by restricted likelihood from the residuals of the equation's own terms."""
     full, _ = np.linalg.qr(known, mode="complete")
     rest = full[:, known.shape[1] :]
     left = rest.T @ target
@@ -131,14 +131,14 @@ def _likeliest(known: Array, further: Array, target: Array) -> tuple[float, floa
 
 
 def worst_places(equations: Sequence[JudgedEquation], count: int) -> list[int]:
-    """Choose the places where the expected squared relative errors of all equations add up to most.
+    """Choose the points with the largest sum of expected squared relative errors of all equations.
 
-    Each is counted as a run before the next is chosen.
+    Each counts as a run before the next is chosen.
 
     Parameters
     ----------
     equations : sequence of JudgedEquation
-        All at the same m places.
+        All at the same m points.
     count : int
         At most m.
 

@@ -1,1 +1,1 @@
-"""The published axial formulas, one author to a module. The face is `regression.formulas.axial_formulas`."""
+"""The published axial formulas, one author per module. Use `regression.formulas.axial_formulas`."""

@@ -2,8 +2,8 @@
 
 Printed: ``(R^2/E) [1.1 L_shm / I_shm k_phi + k_1^2 (k_phi - k_1/3) R / I_w]
 + (1/E) (L_km / F_km + L_shm / F_shm) + 2 [R - 0.5 (D_km + D_shm)] / (G I_w)`` with
-``k_1 = 1 - (D_km + D_shm) / (0.125 R)`` and ``k_phi = 0.75 - 0.25 cos gamma``. The last term needs
-the web's area F_w = B h, as Gorbunov's formula has it. The printed k_1 is about -17 for ordinary
+``k_1 = 1 - (D_km + D_shm) / (0.125 R)`` and ``k_phi = 0.75 - 0.25 cos gamma``. The last term requires
+the web's area F_w = B h, as in Gorbunov's formula. The printed k_1 is about -17 for ordinary
 throws; ``1 - 0.125 (D_km + D_shm) / R`` is the share of the crank radius that bends. With k_1 = 1
 the web has 2/3 at gamma = 180 deg and 1/6 at 0, as a slender frame.
 """

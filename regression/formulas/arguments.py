@@ -1,4 +1,4 @@
-"""Arguments that all formulas share: the angle between neighboring cranks, and the moduli."""
+"""Arguments common to all formulas: the angle between neighboring cranks, and the moduli."""
 
 import math
 

@@ -1,6 +1,6 @@
 r"""Published empirical formulas for the axial compliance e_n of one crank throw.
 
-All of them are built from the beam compliances of the throw's parts, with E and G the moduli::
+All are built from the beam compliances of the throw's parts, with E and G the moduli::
 
     pin     R^2 L_shm / (E I_shm)           crankpin in bending under the moment of a unit force
     web     R^3 / (E I_w)                   I_w = B h^3 / 12, the web bending out of its plane
@@ -9,12 +9,12 @@ All of them are built from the beam compliances of the throw's parts, with E and
 
 A throw whose ends tilt freely (opposite neighbors, gamma = 180 deg) is statically determinate:
 as a frame of slender beams its bending compliance is exactly ``pin + 2/3 web``. With the tilt
-blocked (gamma = 0) and flexible webs it tends to ``1/2 pin + 1/6 web``. A sound formula tends to
-the first, and this is how misprinted terms were recognized: variant "corrected" mends what cannot
-have been meant, variant "printed" takes the survey of Yamanin and Zhukov by the letter. What was
-mended and why stands with each formula in `regression.formulas`.
+blocked (gamma = 0) and flexible webs it tends to ``1/2 pin + 1/6 web``. A correct formula tends to
+the first, which reveals misprinted terms: variant "corrected" corrects what cannot
+have been meant, variant "printed" follows the survey of Yamanin and Zhukov by the letter. The
+corrections and their reasons are given with each formula in `regression.formulas`.
 
-The formulas know neither fillets nor the shape of the web beyond B and h.
+The formulas include neither fillets nor the shape of the web beyond B and h.
 
 References
 ----------
@@ -50,7 +50,7 @@ def axial_formulas(
     Parameters
     ----------
     throw : CrankThrow
-        The throw's dimensions [m]. Fillets do not enter.
+        The throw's dimensions [m]. Fillets are not used.
     gamma_deg : float, optional
         Angle between neighboring cranks, gamma_k [deg]; folded to 0 ... 180, so 240 counts as 120.
     youngs_modulus : float, optional
@@ -58,7 +58,7 @@ def axial_formulas(
     poisson_ratio : float, optional
         For the shear modulus G = E / (2 (1 + nu)).
     variant : {"corrected", "printed", "plain", "k/4"}, optional
-        The reading. A formula that does not have the reading, or whose print cannot be evaluated,
+        The reading. A formula that lacks the reading, or whose print cannot be evaluated,
         is left out. "plain" is an alternative of TsNIIMF alone (the web's thickness h without
         overlap), "k/4" one of Draminsky (2) alone.
     constants : mapping, optional
@@ -70,7 +70,7 @@ def axial_formulas(
     -------
     dict of str to FormulaValue
         Formula name to its value [m/N], with validity and remarks. Every formula has a finite
-        corrected value for every throw; whether it applies, its `valid` tells.
+        corrected value for every throw; its `valid` states whether it applies.
 
     Raises
     ------
@@ -122,9 +122,9 @@ def axial_formula(
     Raises
     ------
     InputError
-        As in `axial_formulas`; for an unknown name; for a reading that the formula does not have
-        or that cannot be evaluated for this throw, among them a print that is dimensionally
-        unsound.
+        As in `axial_formulas`; for an unknown name; for a reading that the formula lacks
+        or that cannot be evaluated for this throw, including a print that is dimensionally
+        inconsistent.
     """
     if name not in AXIAL_FORMULAS:
         raise InputError(

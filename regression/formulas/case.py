@@ -1,9 +1,10 @@
-"""What a formula is evaluated for, and the beam compliances from which all formulas are built."""
+"""The arguments of a formula, and the beam compliances from which all formulas are built."""
 
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 
+from crankbase.checks.choices import check_kind
 from geometry.throw import CrankThrow
 
 
@@ -21,7 +22,7 @@ class ThrowCase:
     constants : mapping
         A value for every name in `DEFAULT_CONSTANTS`.
     given_constants : frozenset of str
-        Those of them that were given.
+        Those that were given.
     """
 
     throw: CrankThrow
@@ -30,6 +31,9 @@ class ThrowCase:
     shear_modulus: float
     constants: Mapping[str, float]
     given_constants: frozenset[str]
+
+    def __post_init__(self) -> None:
+        check_kind("throw", self.throw, CrankThrow, "a CrankThrow")
 
     @property
     def cosine(self) -> float:

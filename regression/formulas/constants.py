@@ -14,15 +14,15 @@ class FormulaConstant:
     Attributes
     ----------
     name : str
-        As it is given in `constants`.
+        Its name in `constants`.
     formula : str
-        The formula in which it stands.
+        The formula that contains it.
     default : float
-        The value taken if none is given.
+        The default.
     meaning : str
-        What it stands for.
+        Its meaning.
     reason : str
-        Why the default is what it is.
+        Reason for the default.
     """
 
     name: str
@@ -79,7 +79,7 @@ DEFAULT_CONSTANTS: Mapping[str, float] = {
 
 
 def checked_constants(given: Mapping[str, float]) -> dict[str, float]:
-    """Return all constants, the given ones in place of their defaults.
+    """Return all constants, the given ones replacing their defaults.
 
     Raises
     ------

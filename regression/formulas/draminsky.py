@@ -5,8 +5,8 @@ gamma = 180 deg, exactly, once its first term is the crankpin's.
 
 (2), printed ``(R^2/E) [(L_shm + 0.33 h) / I_shm (1 - k/12) + (R / I_w) (2/3 - k/2)]
 + (1/E) (L_km / F_km + L_shm / F_shm) + 2 R / (G I_w)`` with k = 1 + cos gamma. The last term is in
-1/(N m): it needs the web's area F_w = B h. The denominators 12 and 2 do not belong together: at
-gamma = 0 the web's factor would be -1/3, which no throw has, and with the tilt blocked a frame
+1/(N m): it requires the web's area F_w = B h. The denominators 12 and 2 are inconsistent: at
+gamma = 0 the web's factor would be -1/3, which is impossible, and with the tilt blocked a frame
 with flexible webs has 1/2 pin + 1/6 web, that is k/4 in both places ("k/4").
 """
 

@@ -1,4 +1,4 @@
-"""What a published formula gives: a value, and whether it may be trusted for this throw."""
+"""The result of a published formula: a value, and whether the formula applies to the throw."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -18,16 +18,16 @@ class FormulaValue:
     value : float
         The formula's value, in `unit`; always finite.
     valid : bool
-        False if the throw lies outside the range in which the formula has a meaning. The value
-        is then what the formula gives all the same, for comparison only.
+        False if the throw is outside the formula's range of validity. The value
+        is then for comparison only.
     remarks : tuple of str
-        One sentence for each thing to know about this value; empty if there is none.
+        Remarks on this value, one sentence each.
     source : str
         Where the formula was published.
     unit : str
         SI unit of `value`.
     variant : str
-        Which reading of the formula this is: "corrected", "printed", ...
+        The reading of the formula: "corrected", "printed", ...
     """
 
     value: float
@@ -39,12 +39,12 @@ class FormulaValue:
 
 
 def formulas_to_pandas(found: Mapping[str, FormulaValue]) -> Any:
-    """Return a table of what the published formulas give.
+    """Return a table of the results of the published formulas.
 
     Parameters
     ----------
     found : mapping of str to FormulaValue
-        As `axial_formulas` or `torsional_formulas` returns it.
+        From `axial_formulas` or `torsional_formulas`.
 
     Returns
     -------

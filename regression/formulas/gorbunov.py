@@ -3,7 +3,7 @@
 Printed: ``(4 / (pi E)) [2 pi R^3 k_phi / (B k_2) + 2 R L_1shm / D_shm^4 + L_1shm / D_shm^2
 + L_1km / D_km^2] + (2 R - D_km - D_shm) / (G B h)`` with ``k_2 = sqrt(s^2 + h^2)``,
 ``k_phi = 0.8 (1 - cos gamma)`` and ``L_1 = L + 0.2 h``. All terms in the bracket must be in 1/m:
-k_2^3 makes the first the web of a frame, 8 R^3 / (E B k_2^3), which proves the coefficient 2 pi, and
+k_2^3 makes the first the web of a frame, 8 R^3 / (E B k_2^3), which confirms the coefficient 2 pi, and
 16 R^2 L_1 / D^4 makes the second the pin's R^2 L_1 / (E I); exponents were lost in both. The number
 0.8 would have to be 0.5 for the web of a frame at 180 deg; it is left as printed (`k_gorbunov`).
 """

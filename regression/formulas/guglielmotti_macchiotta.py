@@ -1,11 +1,11 @@
 """The formula of Guglielmotti and Macchiotta, for slow-speed shafts with little or no overlap.
 
 Printed: ``C [64 R^2 L_km / (pi E D_km^4) + 42 R (R - 0.44 D_km)^2 / (E B h^3)]``. The dimensions
-are right, but as the journals get thin (D -> 0) the web's term must tend to that of a frame,
-8 R^3 / (E B h^3), of which 42 is 5.25 times too much: it will have been "4 . 2 R" = 8 R. The first
-term is R^2 L / (E I) of the part that takes the moment R of a unit force, which is the crankpin,
-not the main journal. Whose diameter shortens the web cannot be told from the print; the main
-journal's is taken.
+are right, but for thin journals (D -> 0) the web's term must tend to that of a frame,
+8 R^3 / (E B h^3), of which 42 is 5.25 times too much: it was probably "4 . 2 R" = 8 R. The first
+term is R^2 L / (E I) of the part loaded by the moment R of a unit force, which is the crankpin,
+not the main journal. The print does not show whose diameter shortens the web; the main
+journal's is used.
 """
 
 from crankbase.units.quantity import format_quantity

@@ -1,12 +1,12 @@
-"""The survey's table of axial compliances: what is printed, and which powers of ten were lost.
+"""The survey's table of axial compliances: the printed values, and their lost powers of ten.
 
 Yamanin and Zhukov give the axial compliance of one throw of ten engines by nine formulas, with the
-column heading 1e9. Single values are off by powers of ten beside the rest of their row and column;
-they look like mantissas of a spreadsheet whose exponents were lost. The file keeps the digits of the
-print and, as a hypothesis in a column of its own, the power of ten that each needs.
+column heading 1e9. Some values are off by powers of ten compared with the rest of their row and column;
+they look like mantissas of a spreadsheet whose exponents were lost. The file keeps the printed
+digits and, as a hypothesis in a separate column, the power of ten for each.
 
 The paper gives no dimensions of the throws, and no single set of dimensions makes all columns agree
-(groups A and B of the file). The table shows how far the formulas spread; it can prove none of them.
+(groups A and B of the file). The table shows the spread of the formulas; it cannot verify any of them.
 """
 
 import csv
@@ -54,12 +54,12 @@ class PublishedValue:
     digits : str
         The digits of the print.
     exponent_factor : float or None
-        The power of ten by which the print has to be multiplied, a hypothesis; 1 where nothing speaks
-        for one, None where none can be found.
+        Factor of ten to apply to the print, a hypothesis; 1 where none seems
+        necessary, None where none can be found.
     group : str
-        "A" or "B": formulas that agree with each other's web thickness; empty where neither.
+        "A" or "B": formulas whose values agree with one web thickness; empty for neither.
     doubt : str
-        What is doubted; empty if nothing.
+        Doubts; empty if none.
     """
 
     engine: str
@@ -101,12 +101,12 @@ def read_published_table(path: Path) -> tuple[PublishedValue, ...]:
     Returns
     -------
     tuple of PublishedValue
-        In the order of the file, which is that of the print.
+        In the order of the file and of the print.
 
     Raises
     ------
     InputError
-        If the file does not exist or does not have this table's form.
+        If the file does not exist or is not in this table's format.
     """
     if not path.is_file():
         raise InputError(f"{path}: given as the published table, but there is no such file.")

@@ -15,16 +15,16 @@ SURVEY = (
 
 @dataclass(frozen=True)
 class Reading:
-    """One way to read a formula.
+    """One reading of a formula.
 
     Attributes
     ----------
     evaluate : callable
-        Compliance of a case; called only where there is no fault.
+        Compliance of a case; called only if there is no fault.
     remarks : callable
-        What to know about that value.
+        Remarks on that value.
     fault : callable
-        Why this reading cannot be evaluated for a case; empty where it can.
+        Why this reading cannot be evaluated for a case; empty if it can.
     """
 
     evaluate: Callable[[ThrowCase], float]
@@ -40,9 +40,9 @@ class AxialFormula:
     ----------
     name : str
     short : str
-        Head of its column where all formulas stand beside each other.
+        Column heading in tables of all formulas.
     authors : str
-        Who published it, and where.
+        Author and publication.
     readings : mapping of str to Reading
         "corrected", "printed" and others by name.
     printed_fault : str
@@ -64,7 +64,7 @@ class AxialFormula:
 def reading_value(
     reading: Reading, case: ThrowCase, source: str, unit: str, variant: str
 ) -> FormulaValue:
-    """Evaluate a reading for a case, with all remarks that there are."""
+    """Evaluate a reading for a case, with all remarks."""
     remarks = reading.remarks(case) + shape_remarks(case.throw)
     value = reading.evaluate(case)
     if value <= 0.0:

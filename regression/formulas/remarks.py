@@ -1,4 +1,4 @@
-"""What there is to know about a formula's value for one throw, in a sentence each."""
+"""Remarks on a formula's value for one throw, one sentence each."""
 
 from dataclasses import dataclass
 
@@ -9,14 +9,14 @@ from regression.formulas.case import ThrowCase
 
 @dataclass(frozen=True)
 class Remark:
-    """One sentence, and whether the formula does not apply because of it."""
+    """One sentence, and whether it makes the formula inapplicable."""
 
     text: str
     invalidates: bool = False
 
 
 def shape_remarks(throw: CrankThrow) -> list[Remark]:
-    """What of a throw the published formulas do not know, and whether that makes them void."""
+    """Features of a throw that the published formulas do not include, and whether that makes them invalid."""
     remarks = []
     if throw.further_pins:
         text = "The throw has several pins between its bearings; the formula assumes one."
@@ -91,7 +91,7 @@ def open_angle_factor_remarks(case: ThrowCase, constant: str) -> list[Remark]:
 
 
 def unused_bores_remarks(case: ThrowCase) -> list[Remark]:
-    """For a formula into which the bores do not enter."""
+    """For a formula that does not include the bores."""
     if case.throw.main_journal_bore == 0.0 and case.throw.pin_bore == 0.0:
         return []
     return [Remark("The formula ignores the bores.")]

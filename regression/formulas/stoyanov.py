@@ -4,7 +4,7 @@ Printed: ``(1/E) [(L_shm + 0.48 h) R^2 / I_shm + (L_shm + 0.7 h) / F_shm + (L_km
 + 4.72 R k_n / (B c h) (1 + 1.7 R^2 / h^2)]`` with ``c = 3.97 - 3.64 b + 1.13 b^2`` and
 ``b = 2 B / (D_km + D_shm)``. No fault was found: 4.72 x 1.7 = 8.02, so that for c = 1 the web bends
 as that of a slender frame, 8 R^3 / (E B h^3); the rest of the last term is the web's shear. B c is
-the effective width. The factor k_n for the overlap is not published, the angle does not enter.
+the effective width. The factor k_n for the overlap is not published; the angle is not included.
 """
 
 from crankbase.units.quantity import format_quantity
@@ -19,13 +19,13 @@ SMALLEST_WIDTH, LARGEST_WIDTH = 1.30, 1.92
 
 
 def relative_width(case: ThrowCase) -> float:
-    """Return b, the web's width beside the mean diameter of main journal and crankpin."""
+    """Return b, the web's width over the mean diameter of main journal and crankpin."""
     throw = case.throw
     return 2.0 * throw.web_width / (throw.main_journal_diameter + throw.pin_diameter)
 
 
 def width_factor(b: float) -> float:
-    """Return c, the effective width of the web beside its width B."""
+    """Return c, the effective width of the web over its width B."""
     return 3.97 - 3.64 * b + 1.13 * b**2
 
 

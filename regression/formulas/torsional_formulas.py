@@ -4,8 +4,8 @@ Each gives the twist between the middles of two main journals under a unit torqu
 for a throw whose ends are free to tilt and shift. With shear modulus G and polar inertia
 pi (D^4 - d^4) / 32 of a journal with a bore d, a length l twists by 32 l / (pi G (D^4 - d^4)).
 
-The formulas are quoted from the general literature on torsional vibration, where they stand in
-many places in the same form; the first publications were not consulted.
+The formulas are quoted from the general literature on torsional vibration, where many texts give
+them in the same form; the first publications were not consulted.
 
 References
 ----------
@@ -96,7 +96,7 @@ def _with_web_beams(case: ThrowCase, share: float) -> float:
 
 
 def _zimanenko(case: ThrowCase) -> float:
-    """Zimanenko's formula with the main journal's diameter beside 0.2 B / R."""
+    """Zimanenko's formula with the main journal's diameter in 0.2 B / R."""
     return _zimanenko_with(case, case.throw.main_journal_diameter)
 
 
@@ -171,7 +171,7 @@ def torsional_formulas(
     Parameters
     ----------
     throw : CrankThrow
-        The throw's dimensions [m]. Fillets do not enter.
+        The throw's dimensions [m]. Fillets are not used.
     youngs_modulus : float, optional
         E [Pa].
     poisson_ratio : float, optional

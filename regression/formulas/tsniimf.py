@@ -1,8 +1,8 @@
 """The formula of the Central Research Institute of the Merchant Fleet (TsNIIMF): the web alone.
 
 Printed: ``8 R^3 / (E B h_e^3)`` with ``h_e = h sqrt((D_km + D_shm) / (2 h) - R / h)``, that is
-h_e = sqrt(s h) for an overlap s. The dimensions are right, but without overlap the root has no
-value, and an overlap smaller than the web's thickness makes the web softer than without any.
+h_e = sqrt(s h) for an overlap s. The dimensions are right, but without overlap the root is
+undefined, and an overlap smaller than the web's thickness makes the web softer than none.
 "1 +" and a square were lost: ``h_e = sqrt(h^2 + s^2)``, which is the k_2 of Gorbunov's formula from
 the same institute, is the reading "corrected", with s = 0 where journal and pin do not overlap.
 The plain thickness, h_e = h, with which the survey's own table may have been calculated, is the reading

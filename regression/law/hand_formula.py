@@ -1,4 +1,4 @@
-r"""A formula for the axial compliance by hand: the beams that a throw is made of, and 12 numbers.
+r"""A formula for the axial compliance by hand: the beams of a throw, and 12 numbers.
 
 With all lengths in main journal diameters D, overlap s = (1 + D_p) / 2 - R, fillets r::
 
@@ -6,10 +6,10 @@ With all lengths in main journal diameters D, overlap s = (1 + D_p) / 2 - R, fil
           + 39.3 R e^(-1.74 r) / (h^2.16 B^0.5 D_p^0.45) (1 + e^(1.5 s / (h^0.57 B^0.14)))^-2.4    webs
           + 1.16 (L_m + L_p / D_p^2) 4 / pi                                                   tension
 
-The pin is the beam that it is, 0.45 h longer for what bends in the webs, and shorter for its fillets. As
+The pin is a beam, 0.45 h longer for the bending in the webs, and shorter for its fillets. As
 beams two webs would give 8 R^3 / (B h^3): without overlap, s well below 0, the middle term grows less
-steeply with R and h, since webs are short and wide; with overlap, force goes straight from main journal to
-pin, and the term falls exponentially with s beside a length between h and D. The last term is the
+steeply with R and h, since webs are short and wide; with overlap, force passes directly from main journal to
+pin, and the term falls exponentially with s over a length between h and D. The last term is the
 tension of journals and pin, 16 % more for the webs between them.
 """
 
@@ -60,7 +60,7 @@ def hand_formula(throw: CrankThrow, *, youngs_modulus: float = 2.1e11) -> Formul
     Raises
     ------
     InputError
-        If the throw has what no single web formula knows, or E is not a positive number.
+        If the throw has features outside any single-web formula, or E is not a positive number.
 
     Examples
     --------

@@ -1,9 +1,9 @@
-"""What the law's networks are given of a throw: its ratios as the webs, journals and pin feel them.
+"""Inputs of the law's networks: ratios that represent the effect of webs, journals and pin.
 
-Lengths enter by their logarithms, the overlap beside the web's thickness, since force takes another way
-with it. Bores enter as what they leave: of the web's width beside each journal, and of the moments of
-inertia of journal and pin. Web ends and corners enter as the room about the journals' fillets, slopes as the
-thickness that they take at the axes.
+Lengths are used as logarithms, the overlap relative to the web's thickness, since force takes another path
+with it. Bores are represented by what they leave: of the web's width next to each journal, of the moments of
+inertia of journal and pin. Web ends and corners are represented by the space around the journals' fillets,
+slopes by the thickness at the axes.
 """
 
 from typing import Any
@@ -88,20 +88,20 @@ def real_inputs(found: Ratios) -> Array:
 
 
 def _overlap(found: Ratios) -> Any:
-    """Overlap of main journal and pin over the web's thickness, its large values drawn together."""
+    """Overlap of main journal and pin over the web's thickness, its large values compressed."""
     overlap = 0.5 * (1.0 + found["pin_diameter"]) - found["crank_radius"]
     return np.arcsinh(overlap / found["web_thickness"])
 
 
 def _inertia_left(bore: Any, offset: Any) -> Any:
-    """Moment of inertia that a bore leaves of a journal, about its own center; lengths over its diameter."""
+    """Moment of inertia of a bored journal about its own center, relative; lengths over its diameter."""
     moved = bore * offset
     square = bore * bore
     return 1.0 - square * square - 16.0 * moved * moved / (1.0 - square)
 
 
 def _within(depth: Any) -> Any:
-    """A depth, or nothing where it is negative, without a kink."""
+    """A depth, or zero if negative, without a kink."""
     return 0.5 * (depth + np.sqrt(depth * depth + 0.01))
 
 

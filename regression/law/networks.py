@@ -1,6 +1,6 @@
 """The trained networks of the law: two hidden layers each, evaluated by numpy alone.
 
-Each answer of each tier has a network of its own, for the logarithm of its dimensionless value. Networks
+Each output of each tier has its own network, for the logarithm of its dimensionless value. Networks
 of one shape are kept as one stack, so that all are evaluated in a few products of matrices.
 """
 
@@ -37,20 +37,20 @@ BLOCK = 2048
 
 @dataclass(frozen=True)
 class Networks:
-    """Networks of k answers of d inputs, with hidden layers of m and n units.
+    """Networks of k outputs of d inputs, with hidden layers of m and n units.
 
     Attributes
     ----------
     low, high : (d,) array
-        Inputs that become -1 and 1.
+        Inputs that map to -1 and 1.
     first, first_constant : (k, m, d), (k, m) array
     second, second_constant : (k, n, m), (k, n) array
     last, direct, constant : (k, n), (k, d), (k,) array
-        What the second layer and the inputs themselves add to the answer.
+        Contributions of the second layer and of the inputs themselves to the output.
     bands : (k, 2) array
-        Relative half width of the band of 95 % in the middle of the range, and what it gains to its ends.
+        Relative half width of the 95 % band in the middle of the range, and its increase to the ends.
     poisson : (k, 2) array
-        Change of the answer's logarithm with Poisson's ratio, and its standard deviation over throws.
+        Change of the output's logarithm with Poisson's ratio, and its standard deviation over throws.
     """
 
     low: Array
@@ -66,7 +66,7 @@ class Networks:
     poisson: Array
 
     def evaluate(self, inputs: Array) -> tuple[Array, Array]:
-        """Values (k, n) for inputs (d, n), and relative half widths (k, n) of their bands of 95 %."""
+        """Values (k, n) for inputs (d, n), and relative half widths (k, n) of their 95 % bands."""
         count, units, size = self.first.shape
         first, first_constant, second_constant, last, constant, middle, gain = self._columns
         scaled = self.scaled(inputs)
@@ -92,7 +92,7 @@ class Networks:
 
     @cached_property
     def _columns(self) -> tuple[Array, ...]:
-        """Weights as they are multiplied, made once: a throw's evaluation takes less than these take."""
+        """Weights prepared for multiplication, once: a throw's evaluation takes less time than this."""
         return (
             self.first.reshape(-1, self.first.shape[2]),
             self.first_constant.reshape(-1, 1),

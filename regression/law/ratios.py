@@ -1,8 +1,8 @@
-"""The ratios of a throw that the law knows, their ranges, and what the networks are given of them.
+"""The ratios of a throw in the law, their ranges, and the networks' inputs.
 
 Lengths are divided by the main journal's diameter D; the pin's bore by the pin's diameter, the ends and
 corners of webs by half of their width, tips and feet by their thickness. A plain throw has obround webs
-of one thickness, fillets of one radius and no bores: seven ratios say all of it.
+of one thickness, fillets of one radius and no bores: seven ratios describe it.
 """
 
 from collections.abc import Mapping
@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from crankbase.checks.choices import check_kind
 from crankbase.errors import InputError
 from geometry.throw import CrankThrow
 from geometry.throw_dimensions import Web, web_dimension
@@ -93,17 +94,18 @@ MORE_FIELDS = (
 
 
 def throw_dimensions(throw: CrankThrow) -> dict[str, Any]:
-    """Fields of a throw that the law knows; webs of unequal thickness as their mean and their step.
+    """Fields of a throw in the law; webs of unequal thickness as their mean and their step.
 
     Raises
     ------
     InputError
-        If the throw has what the law does not know: further pins, oil holes, webs of unequal outline.
+        If the throw has features outside the law: further pins, oil holes, webs of unequal outline.
     """
+    check_kind("throw", throw, CrankThrow, "a CrankThrow")
     for name in ("further_pins", "oil_holes"):
         if given := getattr(throw, name):
             raise InputError(
-                f"throw.{name}: given {len(given)}; allowed for the law are none, because its training "
+                f"throw.{name}: given {len(given)}; allowed for the law is none, because its training "
                 "throws have none."
             )
     found = {name: getattr(throw, name) for name in (*PLAIN_FIELDS, *MORE_FIELDS)}
@@ -142,7 +144,7 @@ def ratios(dimensions: Mapping[str, Any]) -> dict[str, Any]:
     Parameters
     ----------
     dimensions : mapping
-        Fields of `CrankThrow` [m]; what is not given is as there. Besides, "rectangle", 1 or 0, and
+        Fields of `CrankThrow` [m], with its defaults. Also "rectangle", 1 or 0, and
         "thickness_step", the right web's thickness over the left one's.
     """
     given = {name: value for name, value in dimensions.items() if value is not None}
@@ -168,7 +170,7 @@ def ratios(dimensions: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def is_plain(found: Ratios) -> Any:
-    """Whether throws of these ratios are plain ones, within their range: bool or array."""
+    """Whether throws of these ratios are plain, within their range: bool or array."""
     journal, pin = (found[name] for name in FILLETS)
     plain = abs(journal - pin) <= ROUND_OFF
     for name, (*_, usual) in FEATURES.items():
@@ -180,7 +182,7 @@ def is_plain(found: Ratios) -> Any:
 
 
 def real_ranges() -> dict[str, tuple[float, float]]:
-    """Smallest and largest values of all ratios that the law knows."""
+    """Smallest and largest values of all ratios of the law."""
     fillets = dict.fromkeys(FILLETS, (0.0, LARGEST_FILLET))
     return {**REAL, **fillets, **{name: (low, high) for name, (low, high, _) in FEATURES.items()}}
 
@@ -217,7 +219,7 @@ def check_range(found: Ratios) -> None:
 
 
 def ratio_text(name: str) -> str:
-    """How a ratio is called in sentences.
+    """Name of a ratio in sentences.
 
     Examples
     --------

@@ -1,7 +1,7 @@
-r"""The superelement of a throw with equal webs from the law's numbers, and the reactions that it gives.
+r"""The superelement of a throw with equal webs from the law's numbers, and its reactions.
 
-Mirrored in the crank plane and in the middle of its pin, such a throw has four classes of motions. Less
-rigid ones there are six, each with its load: lengthening under a force and twist under a torque; tilts of
+Mirrored in the crank plane and in the middle of its pin, such a throw has four classes of motions. Without
+the rigid ones there are six, each with its load: lengthening under a force and twist under a torque; tilts of
 both ends against each other (``in plane``) and alike (``across``) in the sense that couples with these;
 and tilts alike in the crank plane and against each other across it, each alone in its class. With the ends
 pinned their flexibilities are, E and D the unit::
@@ -11,8 +11,8 @@ pinned their flexibilities are, E and D the unit::
 
 with g^2 = (e_p - e_g) f_t and g'^2 = (t_p - t_g) f_u of the compliances of guided ends, and rho = f_t / f_u.
 A radial force Z lengthens the throw by c and tilts its ends by (c_p - c_g) f_t / g; a force along x twists
-it as half of its torque R does, and bends it across. So twelve numbers are the throw's superelement, and
-rigid motions make its end forces balance the pin's exactly.
+it like half of its torque R, and bends it across. So twelve numbers are the throw's superelement, and
+with rigid motions its end forces balance the pin's exactly.
 """
 
 from typing import TYPE_CHECKING
@@ -59,13 +59,13 @@ def law_reactions(
     Returns
     -------
     ReactionLookup
-        ``.left`` and ``.right``, each with ``.force`` [N] and ``.moment`` [N m] of shape (3,), and how far
-        each may be off.
+        ``.left`` and ``.right``, each with ``.force`` [N] and ``.moment`` [N m] of shape (3,), and their
+        errors.
 
     Raises
     ------
     InputError
-        As `axial_law`; if the webs are unequal, the support is none of these, or the force is not three
+        As `axial_law`; if the webs are unequal, the support is unknown, or the force is not three
         finite numbers of which the last is 0.
     """
     from fem.end_reactions import Reactions

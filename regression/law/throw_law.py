@@ -1,8 +1,8 @@
 """The law: axial and torsional compliances of throws from their dimensions alone, with error bands.
 
-Networks trained by finite-element answers of thousands of throws (docs/law.md) give dimensionless
-compliances; E and the size enter exactly, Poisson's ratio near 0.3 by its mean effect. End sections are
-rigid discs, as in `fem.analysis.analyze_throw`; counterweights do not stiffen a throw and are left out.
+Networks trained on finite elements of thousands of throws (docs/law.md) give dimensionless
+compliances; E and the size are exact factors, Poisson's ratio near 0.3 has its mean effect. End sections are
+rigid discs, as in `fem.analysis.analyze_throw`; counterweights hardly stiffen a throw and are neglected.
 """
 
 from collections.abc import Mapping
@@ -41,7 +41,7 @@ INPUTS = {"plain": plain_inputs, "real": real_inputs}
 @summarized("pinned [m/N]", "guided [m/N]", "ratio", "influence_pinned [m/N]", "band [m/N]", "tier")
 @dataclass(frozen=True)
 class AxialLaw:
-    """Axial compliance and influence coefficient by the law: floats of a throw, arrays of many.
+    """Axial compliance and influence coefficient by the law: floats for a throw, arrays for many.
 
     Attributes
     ----------
@@ -54,9 +54,9 @@ class AxialLaw:
     errors : mapping
         Relative half widths of bands that hold the true value in 95 of 100 throws, by the names above.
     tier : str or ndarray
-        "plain" or "real": which networks answered.
+        "plain" or "real": the networks used.
     nearest_limit : str
-        Of one throw: the ratio nearest to an end of the law's range, in words.
+        For one throw: the ratio nearest to an end of the law's range, in words.
     """
 
     pinned: Any
@@ -96,7 +96,7 @@ class AxialLaw:
 @summarized("pinned [rad/(N m)]", "guided [rad/(N m)]", "band [rad/(N m)]", "tier")
 @dataclass(frozen=True)
 class TorsionalLaw:
-    """Torsional compliance by the law: floats of a throw, arrays of many.
+    """Torsional compliance by the law: floats for a throw, arrays for many.
 
     Attributes
     ----------
@@ -140,7 +140,7 @@ def axial_law(
     youngs_modulus : float
         E [Pa].
     poisson_ratio : float
-        0.25 to 0.35; the networks know 0.3, from which its mean effect leads.
+        0.25 to 0.35; the networks are trained at 0.3 and corrected by the mean effect.
 
     Returns
     -------
@@ -150,7 +150,7 @@ def axial_law(
     ------
     InputError
         If a ratio of the throw is outside the range of the law's training throws, or the
-        throw has what they have not.
+        throw has features that they lack.
 
     Examples
     --------
@@ -207,7 +207,7 @@ def axial_laws(
     Raises
     ------
     InputError
-        If a dimension is missing, unknown or no array of finite numbers, or a ratio is outside.
+        If a dimension is missing, unknown or not an array of finite numbers, or a ratio is outside.
 
     Examples
     --------
@@ -235,7 +235,7 @@ def torsional_laws(
 
 
 class LawAnswers:
-    """Answers of throws of some dimensions, each by the networks of its tier."""
+    """Outputs for throws of some dimensions, each by the networks of its tier."""
 
     def __init__(
         self,
@@ -257,16 +257,16 @@ class LawAnswers:
     def of_throw(
         cls, throw: CrankThrow, youngs_modulus: float, poisson_ratio: float
     ) -> "LawAnswers":
-        """Answers of one throw; errors as of `axial_law`."""
+        """Outputs for one throw; errors as of `axial_law`."""
         return cls(throw_dimensions(throw), youngs_modulus, poisson_ratio)
 
     @property
     def tier(self) -> Any:
-        """Which networks answer: "plain" or "real", an array of these for many throws."""
+        """The networks used: "plain" or "real", an array of these for many throws."""
         return np.where(self.plain, *TIERS) if self.shape else TIERS[not self.plain]
 
     def values(self, names: tuple[str, ...]) -> tuple[Array, Array]:
-        """Dimensionless answers (k, ...) by the names of `OUTPUTS`, and relative half widths."""
+        """Dimensionless outputs (k, ...) by the names of `OUTPUTS`, and relative half widths."""
         if not self.shape:
             return self._of_tier(self.tier, names, self.ratios, 1)
         plain = np.broadcast_to(self.plain, self.shape).ravel()
@@ -297,7 +297,7 @@ class LawAnswers:
         return answers, widths
 
     def results(self, *kinds: Mapping[str, tuple[str, int]]) -> list[dict[str, Any]]:
-        """Fields of each law: answers in SI units, errors, tier and the nearest limit."""
+        """Fields of each law: values in SI units, errors, tier and the nearest limit."""
         values, widths = self.values(tuple([name for kind in kinds for name, _ in kind.values()]))
         every, errors = (
             iter(one if self.shape else one[:, 0].tolist()) for one in (values, widths)
@@ -316,7 +316,7 @@ class LawAnswers:
 
 
 def check_material(youngs_modulus: float, poisson_ratio: float) -> None:
-    """Refuse a Young's modulus that is none, and a Poisson's ratio that the law does not know.
+    """Refuse an invalid Young's modulus, and a Poisson's ratio outside the law.
 
     Raises
     ------
@@ -369,7 +369,7 @@ def _given(dimensions: Mapping[str, ArrayLike]) -> dict[str, Any]:
 
 
 def _nearest(found: Mapping[str, Any]) -> str:
-    """The ratio nearest to an end of its range beside its length, of those that are lengths over D."""
+    """The ratio nearest to an end of its range relative to its width, among lengths over D."""
     name, low, high = min(
         ((name, *RANGES[name]) for name in found if name in PLAIN_FIELDS),
         key=lambda one: min(found[one[0]] - one[1], one[2] - found[one[0]]) / (one[2] - one[1]),

@@ -21,7 +21,7 @@ class MassLaw:
     error : float
         Relative half width of the band that holds the true value in 95 of 100 throws.
     tier : str
-        "plain" or "real": which networks answered.
+        "plain" or "real": the networks used.
     """
 
     mass: float
@@ -47,7 +47,7 @@ def mass_law(throw: CrankThrow, *, density: float = 7850.0) -> MassLaw:
     Raises
     ------
     InputError
-        As `axial_law`; and of counterweights, or of a density that is no positive number.
+        As `axial_law`; and for counterweights, or a density that is not a positive number.
 
     Examples
     --------

@@ -99,7 +99,7 @@ def between_values(angle: Any, values: Sequence[Any]) -> Any:
 def between_ends(angle: Any, ends: Sequence[tuple[Any, Any]]) -> tuple[Any, Any]:
     """Apply the angle law to the ends of e_0, e_180 and rho: the smallest and the largest value.
 
-    The law is a mean of e_0 and e_180, so that it rises with both, and rises or falls with rho.
+    The law is a mean of e_0 and e_180, so it increases with both, and is monotonic in rho.
     """
     *values, ratios = ends
     low, high = (

@@ -1,8 +1,8 @@
 """A fitted compliance model in a file: dimensions in, compliance out, with its known errors.
 
-A model answers for one family of throws: some dimensions are its factors, the others are fixed; in
-dimensionless groups it answers for throws of the family at any size. It needs neither mesh nor solver
-and is written as JSON that people can read.
+A model is valid for one family of throws: some dimensions are its factors, the others are fixed; in
+dimensionless groups it is valid for throws of the family at any size. It needs neither mesh nor solver
+and is written as readable JSON.
 """
 
 import warnings
@@ -49,34 +49,34 @@ class ComplianceModel(ModelValues):
         The throw's dimensions that did not vary, by field of `CrankThrow` [SI]; of a part as
         "counterweight.thickness".
     ranges : dict of str to (float, float), optional
-        Range of each numeric factor of the study [SI]; the ranges of the equations' columns, if not
-        given.
+        Range of each numeric factor of the study [SI]; by default the ranges of the equations'
+        columns.
     categories : dict of str to tuple of str
         Labels of each factor that is a choice, such as web_outline.
     labels : dict of str to str
         Choices that did not vary.
     units : dict of str to str
-        SI units of factors that are no fields of a throw.
+        SI units of factors that are not fields of a throw.
     relations : dict of str to str
-        Dimensions that followed from others in the study, and how.
+        Dimensions that followed from others in the study, with their expressions.
     constraints : tuple of str or None
-        What had to hold in the study: a throw that breaks one counts as outside the range of the fit.
-        None if that is not known, as of files of older releases; lookups then say so.
+        Constraints of the study: a throw that violates one counts as outside the range of the fit.
+        None if unknown, as in files of older releases; lookups then state it.
     constant_groups : dict of str to float
         Dimensionless groups that did not vary although their dimensions did.
     throw : dict, optional
         The throw that the study varied, as a record.
     material : dict
-        What the runs were calculated with, such as youngs_modulus [Pa] and poisson_ratio.
+        Constants used in the runs, such as youngs_modulus [Pa] and poisson_ratio.
     provenance : dict
-        Where the model comes from: key of the study, versions, date.
+        Origin of the model: key of the study, versions, date.
 
     Raises
     ------
     InputError
         If a field is missing or unknown, a dimension is both fixed and a factor, or one that no throw
-        has, an equation's column is none of the model's factors, or its values are none that the
-        response can have.
+        has, a column is not one of the model's factors, or a value is impossible for
+        the response.
 
     Examples
     --------
@@ -105,13 +105,13 @@ class ComplianceModel(ModelValues):
         Returns
         -------
         Lookup
-            Dimensions outside their range are told in its remarks, and with an angle that the law is
-            only an interpolation for throws with unequal webs; nothing is warned about.
+            Remarks report dimensions outside their range, and with an angle that the law is
+            only an interpolation for throws with unequal webs; no warnings are issued.
 
         Raises
         ------
         InputError
-            As in `axial_compliance`; if the model does not hold the response; for an array.
+            As in `axial_compliance`; if the model lacks the response; for an array.
         """
         asked: dict[str, Any] = {**dimensions, "gamma_deg": gamma_deg}
         for name, given in asked.items():
@@ -150,12 +150,12 @@ class ComplianceModel(ModelValues):
         Returns
         -------
         Lookups
-            With arrays of the values, their bands and whether each lies inside; nothing is warned about.
+            With arrays of the values, their bands and whether each is inside; no warnings are issued.
 
         Raises
         ------
         InputError
-            As in `axial_compliance`; if the model does not hold the response.
+            As in `axial_compliance`; if the model lacks the response.
         """
         parts = (response,) if gamma_deg is None else self.angle_law(response)
         answers = {part: self._answered(part, dimensions, strict) for part in parts}
@@ -205,7 +205,7 @@ class ComplianceModel(ModelValues):
             Across the shaft, in the throw frame [N]; the radial force Z is ``(0, -Z, 0)``. Rows are
             broadcast with the dimensions.
         support : "pinned", "guided" or Neighbors
-            The left end takes the torque. `Neighbors` with equal angles, for throws alike from both ends.
+            The left end takes the torque. `Neighbors` with equal angles, for symmetric throws.
         strict, **dimensions
             As in `axial_compliance`.
 
@@ -213,7 +213,7 @@ class ComplianceModel(ModelValues):
         -------
         ReactionLookup
             ``.left`` and ``.right``, each with ``.force`` [N] and ``.moment`` [N m], in equilibrium
-            with the force; nothing is warned about.
+            with the force; no warnings are issued.
 
         Raises
         ------
@@ -226,7 +226,7 @@ class ComplianceModel(ModelValues):
         return look_reactions_up(self, self.lookups, pin_force, support, strict, dimensions)
 
     def dimensions_of(self, throw: CrankThrow) -> dict[str, Any]:
-        """What to ask the model for a throw: its dimensions and labels by name.
+        """Return the dimensions and labels of a throw for queries to the model.
 
         Parameters
         ----------
@@ -235,7 +235,7 @@ class ComplianceModel(ModelValues):
         Raises
         ------
         InputError
-            If the throw has a feature that the throws of the model did not have, or lacks one.
+            If the throw has a feature that the throws of the model lack, or lacks one.
         """
         return dict(query_for_throw(throw, self._compiled.family, self.throw))
 
@@ -254,17 +254,17 @@ class ComplianceModel(ModelValues):
         -------
         dict of str to Lookup
             Response name to its value. If the throw is of another size than the study's, this holds
-            the responses whose equations are dimensionless.
+            the dimensionless equations.
 
         Raises
         ------
         InputError
-            If the throw is none of the model's family, or no response can be answered.
+            If the throw is not of the model's family, or no response can be evaluated.
 
         Warns
         -----
         UserWarning
-            For each response that cannot be answered while others can.
+            For each response that cannot be evaluated while others can.
         """
         asked = self.dimensions_of(throw)
         found: dict[str, Lookup] = {}
@@ -301,7 +301,7 @@ class ComplianceModel(ModelValues):
         over : str, optional
             A numeric factor, by default the first; or "gamma_deg", the angle to the neighbors.
         gamma_deg, **dimensions
-            As in `lookup`. Factors that are not given stand in the middle of their range, choices at
+            As in `lookup`. By default factors are in the middle of their range, choices at
             their first label.
 
         Returns
@@ -311,7 +311,7 @@ class ComplianceModel(ModelValues):
         Raises
         ------
         InputError
-            As in `lookup`, if `over` is no numeric factor, or that factor is given as well.
+            As in `lookup`, if `over` is not a numeric factor, or that factor is given as well.
         """
         from regression.models.model_sections import plot_section
 
@@ -347,13 +347,13 @@ class ComplianceModel(ModelValues):
         Parameters
         ----------
         *responses : str
-            Names; all of the model if none is given.
+            Names; all of the model by default.
         points : int
-            How many of each numeric factor, 2 or more, if no dimension is given as an array.
+            Number of values of each numeric factor, 2 or more, if no dimension is given as an array.
         gamma_deg : float or (n,) array_like, optional
-            As in `axial_compliance`; an array makes a dimension of its own.
+            As in `axial_compliance`; an array adds a dimension of its own.
         **dimensions : float, str or (n,) array_like
-            Arrays make the grid. Factors that are not given stand in the middle of their range,
+            Arrays form the grid. By default factors are in the middle of their range,
             choices at their first label; these are in ``attrs`` of the dataset.
 
         Returns

@@ -1,15 +1,15 @@
-"""The band in which a looked-up value lies: the equation's error and the finite elements' own.
+"""The band of a looked-up value: the equation's error and the finite elements' own.
 
-Two errors stand between an equation and the throw. The equation misses finite elements by up to m,
-|equation / fe - 1| <= m. m is what 95 % of new designs keep to, at designs not used in the fit: the
+There are two errors between an equation and the throw. The equation differs from finite elements by up to m,
+|equation / fe - 1| <= m. 95 % of new designs do not exceed m, measured at designs not used in the fit: the
 runs, each left out of the fit and of the selection of its terms, and the designs held out of both. And finite
-elements miss the solution by an estimate f, either way. Hence::
+elements differ from the solution by an estimate f, either way. Hence::
 
     equation (1 - f) / (1 + m)    to  equation (1 + f) / (1 - m)
 
 Models of older releases were fitted to finite elements that were not corrected for discretization, whose
-compliances could only be too small; their bands begin at equation / (1 + m). The oldest know the largest
-errors at the runs and at held-out designs only; m is then the larger of these. No band holds outside the
+compliances could only be too small; their bands begin at equation / (1 + m). The oldest have the largest
+errors at the runs and at held-out designs only; m is then the larger of these. No band is valid outside the
 range.
 """
 
@@ -32,14 +32,14 @@ _OPEN = 1e30
 
 @dataclass(frozen=True)
 class ErrorBand:
-    """The band of a response as factors of its value, and how it was found.
+    """The band of a response as factors of its value, and its origin.
 
     Attributes
     ----------
     lower : float
         Factor to the end nearer to zero.
     upper : float or None
-        Factor to the other end; None where an error of 100 % leaves it open.
+        Factor to the other end; None if an error of 100 % leaves it open.
     text : str
         One sentence.
     """
@@ -75,7 +75,7 @@ def percent(share: float) -> str:
 
 
 def equation_error(response: ResponseModel) -> float:
-    """Relative error of an equation that counts in its band."""
+    """Relative error of an equation for its band."""
     if response.band_error is not None:
         return response.band_error
     return max(response.largest_error, response.largest_heldout_error or 0.0)
@@ -98,7 +98,7 @@ def error_band(response: ResponseModel) -> ErrorBand:
 
 
 def _told(response: ResponseModel) -> str:
-    """Say of which designs the equation's error is."""
+    """State on which designs the equation's error is based."""
     error, held_out = equation_error(response), response.largest_heldout_error
     if response.band_error is not None:
         held = f"{response.heldout_runs} held-out designs" if response.heldout_runs else ""

@@ -1,8 +1,8 @@
 """A fitted equation compiled for speed: the same operations for one point and for a million.
 
 The polynomial is nested as in Horner's scheme, z_i (a_i + z_j (a_ij + ...)), into closures that work
-on floats as on arrays, in the same order: the two differ only by what `math` and numpy differ in their
-logarithms and exponentials, a unit in the last place. Arrays are taken in pieces that stay in the
+on floats and on arrays, in the same order: the results differ only as the logarithms and
+exponentials of `math` and numpy do, by a unit in the last place. Arrays are processed in pieces that fit the
 processor's cache.
 """
 
@@ -30,7 +30,7 @@ class CompiledEquation:
     Attributes
     ----------
     scalar : callable
-        Sequence of k floats to a float; `OverflowError` or `ValueError` where it has no value.
+        Sequence of k floats to a float; `OverflowError` or `ValueError` if it has no value.
     array : callable
         Sequence of k floats or arrays of one shape to an array (or a float); infinite or NaN
         where it has no value.
@@ -50,7 +50,7 @@ def compile_equation(fitted: FittedForm) -> CompiledEquation:
     Returns
     -------
     CompiledEquation
-        Gives what `fitted.predict` gives, but for rounding.
+        Equal to `fitted.predict` within rounding.
     """
     codings = tuple(zip(fitted.log_factors, fitted.center, fitted.half_range, strict=True))
     polynomial = _horner_tree(dict(zip(fitted.terms, fitted.coefficients, strict=True)))

@@ -1,4 +1,4 @@
-"""Values outside the range that an equation was fitted over: how far, and what to say of them."""
+"""Values outside the range of an equation's fit: their distance, and the sentences on them."""
 
 from dataclasses import dataclass
 from typing import Any
@@ -14,7 +14,7 @@ FARTHEST = 100.0
 
 
 class OutsideRangeWarning(UserWarning):
-    """A compliance was asked for outside the range of dimensions of its fit."""
+    """A compliance outside the range of dimensions of its fit."""
 
 
 @dataclass(frozen=True)
@@ -26,15 +26,15 @@ class OutOfRange:
     name : str
         Of the dimension or the ratio.
     value : float
-        The farthest of them [SI].
+        The farthest value [SI].
     number : int
-        How many of the values lie outside.
+        Number of values outside.
     lowest, highest : float
         The range.
     unit : str
         SI unit.
     alone : bool
-        Whether this is one number, which arrays beside it do not multiply.
+        Whether this is a single number, not multiplied by arrays.
     """
 
     name: str
@@ -47,13 +47,13 @@ class OutOfRange:
 
     @property
     def distance(self) -> float:
-        """How far the farthest value lies beyond the range, as a share of the range's width."""
+        """Distance of the farthest value from the range, as a share of the range's width."""
         beyond = max(self.lowest - self.value, self.value - self.highest)
         return beyond / (self.highest - self.lowest)
 
     @property
     def remark(self) -> str:
-        """One sentence for a value that is given all the same."""
+        """One sentence for a value that is returned nevertheless."""
         return (
             f"{self._given}; the range of the fit is {self._range}, and "
             f"{100.0 * self.distance:.3g} % of its width beyond it the error is unknown."
@@ -61,7 +61,7 @@ class OutOfRange:
 
     @property
     def error_sentence(self) -> str:
-        """One sentence for a value that is not given."""
+        """One sentence for a value that is refused."""
         return (
             f"{self._given}; allowed is the range of the fit, {self._range}, because a result "
             f"{100.0 * self.distance:.3g} % of its width beyond it has no known error and strict results are "
@@ -69,7 +69,7 @@ class OutOfRange:
         )
 
     def check_distance(self) -> None:
-        """Refuse a value that is out by so much that an equation says nothing of it.
+        """Refuse a value so far outside that an equation is meaningless.
 
         Raises
         ------
@@ -96,7 +96,7 @@ class OutOfRange:
 
 
 def edges(lowest: float, highest: float) -> tuple[float, float]:
-    """Return a range widened by rounding, so that its own ends lie inside."""
+    """Return a range widened by rounding, so that its own ends are inside."""
     margin = SAME * max(abs(lowest), abs(highest))
     return lowest - margin, highest + margin
 
@@ -104,7 +104,7 @@ def edges(lowest: float, highest: float) -> tuple[float, float]:
 def find_out_of_range(
     name: str, values: Any, lowest: float, highest: float, unit: str, size: Any = 1.0
 ) -> tuple[OutOfRange, Any] | None:
-    """Find what is out of a range.
+    """Find the values outside a range.
 
     Parameters
     ----------
@@ -112,14 +112,14 @@ def find_out_of_range(
         As in `OutOfRange`.
     values : float or ndarray
     size : float or ndarray
-        What the range is multiplied with: the size of the throw, for a length.
+        Factor on the range: the size of the throw, for a length.
 
     Returns
     -------
     finding : OutOfRange
         With the farthest value, and the range at its size.
     outside : bool or ndarray
-        Where the values are out. The result is None if they are so nowhere.
+        Where the values are outside. The result is None if none is.
     """
     low, high = edges(lowest, highest)
     at_study = values / size

@@ -1,6 +1,6 @@
-"""The family of throws that a compliance model answers for: what varies, what is fixed, what follows.
+"""The family of throws of a compliance model: varying, fixed and dependent dimensions.
 
-Here the numbers and labels of a question are checked and completed, before any equation sees them.
+Here the numbers and labels of a query are checked and completed, before any equation is evaluated.
 """
 
 import math
@@ -23,12 +23,12 @@ Given = Any
 
 @dataclass(frozen=True)
 class Family:
-    """What a model knows of its throws.
+    """Description of a model's throws.
 
     Attributes
     ----------
     ranges : mapping
-        Numeric factor to its range [SI]: fields of a throw, or free names that relations use.
+        Numeric factor to its range [SI]: fields of a throw, or free names used in relations.
     fixed : mapping
         Field to its value in all runs [SI].
     categories : mapping
@@ -36,9 +36,9 @@ class Family:
     labels : mapping
         Categorical field to its label in all runs.
     units : mapping
-        Factor to SI unit, where it is no field of a throw.
+        Factor to SI unit, if it is not a field of a throw.
     relations : mapping
-        Field to the expression that it followed in the runs.
+        Field to its expression in the runs.
     """
 
     ranges: Mapping[str, tuple[float, float]]
@@ -58,17 +58,17 @@ class Family:
 
     @property
     def factors(self) -> tuple[str, ...]:
-        """All that varies."""
+        """All factors."""
         return (*self.ranges, *self.categories)
 
     @property
     def all_units(self) -> dict[str, str]:
-        """Unit of every number that the family knows."""
+        """Unit of every number of the family."""
         names = {*self.ranges, *self.fixed, *self.relations}
         return {name: self.unit(name) for name in names}
 
     def checked(self, given: Mapping[str, Given]) -> dict[str, Given]:
-        """Return what was given as floats, arrays and labels.
+        """Return the given values as floats, arrays and labels.
 
         Raises
         ------
@@ -93,10 +93,10 @@ class Family:
         return found
 
     def size(self, given: Mapping[str, Given]) -> Given:
-        """How many times as large as the study's throws the given one is.
+        """Size of the given throw relative to the study's throws.
 
-        By its first fixed length. If no length is fixed, the size nearest to 1 at which the lengths lie in
-        their ranges, and where there is none, at which some do and the others lie beyond one end.
+        From its first fixed length. If no length is fixed, the size nearest to 1 at which the lengths are in
+        their ranges, and if there is none, at which some are and the others are beyond one end.
         """
         for name, value in given.items():
             if self.fixed.get(name) and self.unit(name) == "m" and np.all(value):
@@ -118,19 +118,19 @@ class Family:
 
     @cached_property
     def _varied_lengths(self) -> dict[str, tuple[float, float]]:
-        """Lengths that vary, but for those that may be absent: they say nothing of the size."""
+        """Lengths that vary, except those that may be absent and do not indicate the size."""
         ranges = self.ranges.items()
         return {name: ends for name, ends in ranges if self.unit(name) == "m" and ends[0] > 0.0}
 
     def completed(self, given: Mapping[str, Given], size: Given = 1.0) -> dict[str, Given]:
-        """Add what is fixed, and what follows by the relations from what is known.
+        """Add fixed values, and those that follow by the relations from known ones.
 
         Parameters
         ----------
         given : mapping
             Checked numbers and labels.
         size : float or ndarray
-            Size of the throw: the relations hold between its lengths divided by this.
+            Size of the throw: the relations are between its lengths divided by this.
 
         Raises
         ------
@@ -153,7 +153,7 @@ class Family:
             self._check_equal(name, given[name], self.fixed[name], "it is fixed in this model")
 
     def check_related(self, given: Mapping[str, Given], size: Given = 1.0) -> None:
-        """Refuse a dimension that breaks its relation, where that can be calculated.
+        """Refuse a dimension that violates its relation, if that can be calculated.
 
         Raises
         ------
@@ -203,7 +203,7 @@ class Family:
 def _checked_numbers(
     name: str, value: object, least: float, family: Family
 ) -> float | NDArray[np.float64]:
-    """Return finite numbers, positive ones unless the least of the model says otherwise."""
+    """Return finite numbers, positive ones unless the model's least value permits otherwise."""
     if isinstance(value, float) and 0.0 < value < math.inf:
         return value
     sign = "positive finite numbers" if least > 0.0 else "positive finite numbers (or 0)"

@@ -1,4 +1,4 @@
-"""A given throw as a query to a model: its dimensions by name, if it is one of the model's family."""
+"""A given throw as a query to a model: its dimensions by name, if it is of the model's family."""
 
 from collections.abc import Callable, Mapping
 from functools import partial
@@ -24,7 +24,7 @@ _ROUNDING = 1e-13
 
 
 def angle_law_remarks(family: Family, study_throw: Mapping[str, Any] | None) -> tuple[str, ...]:
-    """Say of throws that are not alike from both ends that the angle law is not exact for them.
+    """State that the angle law is not exact for throws that are not symmetric about their middle.
 
     Parameters
     ----------
@@ -35,7 +35,7 @@ def angle_law_remarks(family: Family, study_throw: Mapping[str, Any] | None) -> 
     Raises
     ------
     InputError
-        If the record is that of no throw.
+        If the record is not that of a throw.
     """
     varying = (*family.factors, *family.relations)
     names = varying if study_throw is not None else (*varying, *family.fixed, *family.labels)
@@ -58,18 +58,18 @@ def query_for_throw(
     throw : CrankThrow
     family : Family
     study_throw : mapping or None
-        The throw that the study varied, as a record; without it the model's throws are taken to have
-        nothing but what the family names.
+        The throw that the study varied, as a record; by default the model's throws have
+        only the dimensions of the family.
 
     Returns
     -------
     dict
-        Numbers [SI] and labels by name, the fixed ones among them, so that they are checked.
+        Numbers [SI] and labels by name, including the fixed ones, so that they are checked.
 
     Raises
     ------
     InputError
-        If the throw has something that the model's throws did not have, or lacks what they had.
+        If the throw has a feature that the model's throws lack, or lacks one that they have.
     """
     found = throw_values(throw)
     study = {} if study_throw is None else throw_values(CrankThrow(**study_throw))
@@ -94,7 +94,7 @@ def query_for_throw(
 
 
 def _absent(name: str, found: Mapping[str, float | str]) -> float | None:
-    """Value of a dimension that is not given: what it is by default, or 0 for a feature."""
+    """Default value of a dimension that is not given, or 0 for a feature."""
     if name in DEFAULTS:
         other, share = DEFAULTS[name]
         base = found.get(other)
@@ -106,7 +106,7 @@ def _absent(name: str, found: Mapping[str, float | str]) -> float | None:
 def _check_same(
     name: str, given: float | str | None, expected: float | str | None, size: float
 ) -> None:
-    """Refuse what differs from the study's throw; lengths are compared at the study's size."""
+    """Refuse differences from the study's throw; lengths are compared at the study's size."""
     info = declaration(name)
     if expected is None and info is not None and given == info.default:
         return
@@ -132,10 +132,10 @@ def _format_dimension(name: str, value: float | str | None) -> str:
 def _free_factors(
     family: Family, asked: Mapping[str, float | str], size: float
 ) -> dict[str, float]:
-    """Find factors that are no dimensions, such as ratios, from the dimensions related to them.
+    """Find factors that are not dimensions, such as ratios, from the dimensions related to them.
 
-    Each is found from a relation that has one solution for it; others are left out, and the model then
-    says that they are missing. Relations hold between lengths divided by the throw's size.
+    Each is found from a relation with a unique solution; others are left out, and the model then
+    reports them as missing. Relations are between lengths divided by the throw's size.
     """
     free = [name for name in family.ranges if declaration(name) is None]
     if not free:
@@ -180,7 +180,7 @@ def _related_value(
     name: str,
     number: float,
 ) -> float:
-    """What follows by one relation where `name` is this number."""
+    """Result of one relation with `name` equal to this number."""
     from regression.models.model_relations import related
 
     (value,) = related(relation, {**known, name: number}, units).values()
@@ -190,7 +190,7 @@ def _related_value(
 def _solution(
     value: Callable[[float], float], low: float, high: float, target: float
 ) -> float | None:
-    """Find where a function of a number with a range has a value; None where that is not certain."""
+    """Find where a function over a range has a value; None if this is not certain."""
     start, stop = value(low), value(high)
     if start == stop:
         return None

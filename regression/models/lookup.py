@@ -1,4 +1,4 @@
-"""What a lookup tells: values with their unit, their bands and what is known of them."""
+"""Results of lookups: values with their unit, their bands and remarks."""
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
@@ -20,7 +20,7 @@ NO_BAND = "none holds outside the range of the fit"
 @summarized("value", "unit", "support", "lower", "upper", "inside", "remarks", keeps_text=True)
 @dataclass(frozen=True)
 class Lookup:
-    """One value from a compliance model, with all that is known about it.
+    """One value from a compliance model, with all information on it.
 
     Parameters
     ----------
@@ -29,25 +29,25 @@ class Lookup:
     unit : str
         Its SI unit.
     support : str
-        How the throw is supported, such as "pinned".
+        Support of the throw, such as "pinned".
     inside : bool
-        Whether everything lies within the range of the fit and the study's constraints.
+        Whether everything is within the range of the fit and the study's constraints.
     remarks : tuple of str
         One sentence for each dimension or ratio outside its range and each constraint of the study that
-        is broken, and what else is to be known.
+        is violated, and further remarks.
     error : float or None
-        Largest relative error of the equation at held-out designs; None if there were none. The band's
-        own error is told in `band`.
+        Largest relative error of the equation at held-out designs; None if there were none. The error
+        used for the band is in `band`.
     equation : str
         The equation in natural units.
     lower, upper : float or None
-        Ends of the band in which the response lies: the equation's error and that of the finite
-        elements together (see `band`). None outside the range, where no band holds, and where an error
+        Ends of the error band of the response: the equation's error and that of the finite
+        elements together (see `band`). None outside the range, and if an error
         of 100 % leaves an end open.
     fe_error : float or None
         Largest estimate of the relative error of the finite elements; None if there is none.
     band : str
-        How the band was found.
+        Origin of the band.
     symbol : str
         Symbol of the response.
     """
@@ -66,7 +66,7 @@ class Lookup:
     symbol: str = ""
 
     def __repr__(self) -> str:
-        """Say in a line what it is; equation and remarks would fill screens."""
+        """Summarize the lookup in a line; equation and remarks would fill screens."""
         if self.lower is not None and self.upper is not None:
             band = f", between {self.lower:.4g} and {self.upper:.4g}"
         else:
@@ -78,22 +78,22 @@ class Lookup:
 @summarized("symbol", "value", "unit", "support", "lower", "upper", "inside", "remarks")
 @dataclass(frozen=True, eq=False)
 class Lookups:
-    """Values of one response for many throws, with their bands; as `Lookup` has them for one.
+    """Values of one response for many throws, with their bands; like `Lookup` for one.
 
     Parameters
     ----------
     value : ndarray
         The response, in `unit`; never clipped.
     lower, upper : ndarray
-        Ends of the band of each value. Infinite outside the study, where no band holds, and where an error
+        Ends of the band of each value. Infinite outside the study, and if an error
         of 100 % leaves an end open.
     inside : ndarray of bool
-        Where everything lies within the study.
+        Where everything is within the study.
     remarks : tuple of str
-        One sentence for each range left and constraint broken, with how many throws do so and the
-        farthest of them; and what else is to be known.
+        One sentence for each range and constraint violated, with the number of throws and the
+        farthest of them; and further remarks.
     unit, support, symbol, band : str
-        As in `Lookup`; how the band was found.
+        As in `Lookup`; origin of the band.
     """
 
     value: NDArray[np.float64]
@@ -129,7 +129,7 @@ class Lookups:
 def make_lookup(
     response: ResponseModel, band: ErrorBand, answer: ResponseValues, remarks: Sequence[str] = ()
 ) -> Lookup:
-    """Make the lookup of one value: what is known of it.
+    """Make the lookup of one value, with remarks.
 
     Parameters
     ----------
@@ -138,7 +138,7 @@ def make_lookup(
     answer : ResponseValues
         Of plain numbers.
     remarks : sequence of str
-        What is to be known of every lookup.
+        Remarks on every lookup.
     """
     value, inside = float(answer.values), not answer.outside
     lower, upper = band.around(value) if inside else (None, None)
@@ -219,7 +219,7 @@ def make_lookup_between_neighbors(
     symbol : str
         Of the response.
     remarks : sequence of str
-        What is to be known of the angle law.
+        Remarks on the angle law.
     """
     *_, ratio = ends = [(part.lower, part.upper) for part in parts]
     inside = all(part.inside for part in parts)

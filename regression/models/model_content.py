@@ -1,4 +1,4 @@
-"""What a compliance model holds, checked as a whole, and how it is written and read."""
+"""The content of a compliance model, checked as a whole, and its file."""
 
 import os
 from collections.abc import Callable, Mapping
@@ -37,7 +37,7 @@ _MOST_WAYS = 1000
 
 
 class ModelContent(InputModel):
-    """The fields of a `ComplianceModel`, which says what they are."""
+    """The fields of a `ComplianceModel`, which describes them."""
 
     section: ClassVar[str] = "model"
     model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
@@ -87,7 +87,7 @@ class ModelContent(InputModel):
         return self
 
     def __repr__(self) -> str:
-        """Name the responses and the factors with their ranges; all else is in the fields."""
+        """Summarize the responses and the factors with their ranges; all else is in the fields."""
         family = self.family
         factors = [
             f"{name} {family.format_value(name, low)} to {family.format_value(name, high)}"
@@ -122,7 +122,7 @@ class ModelContent(InputModel):
 
     @property
     def family(self) -> Family:
-        """What varies and what is fixed in the throws that the model answers for."""
+        """The varying and fixed dimensions of the model's throws."""
         return self._compiled.family
 
     @cached_property
@@ -142,7 +142,7 @@ class ModelContent(InputModel):
         Raises
         ------
         InputError
-            If the path is that of a folder, or of a file that is no such model; see `replacing_files`.
+            If the path is that of a folder, or of a file that is not such a model; see `replacing_files`.
         OSError
             If the file cannot be written.
         """
@@ -150,7 +150,7 @@ class ModelContent(InputModel):
 
     @classmethod
     def load(cls, path: str | os.PathLike[str]) -> Self:
-        """Read a model that `save` wrote; it gives the same numbers to the last digit.
+        """Read a model written by `save`; it gives the same numbers to the last digit.
 
         Parameters
         ----------
@@ -160,8 +160,8 @@ class ModelContent(InputModel):
         Raises
         ------
         InputError
-            If the file cannot be read, is no compliance model, is of a newer format, or was
-            changed or cut since it was written.
+            If the file cannot be read, is not a compliance model, is of a newer format, or was
+            changed or truncated since it was written.
         """
         content = read_model(path)
         try:
@@ -179,7 +179,7 @@ class ModelContent(InputModel):
 
 
 class CompiledModel:
-    """What a model computes once for all its queries.
+    """Data that a model computes once for all its queries.
 
     Attributes
     ----------
@@ -190,7 +190,7 @@ class CompiledModel:
     Raises
     ------
     InputError
-        If a column is none of the family's factors.
+        If a column is not one of the family's factors.
     """
 
     def __init__(self, model: ModelContent) -> None:
@@ -225,16 +225,16 @@ class CompiledModel:
 
     @property
     def remarks(self) -> tuple[str, ...]:
-        """What is to be known of every lookup."""
+        """Remarks on every lookup."""
         return self._remarks
 
     @cached_property
     def angle_law_remarks(self) -> tuple[str, ...]:
-        """What is to be known of the angle law of the model's throws."""
+        """Remarks on the angle law of the model's throws."""
         return angle_law_remarks(self.family, self._throw)
 
     def query(self, name: str) -> ResponseQuery:
-        """Return the query for a response, or say which there are."""
+        """Return the query for a response, or name those available."""
         if name not in self._queries:
             raise InputError(
                 f"response: given {name!r}; {did_you_mean(name, self._queries, cutoff=0.8)}allowed are "
@@ -243,7 +243,7 @@ class CompiledModel:
         return self._queries[name]
 
     def fast_lookup(self, name: str, dimensions: Mapping[str, Any]) -> float | None:
-        """Look a value up by the fast evaluator; None where the full evaluation is needed."""
+        """Look a value up by the fast evaluator; None if the full evaluation is needed."""
         key = (name, *dimensions)
         way = self._ways.get(key)
         if way is None:
@@ -254,7 +254,7 @@ class CompiledModel:
     def fast_lookups(
         self, names: tuple[str, ...], dimensions: Mapping[str, Any]
     ) -> list[float] | None:
-        """Look several values up, as `fast_lookup` one."""
+        """Look several values up, like `fast_lookup` for one."""
         key = (names, *dimensions)
         way = self._ways.get(key)
         if way is None:

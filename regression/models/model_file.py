@@ -1,4 +1,4 @@
-"""Compliance models as JSON files: written in one step, checked against damage, read for good."""
+"""Compliance models as JSON files: written in one step, with a checksum."""
 
 import hashlib
 import json
@@ -10,6 +10,7 @@ from typing import Any
 from crankbase.errors import InputError
 from crankbase.outputs import write_text
 from crankbase.text_limits import LARGEST_TABLE_FILE, check_file_size
+from crankbase.wrong_files import JSON, LOOKED_AT, wrong_kind
 from regression.fits.terms import polynomial_terms
 from regression.response_kinds import TOO_SMALL
 
@@ -32,7 +33,7 @@ def write_model(content: Mapping[str, object], path: str | os.PathLike[str]) -> 
     Raises
     ------
     InputError
-        If the path is that of a folder, or of a file that is no such model.
+        If the path is that of a folder, or of a file that is not such a model.
     OSError
         If the file cannot be written.
     """
@@ -69,13 +70,17 @@ def read_model(path: str | os.PathLike[str]) -> dict[str, Any]:
     Raises
     ------
     InputError
-        If the file cannot be read, is no compliance model, is of a newer format, or was changed or
-        cut since it was written.
+        If the file cannot be read, is not a compliance model, is of a newer format, or was changed or
+        truncated since it was written.
     """
     shown = os.fspath(path)
     check_file_size(Path(path), LARGEST_TABLE_FILE, "a compliance model")
     try:
-        text = Path(path).read_text(encoding="utf-8")
+        raw = Path(path).read_bytes()
+        wrong = wrong_kind(raw[:LOOKED_AT])
+        if wrong is not None and not raw.lstrip().startswith(JSON):
+            raise InputError(f"{shown}: {wrong}; {_WANTED}.")
+        text = raw.decode("utf-8")
     except OSError as error:
         raise InputError(
             f"{shown}: cannot be read ({error.strerror}); give the path of a compliance model file."
@@ -85,9 +90,9 @@ def read_model(path: str | os.PathLike[str]) -> dict[str, Any]:
     try:
         record = json.loads(text)
     except (json.JSONDecodeError, RecursionError) as error:
-        raise InputError(
-            f"{shown}: given a file that is not complete JSON ({error}); {_WANTED}."
-        ) from None
+        toml = Path(path).suffix.lower() == ".toml"
+        fault = "is a TOML file" if toml else f"given a file that is not complete JSON ({error})"
+        raise InputError(f"{shown}: {fault}; {_WANTED}.") from None
     except ValueError:  # Python reads no integers of thousands of digits
         raise InputError(f"{shown}: given a number of thousands of digits; {_WANTED}.") from None
     if not isinstance(record, dict) or record.get("format") != FILE_FORMAT:
@@ -120,13 +125,13 @@ def read_model(path: str | os.PathLike[str]) -> dict[str, Any]:
 
 
 def checksum(content: Mapping[str, object]) -> str:
-    """Return the SHA-256 of the content in one fixed spelling."""
+    """Return the SHA-256 of the content in a canonical form."""
     spelled = json.dumps(content, sort_keys=True, separators=(",", ":"), ensure_ascii=True)
     return hashlib.sha256(spelled.encode()).hexdigest()
 
 
 def _mark_uncorrected(content: dict[str, Any]) -> None:
-    """Tell of content before version 4 that finite elements were not corrected for discretization."""
+    """Mark finite elements of content before version 4 as not corrected for discretization."""
     responses = content.get("responses")
     for name, response in responses.items() if isinstance(responses, dict) else ():
         if isinstance(response, dict):
@@ -134,7 +139,7 @@ def _mark_uncorrected(content: dict[str, Any]) -> None:
 
 
 def _upgraded_content(content: dict[str, Any]) -> dict[str, Any]:
-    """Upgrade content of version 1: spell out what followed from the form's name."""
+    """Upgrade content of version 1: add what followed from the form's name."""
     fe_error = content.get("provenance", {}).get("largest_fe_error_estimate")
     responses = {}
     for name, response in content["responses"].items():

@@ -1,4 +1,4 @@
-"""The relations of a study applied to a question: what follows from what is known."""
+"""The relations of a study applied to a query: dimensions that follow from known ones."""
 
 from collections.abc import Mapping
 from functools import lru_cache
@@ -30,12 +30,12 @@ def related(
     Returns
     -------
     dict
-        Field to a float or array [SI]; without those whose expressions use what is not known.
+        Field to a float or array [SI]; without those whose expressions use unknown ones.
 
     Raises
     ------
     InputError
-        If an expression has no value for what is known.
+        If an expression has no value for the known dimensions.
     """
     values = dict(known)
     found: dict[str, Any] = {}
@@ -60,7 +60,7 @@ def _compiled(relations: Pairs, units: Pairs) -> tuple[tuple[str, frozenset[str]
     Raises
     ------
     InputError
-        If a text is no expression, or is of another unit than its field.
+        If a text is not an expression, or is of another unit than its field.
     """
     by_name = dict(units)
     expressions = {name: read_expression(text, name, by_name) for name, text in relations}

@@ -81,7 +81,7 @@ def plot_section(
 
 
 def response_table(responses: Mapping[str, ResponseModel]) -> Any:
-    """Return a pandas table of a model's responses; an error that is not known is None."""
+    """Return a pandas table of a model's responses; an unknown error is None."""
     columns: dict[str, tuple[Any, str]] = {"response": (list(responses), "")}
     for names, unit in ((WORDS, ""), (ERRORS, "1"), (("equation",), "")):
         for name in names:
@@ -141,7 +141,7 @@ def middle(family: Family) -> dict[str, float | str]:
 
 
 def _others(family: Family, asked: Mapping[str, Any], gamma_deg: float | None) -> str:
-    """Say where the other factors stand."""
+    """State the values of the other factors."""
     shown = [
         f"{name.replace('_', ' ')} {v if isinstance(v, str) else family.format_value(name, float(v))}"
         for name, v in asked.items()

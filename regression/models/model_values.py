@@ -18,7 +18,7 @@ Value = float | NDArray[np.float64]
 
 
 class ModelValues(ModelContent):
-    """What a `ComplianceModel` answers in plain numbers."""
+    """The plain numbers of a `ComplianceModel`."""
 
     def axial_compliance(
         self,
@@ -36,11 +36,11 @@ class ModelValues(ModelContent):
             identical neighbors instead of supported as in `lookup`. Needs e_0, e_180 and rho in the
             model.
         strict : bool
-            Refuse what lies outside the range of the fit.
+            Refuse values outside the range of the fit.
         **dimensions : float, str or array_like
             The factors by name [SI], choices as labels; arrays are broadcast together. A fixed
-            dimension may be given if it has the model's value. An equation in dimensionless groups
-            takes any size: what is not given is as in the study, and ratios that did not vary must
+            dimension may be given with the model's value. An equation in dimensionless groups
+            accepts any size: values not given are those of the study, and ratios that did not vary must
             agree with it.
 
         Returns
@@ -52,8 +52,8 @@ class ModelValues(ModelContent):
         ------
         InputError
             If a factor is missing, a dimension is unknown, not positive or not finite, a fixed one or
-            a fixed ratio has another value, or, if `strict`, something lies outside the range; with an
-            angle, if the equation of rho gives no positive number.
+            a fixed ratio has another value, or, if `strict`, something is outside the range; with an
+            angle, if the equation of rho does not give a positive number.
 
         Warns
         -----
@@ -63,7 +63,7 @@ class ModelValues(ModelContent):
         return self._value(AXIAL, gamma_deg, strict, dimensions)
 
     def torsional_compliance(self, *, strict: bool = False, **dimensions: ArrayLike | str) -> Value:
-        """Torsional compliance [rad/(N m)]; else as `axial_compliance`."""
+        """Torsional compliance [rad/(N m)]; otherwise as `axial_compliance`."""
         return self._value(TORSIONAL, None, strict, dimensions)
 
     def influence_coefficient(
@@ -73,7 +73,7 @@ class ModelValues(ModelContent):
         strict: bool = False,
         **dimensions: ArrayLike | str,
     ) -> Value:
-        """Lengthening per unit radial force on the pin, c [m/N]; else as `axial_compliance`."""
+        """Lengthening per unit radial force on the pin, c [m/N]; otherwise as `axial_compliance`."""
         return self._value(INFLUENCE, gamma_deg, strict, dimensions)
 
     def value(
@@ -85,13 +85,13 @@ class ModelValues(ModelContent):
         strict: bool = False,
         **dimensions: ArrayLike | str,
     ) -> Value:
-        """Value of any response of the model by its name [SI]; else as `axial_compliance`."""
+        """Value of any response of the model by its name [SI]; otherwise as `axial_compliance`."""
         return self._value(response, gamma_deg, strict, dimensions)
 
     def _value(
         self, name: str, gamma_deg: ArrayLike | None, strict: bool, dimensions: Mapping[str, Any]
     ) -> Value:
-        """Answer, with warnings for the caller of the public method, two frames up."""
+        """Evaluate, with warnings for the caller of the public method, two frames up."""
         found: Value
         if gamma_deg is None:
             value = self._compiled.fast_lookup(name, dimensions)
@@ -113,5 +113,5 @@ class ModelValues(ModelContent):
         return found
 
     def answer(self, response: str, dimensions: Mapping[str, ArrayLike | str]) -> ResponseValues:
-        """Values of a response with what lies outside its range, without warnings."""
+        """Values of a response with those outside its range, without warnings."""
         return self._compiled.query(response).evaluate(dimensions)

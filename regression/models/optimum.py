@@ -1,4 +1,4 @@
-"""What an optimum search finds: the best throw, and how its limits are used."""
+"""Results of an optimum search: the best throw, and the use of its limits."""
 
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
@@ -29,9 +29,9 @@ class LimitCheck:
     value : float
         By the equation.
     worst : float
-        At the worst end of the error band; this keeps the bound.
+        At the worst end of the error band, which keeps the bound.
     active : bool
-        Whether the optimum stands at this limit.
+        Whether the optimum is at this limit.
     """
 
     limit: Limit
@@ -48,21 +48,21 @@ class Optimum:
     Attributes
     ----------
     minimized : str
-        What was minimized: a dimension or a response.
+        Minimized quantity: a dimension or a response.
     value : float
         Its value [SI]; of a response, by the equation.
     unit : str
     dimensions : dict
-        All dimensions and labels of the throw that the model knows.
+        All known dimensions and labels of the throw.
     factors : dict
-        The model's factors among them.
+        The model's factors.
     limits : tuple of LimitCheck
     at_ends : tuple of str
-        Factors that stand at an end of their range.
+        Factors at an end of their range.
     lookups : dict of str to Lookup
         All responses of the model at the optimum.
     throw : CrankThrow or None
-        The throw, if the model holds the one that was varied and this can be built.
+        The throw, if the model contains the one that was varied and this can be built.
     remarks : tuple of str
     evaluations : int
         Designs evaluated.
@@ -81,7 +81,7 @@ class Optimum:
     evaluations: int
 
     def __repr__(self) -> str:
-        """Say in a line what it is; throw and lookups would fill screens."""
+        """Summarize the optimum in a line; throw and lookups would fill screens."""
         at = ", ".join(
             f"{name} {value if isinstance(value, str) else f'{value:.6g}'}"
             for name, value in self.factors.items()
@@ -93,7 +93,7 @@ class Optimum:
         )
 
     def plot(self, axes: "Axes | None" = None) -> "Axes":
-        """Draw how far each limit is used, by the equation and at the worst end of its error band.
+        """Draw the use of each limit, by the equation and at the worst end of its error band.
 
         Parameters
         ----------

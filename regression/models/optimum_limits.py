@@ -1,4 +1,4 @@
-"""Limits of an optimum search, and what a model promises of them: the worst within its error band."""
+"""Limits of an optimum search, applied to the worst value within a model's error band."""
 
 import itertools
 from collections.abc import Callable, Mapping
@@ -24,15 +24,15 @@ class Limit:
     Parameters
     ----------
     quantities : tuple of str
-        Responses of the model or dimensions; one, or what `function` takes.
+        Responses of the model or dimensions; one, or the arguments of `function`.
     at_most, at_least : float or None
         The bound [SI]; one of the two.
     function : callable, optional
-        Takes one float for each quantity, in order, and returns a float: a frequency from a
-        compliance, say. It should rise or fall with each of them, for only the ends of their bands
-        are tried. The quantity itself is limited if it is not given.
+        Takes one float for each quantity, in order, and returns a float, for example a frequency from a
+        compliance. It should be monotonic in each of them, since only the ends of their bands
+        are tried. By default the quantity itself is limited.
     name : str
-        What to call it; the quantity's name if not given.
+        Its name; by default the quantity's.
     unit : str
         SI unit for messages.
     gamma_deg : float, optional
@@ -95,14 +95,14 @@ class Limit:
         return "<=" if self.at_most is not None else ">="
 
     def excess(self, values: Any) -> Any:
-        """How far values lie beyond the bound, as a share of it; negative where they keep it."""
+        """Distance of values beyond the bound, as a share of it; negative where they keep it."""
         size = abs(self.bound) or 1.0
         beyond = (values - self.bound) / size
         return beyond if self.at_most is not None else -beyond
 
 
 def check_minimized(model: ComplianceModel, name: str, argument: str = "minimize") -> None:
-    """Refuse to minimize what is no number of a model.
+    """Refuse to minimize a name that is not a number of the model.
 
     Parameters
     ----------
@@ -110,7 +110,7 @@ def check_minimized(model: ComplianceModel, name: str, argument: str = "minimize
     name : str
         A response or dimension.
     argument : str
-        What the name was given as, for the message.
+        Argument of the name, for the message.
 
     Raises
     ------
@@ -186,7 +186,7 @@ def worst_values(limit: Limit, points: Points, margins: bool) -> Any:
     limit : Limit
     points : Points
     margins : bool
-        Whether the error bands count; the values by the equations otherwise.
+        Whether to use the error bands; otherwise the values by the equations.
 
     Raises
     ------

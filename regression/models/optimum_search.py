@@ -1,12 +1,12 @@
 """The best throw of a model's family under limits, such as the thinnest web for a compliance.
 
-The search goes over the model's box: its ranges and choices, and the study's constraints. Relations of the
+The search covers the model's box: its ranges and choices, and the study's constraints. Relations of the
 study are kept. A limit counts as met only if it is met at the worst end of the model's error band
-(`regression.models.error_band`), so that its promise covers the error of the equation and of the finite
-elements, as far as those are known.
+(`regression.models.error_band`), so that the result includes the error of the equation and of the finite
+elements, as far as known.
 
-Differential evolution (seeded, so that it repeats) looks over the whole box; sequential quadratic
-programming then brings the best design onto its limits.
+Differential evolution (seeded, hence reproducible) searches the whole box; sequential quadratic
+programming then moves the best design to its limits.
 """
 
 import itertools
@@ -59,7 +59,7 @@ class _Problem:
         return np.broadcast_to(value, places.shape[1:])
 
     def excess(self, places: Array) -> Array:
-        """How far each limit is broken, as a share of its bound, (limits, n); 0 or less is kept."""
+        """Violation of each limit, as a share of its bound, (limits, n); 0 or less is kept."""
         points = self.points(places)
         rows = [
             limit.excess(worst_values(limit, points, self.margins)) + SPARE for limit in self.limits
@@ -94,21 +94,21 @@ def find_optimum(
         A dimension, such as "web_thickness", or a response, such as "mass".
     limits : sequence of Limit
     fixed : mapping, optional
-        Factors that shall not vary, and their values [SI] or labels.
+        Fixed factors, and their values [SI] or labels.
     margins : bool
-        Whether limits must be kept at the worst end of the error band. Otherwise they are kept by the
+        Whether limits must be kept at the worst end of the error band; otherwise by the
         equation's own value.
 
     Returns
     -------
     Optimum
-        The same for the same question.
+        Identical for identical arguments.
 
     Raises
     ------
     InputError
         If a name is unknown, nothing is left to vary, or no throw of the family keeps the limits; the
-        message then tells how near one comes.
+        message then states the nearest one.
     """
     check_minimized(model, minimize)
     space = search_space(model, fixed or {})
@@ -136,7 +136,7 @@ def find_optimum(
 
 
 def _search(problem: _Problem) -> _SearchResult:
-    """Look for the best design that keeps the limits; else for the one that breaks them least."""
+    """Search for the best design that keeps the limits; else for the one with the least violation."""
     count = 0
 
     def objective(places: Array) -> Array:
@@ -179,13 +179,13 @@ def _search(problem: _Problem) -> _SearchResult:
 
 
 def _evaluate(problem: _Problem, place: Array) -> tuple[float, float]:
-    """Objective, and how far the limits are broken."""
+    """Objective, and the violation of the limits."""
     broken = problem.excess(place)
     return float(problem.objective(place)), float(np.max(broken)) if broken.size else 0.0
 
 
 def _polished(problem: _Problem, start: Array) -> Array:
-    """Bring a design onto its limits by sequential quadratic programming."""
+    """Move a design to its limits by sequential quadratic programming."""
     size = abs(float(problem.objective(start))) or 1.0
     found = _optimize.minimize(
         lambda place: float(problem.objective(place)) / size,
@@ -200,7 +200,7 @@ def _polished(problem: _Problem, start: Array) -> Array:
 
 
 def _nearest(problem: _Problem, start: Array) -> Array:
-    """Find the design whose worst broken limit is least broken."""
+    """Find the design whose largest violation is least."""
     worst = float(np.max(problem.excess(start)))
     found = _optimize.minimize(
         lambda extended: extended[-1],
@@ -259,7 +259,7 @@ def _make_optimum(problem: _Problem, found: _SearchResult, evaluations: int) -> 
 
 
 def _infeasible(problem: _Problem, found: _SearchResult) -> str:
-    """Say that no throw keeps the limits, and how near the nearest comes."""
+    """State that no throw keeps the limits, and the nearest one."""
     factors = problem.factors(found.place)
     show = problem.model.family.format_value
     at = ", ".join(

@@ -1,4 +1,4 @@
-"""The box that an optimum is sought in: a model's ranges and choices, with the study's constraints."""
+"""The box of an optimum search: a model's ranges and choices, with the study's constraints."""
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
@@ -32,11 +32,11 @@ class SearchSpace:
     ranges : dict
         Number to its range.
     fixed : dict
-        Numbers that do not vary.
+        Fixed numbers.
     choices : dict
         Category to its labels.
     labels : dict
-        Labels that do not vary.
+        Fixed labels.
     constraints : tuple of callable
     """
 
@@ -49,11 +49,11 @@ class SearchSpace:
 
     @property
     def dimensions(self) -> int:
-        """How many numbers vary."""
+        """Number of varying numbers."""
         return len(self.ranges)
 
     def numbers(self, places: Array) -> dict[str, Any]:
-        """Factors at places in the box, (dimensions,) or (dimensions, n)."""
+        """Factors at points of the box, (dimensions,) or (dimensions, n)."""
         ends = self.ranges.values()
         varied = {
             name: low + place * (high - low)
@@ -62,7 +62,7 @@ class SearchSpace:
         return {name: varied[name] if name in varied else self.fixed[name] for name in self._order}
 
     def exact_numbers(self, place: Array) -> dict[str, float]:
-        """Factors at one place, the ends of ranges to the last digit."""
+        """Factors at one point, the ends of ranges to the last digit."""
         found = {name: float(value) for name, value in self.numbers(place).items()}
         for (name, (low, high)), where in zip(self.ranges.items(), place, strict=True):
             if min(where, 1.0 - where) < _AT_END:
@@ -74,7 +74,7 @@ class SearchSpace:
         return tuple(self.model.family.ranges)
 
     def at_ends(self, place: Array) -> tuple[str, ...]:
-        """Numbers that stand at an end of their range."""
+        """Numbers at an end of their range."""
         return tuple(
             name
             for name, where in zip(self.ranges, place, strict=True)
@@ -82,7 +82,7 @@ class SearchSpace:
         )
 
     def excess(self, points: Points) -> list[Any]:
-        """How far the study's constraints are broken."""
+        """Violation of the study's constraints."""
         return [constraint(points) for constraint in self.constraints]
 
     def throw(self, known: Mapping[str, float | str]) -> tuple[CrankThrow | None, list[str]]:
@@ -107,12 +107,12 @@ def search_space(model: ComplianceModel, fixed: Mapping[str, float | str]) -> Se
     ----------
     model : ComplianceModel
     fixed : mapping
-        Factors that shall not vary.
+        Fixed factors.
 
     Raises
     ------
     InputError
-        If a fixed factor is none of the model's, or lies outside its range.
+        If a fixed factor is not one of the model's, or is outside its range.
     """
     family = model.family
     numbers: dict[str, float] = {}
@@ -146,7 +146,7 @@ def search_space(model: ComplianceModel, fixed: Mapping[str, float | str]) -> Se
 
 
 def _constraint(model: ComplianceModel, text: str) -> Excess:
-    """A constraint of the study as a function that is 0 or less where it holds."""
+    """A constraint of the study as a function that is 0 or less if it is met."""
     from regression.plans.constraints import constraint_excess, read_constraint
 
     units = model.family.all_units

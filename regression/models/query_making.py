@@ -1,4 +1,4 @@
-"""From a model's response to its query: how columns and ratios are read from dimensions."""
+"""From a model's response to its query: columns and ratios from dimensions."""
 
 from collections.abc import Mapping
 from functools import partial
@@ -29,7 +29,7 @@ def make_response_query(
     Parameters
     ----------
     name : str
-        Of the response; it says whether its values are above zero.
+        Name of the response; determines whether its values are positive.
     response : ResponseModel
     family : Family
     material : mapping
@@ -42,7 +42,7 @@ def make_response_query(
     Raises
     ------
     InputError
-        If a column is none of the family's, or the material's constants are missing.
+        If a column is not one of the family's, or the material's constants are missing.
     """
     readers = [_column_source(name, response.basis, family) for name in response.factors]
     columns = tuple(
@@ -71,7 +71,7 @@ def make_response_query(
 
 
 def _column_source(name: str, basis: str, family: Family) -> tuple[Reader, tuple[str, ...], str]:
-    """How a column is read, what it needs, and its unit."""
+    """Function, requirements and unit of a column."""
     field, is_label, label = name.partition(IS)
     if is_label:
         if label not in family.categories.get(field, ()):
@@ -89,7 +89,7 @@ def _column_source(name: str, basis: str, family: Family) -> tuple[Reader, tuple
 def _ratios(
     family: Family, constant_groups: Mapping[str, float]
 ) -> tuple[tuple[Ratio, ...], tuple[str, ...]]:
-    """What must agree with the study so that a throw of another size is one of its family."""
+    """Ratios that must agree with the study so that a throw of another size is of its family."""
     fixed = family.fixed
     groups = [group for group in GROUPS.values() if set(group.dimensions) <= fixed.keys()]
     found = {

@@ -40,20 +40,20 @@ _WEBS = ("left_web.thickness", "right_web.thickness")
 )
 @dataclass(frozen=True, eq=False)
 class ReactionLookup(Reactions):
-    """Reactions from a compliance model, with what is known of their errors.
+    """Reactions from a compliance model, with their errors.
 
     Attributes
     ----------
     left, right : EndReaction
         Force [N] and moment [N m], each (3,), or (..., 3) of many throws, in the throw frame.
     band : Reactions
-        How far each component may be off, as the bands of the equations together make it: 0 where
-        equilibrium alone decides. Infinite where no band holds, as outside the range.
+        Error of each component, from the bands of the equations together: 0 where
+        equilibrium decides alone. Infinite without a valid band, as outside the range.
     support : str
     inside : ndarray of bool
-        Where everything lies within the range of the fits.
+        Where everything is within the range of the fits.
     remarks : tuple of str
-        As of a `Lookup`.
+        As in `Lookup`.
     """
 
     band: Reactions
@@ -89,7 +89,7 @@ def look_reactions_up(
     strict: bool,
     dimensions: Mapping[str, ArrayLike | str],
 ) -> ReactionLookup:
-    """Find reactions as `ComplianceModel.reactions` says, with what looks its responses up.
+    """Find reactions for `ComplianceModel.reactions`, with a function that looks its responses up.
 
     Raises
     ------
@@ -138,12 +138,12 @@ def look_reactions_up(
 
 
 def throw_lengths(family: Family, given: Mapping[str, ArrayLike | str]) -> ThrowLengths:
-    """Return the lengths of throws of a family, from what is given and what is fixed.
+    """Return the lengths of throws of a family, from given and fixed ones.
 
     Raises
     ------
     InputError
-        If one is not known.
+        If one is unknown.
     """
     checked = family.checked(given)
     known = family.completed(checked, family.size(checked))
@@ -161,7 +161,7 @@ def throw_lengths(family: Family, given: Mapping[str, ArrayLike | str]) -> Throw
 
 
 def both_ends(loads: Array) -> tuple[EndReaction, EndReaction]:
-    """Return what acts on the left and on the right end, from loads (..., 12)."""
+    """Return the reactions on the left and on the right end, from loads (..., 12)."""
     left, right = (
         EndReaction(loads[..., start : start + 3], loads[..., start + 3 : start + 6])
         for start in (0, 6)
@@ -194,7 +194,7 @@ def checked_force(given: ArrayLike) -> Array:
 
 
 def checked_support(support: object) -> tuple[str, float | None]:
-    """Return the kind of a support, as `NEEDED` names it, and the angle between neighbors [deg].
+    """Return the kind of a support, as named in `NEEDED`, and the angle between neighbors [deg].
 
     Raises
     ------
@@ -217,7 +217,7 @@ def checked_support(support: object) -> tuple[str, float | None]:
 
 
 def support_words(kind: str, gamma: float | None) -> str:
-    """Say how a throw is supported."""
+    """Describe the support of a throw."""
     return kind if gamma is None else f"between neighbors at {gamma:g} deg"
 
 

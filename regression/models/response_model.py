@@ -60,12 +60,12 @@ class ResponseModel(InputModel):
     factors : tuple of str
         Names of the k columns.
     logarithmic, log_factors, terms, center, half_range, coefficients
-        The equation in coded variables, as in `regression.fits.forms.FittedForm`; this is what is
+        The equation in coded variables, as in `regression.fits.forms.FittedForm`; this is
         evaluated.
     lowest, highest : tuple of float
         Range of each column in the runs [SI].
     symbol, unit, support : str
-        What the response is, in which SI unit, and how the throw was supported.
+        Symbol, SI unit and support of the response.
     r_squared, q_squared : float
         At the runs; the second leaves each run out of its own prediction and may be None.
     largest_error, mean_error, largest_heldout_error, mean_heldout_error : float or None
@@ -73,14 +73,14 @@ class ResponseModel(InputModel):
     runs, heldout_runs : int
         Numbers of finite element runs fitted and held out.
     band_error : float or None
-        The error that 95 % of new designs keep to, by designs that its equation did not see; None in
+        The error not exceeded by 95 % of new designs, by designs not used for its equation; None in
         models of older releases.
     band_designs : int
-        How many designs those are.
+        Number of these designs.
     largest_fe_error : float or None
         Largest estimate of the relative error of the finite element values themselves.
     too_small : bool
-        Whether by that error they can only be too small: those of older releases, which did not correct
+        Whether this error makes them too small only: in older releases, which did not correct
         them for discretization.
     dropped_terms : tuple of str
         Terms of the form that the selection left out.
@@ -91,7 +91,7 @@ class ResponseModel(InputModel):
     ------
     InputError
         If a field is missing, unknown or contradicts another one; if an error is negative; if the
-        equation's coding is not that of its range, or its coefficients are of no response's size.
+        equation's coding does not match its range, or its coefficients are impossible for the response.
     """
 
     section: ClassVar[str] = "response"
@@ -173,7 +173,7 @@ class ResponseModel(InputModel):
             )
 
     def _check_size(self) -> None:
-        """Refuse coefficients that are no numbers of a response even at the runs."""
+        """Refuse coefficients that give impossible values even at the runs."""
         size = sum(map(abs, self.coefficients)) if self.logarithmic else self.largest_value
         if not size <= (LARGEST_LOGARITHM if self.logarithmic else sys.float_info.max):
             of = "the response's logarithm" if self.logarithmic else "the response"
@@ -185,7 +185,7 @@ class ResponseModel(InputModel):
 
     @property
     def largest_value(self) -> float:
-        """A bound that the equation's values do not exceed in its range; inf for a logarithmic one."""
+        """An upper bound of the equation's values in its range; inf for a logarithmic one."""
         if self.logarithmic:
             return math.inf
         fitted = self.fitted
@@ -202,7 +202,7 @@ class ResponseModel(InputModel):
         )
 
     def __repr__(self) -> str:
-        """Name the response, its form and the ranges of its columns; the numbers are in its fields."""
+        """Summarize the response, its form and the ranges of its columns; the numbers are in its fields."""
         ranges = (
             f"{name} {format_value(name, low)} to {format_value(name, high)}"
             for name, low, high in zip(self.factors, self.lowest, self.highest, strict=True)
@@ -231,22 +231,22 @@ class ResponseModel(InputModel):
         fe_error: float | None = None,
         equation: str | None = None,
     ) -> Self:
-        """Take over a fit.
+        """Make the response from a fit.
 
         Parameters
         ----------
         fit : Fit
             The fit; columns and response in SI units.
         symbol, unit, support : str
-            What the response is, such as "e_n", "m/N" and "pinned".
+            Symbol, unit and support of the response, such as "e_n", "m/N" and "pinned".
         basis : {"factors", "groups"}, optional
-            That of the fit, if not given.
+            That of the fit by default.
         lowest, highest : mapping, optional
-            Range of columns where it is not that of the runs.
+            Range of columns if it is not that of the runs.
         fe_error : float, optional
             Largest relative error estimate of the finite element values.
         equation : str, optional
-            The equation as text; written from the fit if not given.
+            The equation as text; by default written from the fit.
         """
         fitted, basis = fit.fitted, basis or fit.basis
         if equation is None:

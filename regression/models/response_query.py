@@ -1,8 +1,8 @@
-"""One response of a compliance model, ready to be asked: names to columns, columns to a value.
+"""One response of a compliance model, ready for queries: names to columns, columns to a value.
 
 A query of plain numbers inside the range has a fast evaluator: the checks and the evaluation are then
-a few comparisons and multiplications. Everything else (arrays, what lies outside, what is wrong) goes
-the long way, which says what is the matter.
+a few comparisons and multiplications. Everything else (arrays, values outside, errors) takes
+the full path, which gives the messages.
 """
 
 import math
@@ -35,7 +35,7 @@ _PLAIN = (float, int, np.float64)
 
 @dataclass(frozen=True)
 class Column:
-    """One column of an equation: its name, how it is read from dimensions, its range and unit."""
+    """One column of an equation: its name, its function of dimensions, its range and unit."""
 
     name: str
     read: Reader
@@ -46,7 +46,7 @@ class Column:
 
 @dataclass(frozen=True)
 class Ratio:
-    """A ratio that did not vary in the study: what it is made of, and its value there."""
+    """A ratio that did not vary in the study: its dimensions, and its value there."""
 
     name: str
     names: tuple[str, ...]
@@ -56,15 +56,15 @@ class Ratio:
 
 @dataclass(frozen=True)
 class ResponseValues:
-    """Values of a response, and what of the query lies outside the study.
+    """Values of a response, and the parts of the query outside the study.
 
     Attributes
     ----------
     values : float or ndarray
     outside : tuple
-        What lies outside a range or breaks a constraint.
+        Values outside a range or violated constraints.
     inside : bool or ndarray
-        Where nothing does.
+        Where everything is inside.
     """
 
     values: Any
@@ -74,7 +74,7 @@ class ResponseValues:
 
 @dataclass(frozen=True, eq=False)
 class ResponseQuery:
-    """How one response is found from dimensions.
+    """Evaluation of one response from dimensions.
 
     Attributes
     ----------
@@ -83,14 +83,14 @@ class ResponseQuery:
     family : Family
     columns : tuple of Column
     ratios : tuple of Ratio
-        What must agree with the study; empty for an equation in the factors themselves.
+        Ratios that must agree with the study; empty for an equation in the factors themselves.
     needed : tuple of str
-        What must be known to answer.
+        Required names.
     equation : CompiledEquation
     scale : callable or None
-        What the equation's value is multiplied with, from the dimensions.
+        Factor on the equation's value, from the dimensions.
     constraints : tuple of StudyConstraint
-        Of the study, which hold between the lengths of a throw of its size.
+        Relations of the study, between the lengths of a throw of its size.
     """
 
     name: str
@@ -104,16 +104,16 @@ class ResponseQuery:
 
     @cached_property
     def lower_limit(self) -> float:
-        """Lower limit that the response must exceed: 0 by nature, or none."""
+        """Lower limit of the response: 0 by nature, or none."""
         return 0.0 if is_positive_response(self.name) else -math.inf
 
     def fast_evaluator(self, names: Sequence[str]) -> Callable[[Mapping[str, Given]], float | None]:
-        """Make the fast evaluator for queries that give just these names.
+        """Make the fast evaluator for queries with exactly these names.
 
         Returns
         -------
         callable
-            Dimensions to the value, or None where the long way must be gone.
+            Dimensions to the value, or None if the full path is needed.
         """
         read, value_of = self._fast_reader(names), self._fast_value
 
@@ -124,7 +124,7 @@ class ResponseQuery:
         return answer
 
     def shares_columns(self, other: "ResponseQuery") -> bool:
-        """Whether what the fast evaluator reads and checks for another response serves this one too."""
+        """Whether the fast evaluator's columns and checks for another response are those of this one."""
         return self.scale is other.scale is None and self._ranges == other._ranges
 
     def fast_evaluator_with(
@@ -155,7 +155,7 @@ class ResponseQuery:
     def _fast_reader(
         self, names: Sequence[str]
     ) -> Callable[[Mapping[str, Given]], tuple[list[Any], Mapping[str, Given]] | None]:
-        """Make what checks plain numbers and reads columns and dimensions from them."""
+        """Make the function that checks plain numbers and reads columns and dimensions from them."""
         family, given = self.family, set(names)
         complete = set(self.needed) <= given | family.fixed.keys() | family.labels.keys()
         if self.scale is not None:
@@ -203,7 +203,7 @@ class ResponseQuery:
         return read_all
 
     def evaluate(self, given: Mapping[str, Given]) -> ResponseValues:
-        """Evaluate any query, or say what is wrong with it.
+        """Evaluate any query, or report its error.
 
         Parameters
         ----------
@@ -213,8 +213,8 @@ class ResponseQuery:
         Raises
         ------
         InputError
-            If something is missing, unknown or unusable, a fixed dimension or ratio is another than
-            in the study, or the equation has no finite value there, or one that no throw has.
+            If something is missing, unknown or unusable, a fixed dimension or ratio differs from
+            the study, or the equation has no finite or a physically impossible value.
         """
         used, shape, size = self._used(given)
         found: list[Finding] = []
@@ -245,7 +245,7 @@ class ResponseQuery:
 
     @cached_property
     def _ranges(self) -> dict[str, tuple[float, float, str]]:
-        """Range and unit of each number that varied: all forms of a study share those of its factors."""
+        """Range and unit of each varying number: all forms of a study share those of its factors."""
         if self.scale is None:
             numbers = [column for column in self.columns if IS not in column.name]
             return {one.name: (one.lowest, one.highest, one.unit) for one in numbers}
@@ -253,7 +253,7 @@ class ResponseQuery:
         return {name: (*ends, family.unit(name)) for name, ends in family.ranges.items()}
 
     def _used(self, given: Mapping[str, Given]) -> tuple[dict[str, Given], tuple[int, ...], Given]:
-        """Check and complete what was given, to what the answer depends on; its shape, and the size."""
+        """Check and complete the query; also return its shape and the size."""
         family = self.family
         checked = family.checked(given)
         shape = _common_shape(checked)
@@ -280,7 +280,7 @@ class ResponseQuery:
         evaluate: Callable[[Sequence[Any]], Any],
         found: list[Finding],
     ) -> tuple[Any, Any]:
-        """Evaluate one piece (or one point), and collect what lies outside; say also where nothing does."""
+        """Evaluate one piece (or one point), and collect values outside, and where all are inside."""
         for ratio in self.ratios:
             _check_ratio(ratio, ratio.read(known))
         columns = [column.read(known) for column in self.columns]
@@ -298,7 +298,7 @@ class ResponseQuery:
     def _outside(
         self, known: Mapping[str, Given], columns: Sequence[Given]
     ) -> Iterator[tuple[Finding, Any]]:
-        """Find what lies outside the study, and where."""
+        """Find the values outside the study, and where."""
         size = known[_SIZE]
         if self._ranges and self._ranges.keys() <= known.keys():
             asked = [

@@ -1,4 +1,4 @@
-"""A study's constraints asked of a question: which are broken, and what to say of it."""
+"""A study's constraints applied to a query: violated ones, and the sentences on them."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -20,9 +20,9 @@ class BrokenConstraint:
     name : str
         The constraint.
     reason : str
-        How the first of them breaks it.
+        Violation by the first of them.
     number : int
-        How many there are.
+        Their number.
     alone : bool
         As in `OutOfRange`.
     """
@@ -34,19 +34,19 @@ class BrokenConstraint:
 
     @property
     def remark(self) -> str:
-        """One sentence for a value that is given all the same."""
+        """One sentence for a value that is returned nevertheless."""
         return f"{self._given}; the study excluded such designs, so the error is unknown."
 
     @property
     def error_sentence(self) -> str:
-        """One sentence for a value that is not given."""
+        """One sentence for a value that is refused."""
         return (
             f"{self._given}; allowed are those that keep it, because the study excluded such designs and "
             "strict results are requested."
         )
 
     def check_distance(self) -> None:
-        """Refuse nothing: a constraint is broken or not."""
+        """Refuse nothing: a constraint is met or violated."""
 
     @property
     def _given(self) -> str:
@@ -58,13 +58,13 @@ Finding = OutOfRange | BrokenConstraint
 
 
 class StudyConstraint:
-    """A constraint of a study, ready to be asked of throws of its size.
+    """A constraint of a study, ready for throws of its size.
 
     Parameters
     ----------
     read : Constraint
     units : mapping
-        SI unit of every name that it may use.
+        SI unit of every name allowed in it.
     """
 
     def __init__(self, read: Constraint, units: Mapping[str, str]) -> None:
@@ -72,7 +72,7 @@ class StudyConstraint:
         self.holds: Compiled = compile_constraint(read)
 
     def find_broken(self, known: Mapping[str, Any]) -> tuple[BrokenConstraint, Any] | None:
-        """Find what breaks it; as `find_out_of_range`, of values at the study's size."""
+        """Find violations; as `find_out_of_range`, of values at the study's size."""
         used = {name: known[name] for name in self.read.names}
         with np.errstate(all="ignore"):
             held = np.asarray(self.holds(used))

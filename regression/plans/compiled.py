@@ -1,7 +1,7 @@
 """Expressions of a study compiled for speed: plain arithmetic in SI units, on floats or arrays.
 
 pint reads the text and checks its units once (`regression.plans.relations`); between quantities in SI units
-no factor is left, so that what remains is arithmetic.
+no factor is left, so that only arithmetic remains.
 """
 
 import math
@@ -24,12 +24,12 @@ def compile_expression(expression: Expression) -> Compiled:
     Parameters
     ----------
     expression : Expression
-        As `read_expression` gives it, its units checked.
+        From `read_expression`, its units checked.
 
     Returns
     -------
     callable
-        Floats or arrays [SI] by name to the value [SI]; not finite where there is none. For arrays
+        Floats or arrays [SI] by name to the value [SI]; not finite if undefined. For arrays
         numpy's warnings are the caller's.
     """
     from pint.pint_eval import build_eval_tree, tokenizer

@@ -29,7 +29,7 @@ EQUAL_WITHIN = 1e-9
 
 @dataclass(frozen=True)
 class Constraint:
-    """Comparisons that all must hold, such as ``0.2 <= web_thickness / pin_diameter <= 0.6``."""
+    """Comparisons that must all be met, such as ``0.2 <= web_thickness / pin_diameter <= 0.6``."""
 
     field: str
     text: str
@@ -48,7 +48,7 @@ def read_constraint(text: object, field: str, units: Units) -> Constraint:
     Raises
     ------
     InputError
-        If it is no comparison by <, <=, > or >=, or compares quantities of different kinds.
+        If it is not a comparison by <, <=, > or >=, or compares quantities of different kinds.
     """
     if isinstance(text, str):
         check_length(text, field)
@@ -75,7 +75,7 @@ def read_constraint(text: object, field: str, units: Units) -> Constraint:
 def constraint_violations(
     constraint: Constraint, values: Values, units: Units, count: int
 ) -> list[str | None]:
-    """Say for each of `count` designs how it breaks a constraint; None where it does not.
+    """Return for each of `count` designs how it violates a constraint; None if it does not.
 
     Sides that differ by less than one part in 1e9 count as equal.
     """
@@ -95,7 +95,7 @@ def constraint_violations(
 
 
 def constraint_excess(constraint: Constraint, values: Values, units: Units) -> NDArray[np.float64]:
-    """Return how far a constraint is broken, as a share of its smaller sides; 0 or less is kept."""
+    """Return the violation of a constraint, as a share of its smaller sides; 0 or less is met."""
     _, sides = _sides(constraint, values, units)
     rows = []
     for sign, left, right in zip(constraint.signs, sides[:-1], sides[1:], strict=True):

@@ -1,4 +1,4 @@
-"""Which design of experiments is wished, and what it needs to know."""
+"""The choice of a design of experiments, with its parameters."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -29,7 +29,7 @@ TAKERS: Mapping[str, tuple[str, ...]] = {
 
 @dataclass(frozen=True)
 class DesignChoice:
-    """Which design, and what it needs to know.
+    """A design of experiments with its parameters.
 
     Parameters
     ----------
@@ -39,11 +39,11 @@ class DesignChoice:
         Number of runs of a Latin hypercube or a Sobol sequence, at most `LARGEST_DESIGN`.
     resolution : int, optional
         Of a fractional factorial (4 if neither it nor generators are given), or of the fraction of a
-        central composite design's corners (all corners if not given); 3 to 8.
+        central composite design's corners (all corners by default); 3 to 8.
     generators : str, optional
-        Of a fractional factorial, in place of a resolution: "a b c abc".
+        Of a fractional factorial, instead of a resolution: "a b c abc".
     face : str, optional
-        Of a central composite design: "faced" (if not given), "inscribed" or "circumscribed".
+        Of a central composite design: "faced" (default), "inscribed" or "circumscribed".
     rows : tuple of tuple of float, optional
         Runs of the design "file" [SI], one value for each factor.
     """

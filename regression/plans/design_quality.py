@@ -16,17 +16,17 @@ NONE = 1e-12
 
 @dataclass(frozen=True)
 class DesignQuality:
-    """What can be said of runs before any has a result, in coordinates 0 to 1 over each range.
+    """Quality of runs before any has a result, in coordinates 0 to 1 over each range.
 
     Attributes
     ----------
     distance : float or None
-        Of the two nearest runs; labels of a choice of q are 1/q apart. None of a single run.
+        Distance of the two nearest runs; labels of a choice of q are 1/q apart. None for a single run.
     discrepancy : float
         Centered L2 discrepancy, squared, as scipy has it (Hickernell 1998), of the factors that are numbers;
         0 would be perfectly even.
     random_discrepancy : float
-        Its mean for as many points drawn by chance: ((5/4)^k - (13/12)^k) / n.
+        Its mean for the same number of random points: ((5/4)^k - (13/12)^k) / n.
     correlation : float or None
         Largest absolute correlation of two factors, choices of two labels among them; None without two
         that vary.
@@ -42,7 +42,7 @@ class DesignQuality:
 
 
 def design_quality(factors: Sequence[Factor], values: NDArray[np.float64]) -> DesignQuality:
-    """Judge runs by distance, discrepancy and correlation.
+    """Assess runs by distance, discrepancy and correlation.
 
     Parameters
     ----------

@@ -36,9 +36,9 @@ class Design:
     runs : (n, k) ndarray
         One run a row [SI], labels as their indices; read-only.
     statement : str
-        What it is, in a few words.
+        Its description, in a few words.
     remarks : tuple of str
-        What a user should know of it, one sentence each.
+        Remarks for the user, one sentence each.
     """
 
     runs: Table
@@ -52,7 +52,7 @@ class Design:
 
 
 def fixed_design(factors: Sequence[Factor], choice: DesignChoice) -> Design:
-    """Return the runs of a design that does not depend on chance.
+    """Return the runs of a design that is not random.
 
     Parameters
     ----------
@@ -115,12 +115,12 @@ def full_factorial(levels: Mapping[str, Sequence[float]]) -> Design:
 def space_filling_points(
     factors: Sequence[Factor], kind: str, runs: int, seed: Sequence[int]
 ) -> Table:
-    """Draw the points of a space-filling design in the unit cube; `values_at` places them.
+    """Draw the points of a space-filling design in the unit cube; `values_at` maps them to factors.
 
     Parameters
     ----------
     factors : sequence of Factor
-        Choices come up evenly, as long as no point is left out.
+        Choices are equally frequent, as long as no point is left out.
     kind : str
         Of `SPACE_FILLING`.
     runs : int
@@ -149,7 +149,7 @@ def space_filling_statement(kind: str, runs: int, seed: int) -> tuple[str, tuple
 
 
 def check_ranges(factors: Sequence[Factor], kind: str) -> None:
-    """Refuse levels between the ends for a design that runs values of its own.
+    """Refuse levels between the ends for a design that has values of its own.
 
     Raises
     ------
@@ -165,7 +165,7 @@ def check_ranges(factors: Sequence[Factor], kind: str) -> None:
 
 
 def values_at(factors: Sequence[Factor], points: Table) -> Table:
-    """Place points of the unit cube in the ranges; in a choice, on the label they fall in.
+    """Map points of the unit cube to the ranges; for a choice, to the corresponding label.
 
     Values are rounded to 12 digits and stay in the range.
     """
@@ -180,7 +180,7 @@ def values_at(factors: Sequence[Factor], points: Table) -> Table:
 
 
 def _placed(factor: Factor, place: Table) -> Table:
-    """Values at places 0 (lowest) to 1 (highest) of a range; both ends exactly."""
+    """Values at positions 0 (lowest) to 1 (highest) of a range; both ends exactly."""
     inner = factor.lowest + place * (factor.highest - factor.lowest)
     values = np.array([rounded(value) for value in inner.tolist()])
     values[place == 0.0], values[place == 1.0] = factor.lowest, factor.highest
@@ -286,8 +286,8 @@ def _crossed(
 ) -> Table:
     """Repeat a design of some factors for every combination of the others' labels.
 
-    `places` are 0 to 1 in each range, of labels 0 and 1; where `levels` are given, 0, 0.5 and 1 stand
-    for these.
+    `places` are 0 to 1 in each range, of labels 0 and 1; if `levels` are given, 0, 0.5 and 1 mean
+    these.
     """
     columns: dict[str, Table] = {}
     for number, (factor, place) in enumerate(zip(varied, places.T, strict=True)):

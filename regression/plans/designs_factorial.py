@@ -1,4 +1,4 @@
-"""Designs on the corners of a box: two-level fractions, their resolution and what they confuse."""
+"""Designs on the corners of a box: two-level fractions, their resolution and confounded effects."""
 
 import itertools
 
@@ -17,7 +17,7 @@ Coded = NDArray[np.float64]
 def corner_fraction(factors: int, resolution: int) -> Coded:
     """Return a regular fraction of the corners of a cube, of at least a resolution.
 
-    The smallest that `pydoe.fracfact_by_res` finds; all corners where no fraction suffices.
+    The smallest found by `pydoe.fracfact_by_res`; all corners if no fraction is sufficient.
 
     Parameters
     ----------
@@ -62,7 +62,7 @@ def corners_by_generators(generators: str, factors: int) -> Coded:
     Raises
     ------
     InputError
-        If they are none, or of another number of factors.
+        If they are not generators, or for another number of factors.
     """
     from pydoe import fracfact
 
@@ -90,7 +90,7 @@ def resolution_of(design: Coded) -> int | None:
     Returns
     -------
     int or None
-        The resolution; None for all corners, where nothing is confused, or where the search up to
+        The resolution; None for all corners, where nothing is confounded, or if the search up to
         `LARGEST_SEARCH` products finds none.
     """
     columns, everything = _as_bits(design)
@@ -111,7 +111,7 @@ def resolution_of(design: Coded) -> int | None:
 
 
 def aliased_effects(design: Coded, names: tuple[str, ...]) -> tuple[str, ...]:
-    """List aliased effects: main effects and interactions of two factors that a fraction cannot tell apart.
+    """List aliased effects: main effects and two-factor interactions confounded in a fraction.
 
     Parameters
     ----------
@@ -123,7 +123,7 @@ def aliased_effects(design: Coded, names: tuple[str, ...]) -> tuple[str, ...]:
     Returns
     -------
     tuple of str
-        Groups such as ``"web_width = pin_length x web_thickness"``; those of one effect are left out.
+        Groups such as ``"web_width = pin_length x web_thickness"``; groups of one effect are left out.
     """
     columns, everything = _as_bits(design)
     groups: dict[int, list[str]] = {}

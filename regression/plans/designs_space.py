@@ -1,7 +1,7 @@
-"""Designs that fill a box: Latin hypercubes and Sobol sequences, drawn repeatably from a seed.
+"""Designs that fill a box: Latin hypercubes and Sobol sequences, reproducible by a seed.
 
-All points are in the unit cube. A column of a factor with q choices holds the middle of the q-th part
-that the point fell in, so that the choices come up evenly.
+All points are in the unit cube. A column of a factor with q choices has the middle of the q-th part
+that contains the point, so the choices are equally frequent.
 """
 
 import math
@@ -29,16 +29,16 @@ Points = NDArray[np.float64]
 
 
 def hypercube_trials(count: int) -> int:
-    """Return how many Latin hypercubes of so many points are tried."""
+    """Return how many Latin hypercubes of a number of points are tried."""
     return max(1, min(TRIES, POINTS_TRIED // count))
 
 
 def latin_hypercube_points(
     count: int, choices: Sequence[int], seed: Sequence[int], tries: int | None = None
 ) -> Points:
-    """Draw a Latin hypercube: each column cut into `count` strata, one point in each.
+    """Draw a Latin hypercube: each column divided into `count` strata, one point in each.
 
-    Of `tries` hypercubes of `scipy.stats.qmc` the one is taken whose nearest two points are farthest
+    Of `tries` hypercubes of `scipy.stats.qmc` the one is used whose nearest two points are farthest
     apart (maximin).
 
     Parameters
@@ -73,9 +73,9 @@ def latin_hypercube_points(
 
 
 def with_points_at_ends(points: Points, choices: Sequence[int]) -> Points:
-    """Move every second point to the ends of those ranges of which it lies in the outer quarters.
+    """Move every second point to the ends of those ranges in whose outer quarters it is.
 
-    There, where polynomials err most, a space-filling design has no points.
+    There polynomials have their largest errors, and a space-filling design has no points.
 
     Parameters
     ----------
@@ -131,7 +131,7 @@ def smallest_distance(points: Points) -> float:
 
 
 def well_spaced_subset(points: Points, count: int) -> NDArray[np.int64]:
-    """Choose `count` of the points, far apart: of the nearest two, one is left out, and again.
+    """Choose `count` of the points, far apart, by repeatedly dropping one of the nearest two.
 
     Parameters
     ----------
@@ -176,12 +176,12 @@ def draw_feasible_points(
     Parameters
     ----------
     draw : callable
-        Draws so many points.
+        Draws a given number of points.
     possible : callable
-        Which of (n, k) points can be used.
+        Returns which of (n, k) points can be used.
     count : int
     in_order : bool
-        Take the first possible ones (a sequence), not those farthest apart.
+        Use the first possible ones (a sequence), not those farthest apart.
 
     Returns
     -------
@@ -190,7 +190,7 @@ def draw_feasible_points(
     taken : (n,) ndarray of bool
         The `count` points that are used.
     impossible : (n,) ndarray of bool
-    or None, if so few are possible that the search is given up.
+    or None, if so few are possible that the search is abandoned.
     """
     number = count
     most = max(SEARCHED_AT_LEAST, min(SEARCHED, SEARCHED_EACH * count))

@@ -20,8 +20,8 @@ def central_composite(factors: int, face: str, resolution: int | None) -> NDArra
         2 or more.
     face : str
         "faced": corners and the middles of the faces, three levels. "inscribed": stars in the middles
-        of the faces and corners drawn in to 1 / alpha, rotatable with alpha = (number of corners)^(1/4),
-        five levels. "circumscribed" has its stars outside the corners; scaled down until they lie in
+        of the faces and corners moved in to 1 / alpha, rotatable with alpha = (number of corners)^(1/4),
+        five levels. "circumscribed" has its stars outside the corners; scaled down until they are in
         the box, it is the inscribed design.
     resolution : int, optional
         Of the fraction of the corners; all corners if None.

@@ -1,4 +1,4 @@
-"""What a study varies: fields of a throw, ratios and choices, each over a range or at levels."""
+"""Factors of a study: fields of a throw, ratios and choices, each over a range or at levels."""
 
 import re
 from collections.abc import Iterator, Mapping, Sequence
@@ -23,26 +23,26 @@ DIGITS = 12
 
 @dataclass(frozen=True)
 class Factor:
-    """One thing that a study varies.
+    """A factor of a study.
 
     Parameters
     ----------
     name : str
-        A field of the throw ("web_width", "counterweight.thickness"), or a free name that relations
-        use.
+        A field of the throw ("web_width", "counterweight.thickness"), or a free name used in
+        relations.
     unit : str
         SI unit; "" for a pure number or a choice.
     lowest, highest : float
         Ends of the range [SI]; of a choice 0 and the last label's index.
     levels : tuple of float, optional
-        The values that a factorial runs, ascending or not [SI]; None for a range.
+        The values of a factorial, ascending or not [SI]; None for a range.
     labels : tuple of str
-        What a choice chooses from; its values are the labels' indices. Empty for numbers.
+        Labels of a choice, whose values are the labels' indices. Empty for numbers.
 
     Raises
     ------
     InputError
-        If the range is empty or not finite, a level stands twice or lies outside, or there are fewer
+        If the range is empty or not finite, a level occurs twice or is outside, or there are fewer
         than two levels or labels.
     """
 
@@ -94,7 +94,7 @@ class Factor:
 
     @classmethod
     def of_levels(cls, name: str, unit: str, levels: Sequence[float]) -> "Factor":
-        """Make a factor that has the given levels, and the range between the outermost."""
+        """Make a factor with the given levels, and the range between the outermost."""
         values = tuple(float(value) for value in levels)
         if not values:
             raise InputError(f"study.factors.{name}: given no level; allowed are two or more.")
@@ -163,12 +163,12 @@ class Factor:
 
     @property
     def range_text(self) -> str:
-        """Range in the unit in which engineers read it; of a choice its labels."""
+        """Range in the field's usual unit; of a choice its labels."""
         ends = f"{self.format_value(self.lowest)} to {self.format_value(self.highest)}"
         return ", ".join(self.labels) or ends
 
     def format_value(self, value: float) -> str:
-        """Format one of the factor's values as people read it."""
+        """Format one of the factor's values for display."""
         if self.labels:
             return self.labels[round(value)]
         return format_quantity(value, self.unit)
@@ -191,8 +191,8 @@ class ThrowField:
 def throw_fields(throw: CrankThrow) -> dict[str, ThrowField]:
     """List the fields that can vary, by path ("web_width", "further_pins.0.length").
 
-    Fields of a part that the throw does not have are left out, unless the part has no field that
-    must be given (a web of its own).
+    Fields of a part that the throw lacks are left out, unless the part has no required field
+    (a web of its own).
     """
     return {field.path: field for field in _fields_of(throw, CrankThrow, "")}
 
@@ -271,7 +271,7 @@ def _copied(content: Any) -> Any:
 
 
 def unknown_field(path: str, fields: Mapping[str, ThrowField], throw: CrankThrow) -> str:
-    """Say why a name is no field that this throw can vary, and what may have been meant."""
+    """State why a name is not a field of this throw, and suggest similar ones."""
     steps = path.split(".")
     for count in range(1, len(steps)):
         part = ".".join(steps[:count])

@@ -1,4 +1,4 @@
-"""The plan of a study: a base throw, what varies and how, and the list of designs that follows."""
+"""The plan of a study: a base throw, factors, a design, and the resulting list of designs."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, field
@@ -32,12 +32,12 @@ MODEL_VERSION = 6
 
 @dataclass(frozen=True)
 class StudyPlan:
-    """What to compute: a base throw, what varies and how, and held-out designs.
+    """A base throw, its factors and design, and held-out designs.
 
     Parameters
     ----------
     throw : CrankThrow
-        Supplies all dimensions that neither are factors nor follow from relations.
+        Supplies all dimensions that are neither factors nor follow from relations.
     factors : tuple of Factor
         What varies, in order.
     design : DesignChoice
@@ -45,13 +45,13 @@ class StudyPlan:
     relations : mapping
         Field of the throw to an expression of factors, other fields and quantities with units.
     constraints : tuple of str
-        Comparisons that every design must fulfil, or it is excluded.
+        Comparisons that every design must meet; others are excluded.
     held_out : int
         Number of further designs, 1 to 1000, spread over the ranges by a Latin hypercube, that are run
-        and kept out of the fit: the fit is judged by them. They depend on the ranges, the relations, the
-        constraints and the seed, not on the design, so different designs are judged by the same.
+        and not used in the fit: they assess the fit. They depend on the ranges, the relations, the
+        constraints and the seed, not on the design, so different designs have the same ones.
     seed : int
-        Of everything drawn by chance.
+        Seed of all random draws.
     material : Material
     accuracy : float
         Relative accuracy of each design's axial compliance, 0.001 to 0.1.
@@ -91,12 +91,12 @@ class StudyPlan:
         return tuple(factor.name for factor in self.factors)
 
     def variants(self) -> Variants:
-        """Return what makes throws of factor values."""
+        """Return the function that makes throws of factor values."""
         return Variants.of(self.throw, self.factors, self.relations, self.constraints)
 
     @property
     def settings(self) -> dict[str, Any]:
-        """What every design is calculated with, as JSON content."""
+        """Common inputs of all designs, as JSON content."""
         return {
             "material": self.material.model_dump(),
             "accuracy": self.accuracy,
@@ -120,7 +120,7 @@ class StudyPlan:
 
     @classmethod
     def from_record(cls, record: Mapping[str, Any]) -> "StudyPlan":
-        """Rebuild a plan from `as_record`, as a store gives it back."""
+        """Rebuild a plan from `as_record`, as stored."""
         design, rows = record["design"], record["design"]["rows"]
         return cls(
             throw=CrankThrow(**record["throw"]),
@@ -145,7 +145,7 @@ class StudyPlan:
 
     @cached_property
     def planned(self) -> "PlannedStudy":
-        """Its designs, listed when they are first asked for; errors as of `plan_designs`."""
+        """Its designs, listed on first use; errors as of `plan_designs`."""
         return plan_designs(self)
 
     @property
@@ -161,11 +161,11 @@ class PlannedDesign:
     Attributes
     ----------
     role : str
-        `RUN` (fitted) or `HELD_OUT` (judged by).
+        `RUN` (fitted) or `HELD_OUT` (for assessment).
     values : tuple of float
         Of the factors [SI]; of a choice the label's index.
     inputs : dict
-        What its results depend on, as JSON content: throw, material, accuracy, stresses.
+        Its complete inputs, as JSON content: throw, material, accuracy, stresses.
     key : str
         Hash of the inputs and the model version.
     added : bool
@@ -181,7 +181,7 @@ class PlannedDesign:
 
 @dataclass(frozen=True)
 class ExcludedDesign:
-    """A design that is not computed, and why; of a drawn one, another was drawn in its place."""
+    """A design that is not computed, and why; a random one was replaced by another."""
 
     values: tuple[float, ...]
     reason: str
@@ -199,9 +199,9 @@ class PlannedStudy:
         The runs, then the held-out ones.
     excluded : tuple of ExcludedDesign
     statement : str
-        What the design is, such as "fractional factorial 2^(4-1), resolution IV, 8 runs".
+        Description of the design, such as "fractional factorial 2^(4-1), resolution IV, 8 runs".
     remarks : tuple of str
-        What a user should know of it, one sentence each.
+        Remarks for the user, one sentence each.
     """
 
     plan: StudyPlan
@@ -214,13 +214,13 @@ class PlannedStudy:
 def plan_designs(plan: StudyPlan) -> PlannedStudy:
     """List the designs of a study: the runs, then the held-out ones.
 
-    Designs that break a constraint or are no throw that can be built are excluded. Of Latin
+    Designs that violate a constraint or cannot be built are excluded. Of Latin
     hypercubes and Sobol sequences more points are drawn until the wanted number remains.
 
     Raises
     ------
     InputError
-        If nothing, or too little, of the design can be built; the message gives the first reason.
+        If nothing, or too little, of the design can be built; the message states the first reason.
     """
     variants = plan.variants()
     if plan.design.kind in SPACE_FILLING:
@@ -258,7 +258,7 @@ def plan_designs(plan: StudyPlan) -> PlannedStudy:
 def _split(
     plan: StudyPlan, role: str, values: NDArray[np.float64], made: Sequence[Variant]
 ) -> tuple[tuple[PlannedDesign, ...], tuple[ExcludedDesign, ...]]:
-    """Tell the designs that can be built from those that cannot."""
+    """Separate the designs that can be built from those that cannot."""
     designs, excluded = [], []
     for row, variant in zip(values.tolist(), made, strict=True):
         if variant.throw is None:
@@ -310,7 +310,7 @@ def planned_design(
     values : tuple of float
         Of the factors [SI].
     throw : dict
-        The throw that the study makes of them, as JSON content.
+        The throw of the study with these values, as JSON content.
     """
     inputs = {"throw": throw, **plan.settings}
     return PlannedDesign(

@@ -1,8 +1,8 @@
 """Relations between the dimensions of a study, as text with units.
 
-pint calculates them, with their units and for all designs at once; no text is ever run as Python. What
-pint would take loosely ("a b" is a product to it, "1,6" is 16, "410 mm / 2 mm" an area) is refused or
-set in brackets before pint sees it.
+pint calculates them, with their units and for all designs at once; no text is ever run as Python. Expressions
+that pint would interpret loosely ("a b" as a product, "1,6" as 16, "410 mm / 2 mm" as an area) are refused or
+put in brackets before.
 """
 
 import re
@@ -37,13 +37,13 @@ class Expression:
     Attributes
     ----------
     field : str
-        What to call it in messages.
+        Its name in messages.
     text : str
         As given.
     names : tuple of str
         Quantities of the study that it uses.
     prepared : str
-        The text as pint reads it, the names replaced by placeholders.
+        The text for pint, the names replaced by placeholders.
     """
 
     field: str
@@ -60,14 +60,14 @@ def read_expression(text: object, field: str, units: Units) -> Expression:
     text : str
         Numbers, quantities such as ``410 mm``, names, ``+ - * / ** ^`` and brackets.
     field : str
-        What to call it in messages.
+        Its name in messages.
     units : mapping
-        Names that may be used, to their SI units.
+        Allowed names, with their SI units.
 
     Raises
     ------
     InputError
-        If it is no such text or names something unknown.
+        If it is not such a text or contains an unknown name.
     """
     if is_number(text):
         text = quoted(text)
@@ -127,7 +127,7 @@ def check_length(text: str, field: str) -> None:
 
 
 def _check_powers(tokens: list[tuple[str, str]], text: str, field: str) -> None:
-    """Refuse powers of powers, powers of units that are no numbers, and exponents that are too large.
+    """Refuse powers of powers, powers of units that are not numbers, and exponents that are too large.
 
     Raises
     ------
@@ -171,7 +171,7 @@ def _tokens(text: str, field: str) -> list[tuple[str, str]]:
 
 
 def _bracketed(pieces: list[str]) -> list[str]:
-    """Set a number with its unit, and the power of the unit, in brackets: divide by all of it."""
+    """Put a number with its unit, and the power of the unit, in brackets: divide by all of it."""
     done, place = [], 0
     while place < len(pieces):
         piece = pieces[place]
@@ -239,7 +239,7 @@ def evaluate_expression(
 
 
 def calculated(expression: Expression, values: Values, units: Units) -> Any:
-    """Let pint calculate; the result is its quantity."""
+    """Calculate with pint; the result is its quantity."""
     registry = unit_registry()
     from pint.errors import PintError
 
@@ -266,7 +266,7 @@ def calculated(expression: Expression, values: Values, units: Units) -> Any:
 
 
 def _angle(quantity: Any) -> bool:
-    """Whether a quantity is an angle: a pure number is not taken for one."""
+    """Whether a quantity is an angle: a pure number does not count as one."""
     return quantity.dimensionless and "radian" in str(quantity.to_root_units().units)
 
 
@@ -276,7 +276,7 @@ def same_kind(first: Any, second: Any) -> bool:
 
 
 def kind_of(quantity: Any) -> str:
-    """Say what a quantity is, such as "a length"."""
+    """Name the kind of a quantity, such as "a length"."""
     if quantity.dimensionless:
         return "an angle" if _angle(quantity) else "a pure number"
     kinds = {"[length]": "a length", "[length] ** 2": "an area", "[length] ** 3": "a volume"}
@@ -291,12 +291,12 @@ def shown_unit(quantity: Any) -> str:
 
 
 def evaluation_order(relations: Mapping[str, Expression]) -> tuple[str, ...]:
-    """Order the relations so that each uses only what stands before it.
+    """Order the relations so that each uses only preceding ones.
 
     Raises
     ------
     InputError
-        If they go round in a circle.
+        If they are circular.
     """
     graph = {
         name: sorted(set(expression.names) & set(relations))
@@ -321,5 +321,5 @@ def is_unit(name: str) -> bool:
 
 
 def used_names(expressions: Iterable[Expression]) -> set[str]:
-    """Return all quantities that some expressions use."""
+    """Return all quantities used in some expressions."""
     return {name for expression in expressions for name in expression.names}

@@ -1,4 +1,4 @@
-"""From factor values to throws: relations, constraints, and what can be built."""
+"""From factor values to throws: relations, constraints, and whether they can be built."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -38,7 +38,7 @@ from regression.plans.relations import (
 
 @dataclass(frozen=True)
 class Variant:
-    """A throw made of factor values, as its record; or None and the reason why there is none."""
+    """A throw from factor values, as its record; or None and the reason why there is none."""
 
     throw: dict[str, Any] | None
     reason: str = ""
@@ -46,7 +46,7 @@ class Variant:
 
 @dataclass(frozen=True)
 class Variants:
-    """The throws that a study's factors, relations and constraints make of a base throw.
+    """The throws that follow from a study's factors, relations, constraints and base throw.
 
     Attributes
     ----------
@@ -56,9 +56,9 @@ class Variants:
     fields : mapping
         Path to the fields that can vary.
     units : mapping
-        SI units of all quantities that expressions may use.
+        SI units of all quantities allowed in expressions.
     relations : mapping
-        Path to expression, in the order in which they are calculated.
+        Path to expression, in the order of calculation.
     constraints : tuple of Constraint
     """
 
@@ -143,7 +143,7 @@ class Variants:
         )
 
     def keep_constraints(self, values: NDArray[np.float64]) -> NDArray[np.bool_]:
-        """Tell which factor values (n, k) keep the constraints, whether throws can be built or not."""
+        """Return which factor values (n, k) meet the constraints, whether throws can be built or not."""
         known = self._quantities(values)
         kept = np.ones(len(values), dtype=bool)
         for path, expression in self.relations.items():

@@ -1,4 +1,4 @@
-"""An axis that a study's factor runs along, and what a response is called on the other."""
+"""An axis for a study's factor, and the label of a response on the other."""
 
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
@@ -30,7 +30,7 @@ def sweep(lowest: float, highest: float, labels: Sequence[str]) -> Array:
 
 
 def label_factor_axis(axes: "Axes", name: str, unit: str, labels: Sequence[str]) -> None:
-    """Name the lying axis after a factor, with its unit; for a choice with its labels."""
+    """Label the horizontal axis with a factor and its unit; for a choice with its labels."""
     if labels:
         axes.set_xticks(range(len(labels)), list(labels), fontsize=8)
         axes.set_xlim(-0.5, len(labels) - 0.5)

@@ -1,4 +1,4 @@
-"""Published formulas as bars beside finite elements."""
+"""Published formulas as bars, with finite elements as a line."""
 
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any

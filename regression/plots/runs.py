@@ -1,4 +1,4 @@
-"""Designs of a study as dots: those that equations were fitted to, and those held out to judge them."""
+"""Designs of a study as dots: fitted and held-out ones."""
 
 from typing import TYPE_CHECKING
 
@@ -39,7 +39,7 @@ def draw_errors(axes: "Axes", x: Array, errors: Array, held_out: Mask) -> None:
 
 
 def draw_section(axes: "Axes", x: Array, y: Array, on_line: Mask) -> None:
-    """Draw finite element results on a section's line filled, those moved to it open."""
+    """Draw finite element results on a section's line filled, those shifted to it open."""
     for those, filling, alpha, label in (
         (~on_line, "none", 0.45, "others, moved to this line"),
         (on_line, ORANGE, 1.0, "finite elements"),

@@ -1,7 +1,7 @@
-"""Claims on designs: of several programs that work on one store, one alone computes a design.
+"""Claims on designs: of several programs that use one store, only one computes a design.
 
-A claim is a lock on one byte of a file beside the store. The system drops it with the program that holds it,
-however that ends. Where the system has no such locks, as on Windows, every claim is granted.
+A claim is a lock on one byte of a file next to the store. The system releases it with the program that holds
+it, however that ends. Without such locks, as on Windows, every claim is granted.
 """
 
 import contextlib
@@ -54,7 +54,7 @@ class Claims:
             fcntl.lockf(self._file, fcntl.LOCK_UN, 1, _place(key))
 
     def alone(self) -> bool:
-        """Keep other programs out of the store; False if there is one."""
+        """Keep other programs away from the store; False if there is one."""
         return self._locked(IN_USE)
 
     def _locked(self, place: int) -> bool:

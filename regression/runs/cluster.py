@@ -1,7 +1,7 @@
 """A study on a Dask cluster: one design at a time for each of its workers.
 
-The coordinator hands the designs out itself. Dask would give a design whose worker is gone to the next
-worker, and the next, and a result that is still held could be computed again with its lost worker:
+The coordinator assigns the designs itself. Dask would give a design whose worker is lost to the next
+worker, and the next, and a stored result could be computed again with its lost worker:
 so each task is bound to its worker, attempts are counted here, and a result is stored, then released.
 On the worker's machine the design runs in the same supervised process as it would locally.
 """
@@ -34,17 +34,17 @@ Note = Callable[[str], None]
 
 
 class TaskLostError(Exception):
-    """A design's worker is gone, or its result is; the text says which."""
+    """A design's worker is lost, or its result is; the text states which."""
 
 
 class Task(Protocol):
-    """A design under way on a cluster."""
+    """A design in progress on a cluster."""
 
     def done(self) -> bool:
-        """Whether there is something to fetch."""
+        """Whether a result can be fetched."""
 
     def result(self) -> dict[str, Any]:
-        """Fetch what `compute_design` returned.
+        """Fetch the result of `compute_design`.
 
         Raises
         ------
@@ -53,14 +53,14 @@ class Task(Protocol):
         """
 
     def release(self) -> None:
-        """Let the cluster forget it, finished or not."""
+        """Release it on the cluster, finished or not."""
 
 
 class Cluster(Protocol):
     """Machines that compute designs."""
 
     def places(self) -> Mapping[str, bool]:
-        """List the workers that are there now, and whether each takes designs.
+        """List the present workers, and whether each accepts designs.
 
         Raises
         ------
@@ -69,15 +69,15 @@ class Cluster(Protocol):
         """
 
     def submit(self, place: str, request: Mapping[str, Any], limits: Limits) -> Task:
-        """Give a design to a worker."""
+        """Assign a design to a worker."""
 
     def wait(self, seconds: float) -> None:
-        """Wait until a task may be done, at most so long."""
+        """Wait until a task may be done, up to a time."""
 
 
 @cache
 def identity() -> dict[str, Any]:
-    """What must be equal on coordinator and worker, and what should."""
+    """Versions that must be equal on coordinator and worker, and those that should."""
     return {
         "model_version": MODEL_VERSION,
         "crankfem": _version("crankfem"),
@@ -95,7 +95,7 @@ def _version(package: str) -> str:
 def compute_design(
     run: str, request: Mapping[str, Any], limits: Limits, coordinator: Mapping[str, Any]
 ) -> dict[str, Any]:
-    """Compute a design on a worker's machine; `ProcessPool.compute` says what is returned.
+    """Compute a design on a worker's machine; see `ProcessPool.compute` for the result.
 
     A worker of another model version, or release, computes nothing and returns its identity alone.
     """
@@ -106,13 +106,13 @@ def compute_design(
 
 
 async def end_run(run: str) -> None:
-    """End on a worker's machine what is under way for a run that was stopped."""
+    """End the calculations of a stopped run on a worker's machine."""
     shared_process_pool().end_run(run)
 
 
 @dataclass
 class _RunningDesign:
-    """A design under way: its key, its task, and when it was given."""
+    """A design in progress: its key, its task, and its start time."""
 
     key: str
     task: Task
@@ -120,7 +120,7 @@ class _RunningDesign:
 
 
 class _Dispatch:
-    """The designs of one run on a cluster, handed out and collected."""
+    """The designs of one run on a cluster, assigned and collected."""
 
     def __init__(self, work: WorkQueue, cluster: Cluster, limits: Limits, note: Note) -> None:
         self.work, self.cluster, self.limits, self.note = work, cluster, limits, note
@@ -228,14 +228,14 @@ def run_on_cluster(
     Parameters
     ----------
     designs : iterable of (key, inputs)
-        What to compute.
+        Designs to compute.
     on_outcome : callable
         Called in this process with each outcome as it arrives.
     cluster : Cluster
     limits : Limits
-        What one design may take on its worker.
+        Limits of one design on its worker.
     note : callable
-        Told what the user should know meanwhile, such as that there are no workers.
+        Called with notes for the user, such as that there are no workers.
     claim : callable, optional
         As for `WorkQueue`.
 

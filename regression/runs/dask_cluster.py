@@ -26,10 +26,10 @@ ADDRESS = re.compile(
 
 
 class _DaskTask:
-    """A design under way as a future of Dask, whose result is fetched in a thread of its own.
+    """A design in progress as a future of Dask, whose result is fetched in a separate thread.
 
-    Dask may say that a result is there when it has just been lost with its worker, and then wait for it:
-    nothing but that thread waits.
+    Dask may report a result just when it has been lost with its worker, and then wait for it:
+    only that thread waits.
     """
 
     def __init__(self, place: str, future: Any, fetchers: Executor, fetched: Callable[[], None]):
@@ -109,7 +109,7 @@ class DaskCluster:
     Raises
     ------
     InputError
-        If this is no address, or no scheduler answers there.
+        If this is not an address, or no scheduler responds there.
     MissingLibraryError
         If the package distributed is not installed.
     """
@@ -145,7 +145,7 @@ class DaskCluster:
             ) from None
 
     def places(self) -> dict[str, bool]:
-        """List the addresses of the workers, and whether each takes designs."""
+        """List the addresses of the workers, and whether each accepts designs."""
         try:
             workers = self._client.scheduler_info(n_workers=-1)["workers"]
         except Exception:  # whatever Dask says when it loses its scheduler
@@ -155,7 +155,7 @@ class DaskCluster:
         return {address: about["status"] == "running" for address, about in workers.items()}
 
     def submit(self, place: str, request: Mapping[str, Any], limits: Limits) -> Task:
-        """Give a design to a worker."""
+        """Assign a design to a worker."""
         self._tasks += 1
         future = self._client.submit(
             compute_design,
@@ -172,12 +172,12 @@ class DaskCluster:
         return _DaskTask(place, future, self._fetchers, self._wake.set)
 
     def wait(self, seconds: float) -> None:
-        """Wait until a task may be done, at most so long."""
+        """Wait until a task may be done, up to a time."""
         self._wake.wait(seconds)
         self._wake.clear()
 
     def close(self) -> None:
-        """Leave the cluster; designs still under way there for this run are ended."""
+        """Leave the cluster; designs in progress for this run are ended."""
         with contextlib.suppress(Exception):  # the scheduler may be gone
             if self._client.status == "running":
                 self._client.run(end_run, self.run, wait=False, on_error="ignore")

@@ -37,7 +37,7 @@ def read_rows(path: Path, plan: StudyPlan, *, alone: bool = False) -> tuple[Extr
         default), source, status and model_version. Dimensions that have no column are the study's.
     plan : StudyPlan
     alone : bool
-        Whether equations are fitted without results that the study computes. Then lines that are fitted
+        Whether equations are fitted without results computed by the study. Then lines that are fitted
         or held out need not have all responses of the study, only all the same ones.
 
     Raises
@@ -79,7 +79,7 @@ class _RowReader:
         self._whose = "the study" if needed is None else "the table"
 
     def row(self, number: int, columns: list[Column], cells: list[str]) -> ExtraRow | None:
-        """Read one line; None if it tells of a design without a result."""
+        """Read one line; None for a design without a result."""
         line = f"{self._file}, line {number}"
         given: dict[str, dict[str, Any]] = {
             kind: {} for kind in ("about", "ignored", "field", "factor", "response", "error")
@@ -124,7 +124,7 @@ class _RowReader:
         )
 
     def _values(self, given: Mapping[str, Any]) -> tuple[float, ...] | None:
-        """Values of the study's factors; None unless all are given, and every choice is one of its own."""
+        """Values of the study's factors; None unless all are given, with known labels."""
         if not all(name in given for name in self._plan.names):
             return None
         if any(f.labels and given[f.name] not in f.labels for f in self._plan.factors):
@@ -134,7 +134,7 @@ class _RowReader:
     def _measured_throw(
         self, line: str, values: tuple[float, ...] | None, fields: Mapping[str, Any]
     ) -> dict[str, Any]:
-        """The study's throw, with the dimensions that the line gives and what follows from them."""
+        """The study's throw, with the dimensions of the line and those that follow from them."""
         base: Mapping[str, Any] = self._plan.throw.model_dump(mode="json")
         if values is not None:
             base = self._variants_of(fields).at(np.array([values]))[0].throw or base
@@ -144,13 +144,13 @@ class _RowReader:
             raise InputError(f"{line}: {error}") from None
 
     def _variants_of(self, fields: Mapping[str, Any]) -> Variants:
-        """What makes throws if the line's dimensions take the place of the study's."""
+        """The function that makes throws with the line's dimensions instead of the study's."""
         return replace(self._variants, record=changed_record(self._variants.record, fields))
 
     def _check_ratios(
         self, given: Mapping[str, Mapping[str, Any]], headers: Mapping[str, str]
     ) -> None:
-        """Refuse a ratio beside a dimension that follows from it and has another value."""
+        """Refuse a ratio together with a dimension that follows from it and has another value."""
         record = self._variants_of(given["field"]).record
         for path, relation in self._variants.relations.items():
             ratios = [name for name in relation.names if name not in self._variants.fields]
@@ -182,7 +182,7 @@ class _RowReader:
         given: Mapping[str, Mapping[str, Any]],
         headers: Mapping[str, str],
     ) -> dict[str, Any]:
-        """The throw that the study makes of the line's factors; the rest must agree with it."""
+        """The throw of the study with the line's factors; other values must agree with it."""
         for factor in self._plan.factors:
             self._check_range(factor, given, headers)
         if values is None:

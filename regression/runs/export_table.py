@@ -1,4 +1,4 @@
-"""Write a study's rows to a table that other programs read: CSV or Parquet."""
+"""Write a study's rows as a table for other programs: CSV or Parquet."""
 
 import csv
 from collections.abc import Callable, Sequence
@@ -35,7 +35,7 @@ class Column:
 
 
 def columns(table: StudyTable) -> tuple[Column, ...]:
-    """List what a table says of each row: role, factors, dimensions, responses, errors, reason."""
+    """List the columns of each row: role, factors, dimensions, responses, errors, reason."""
     rows = table.rows
     factors = [
         (place, factor)
@@ -88,7 +88,7 @@ def check_export(path: Path) -> None:
     ------
     InputError
     MissingLibraryError
-        If Parquet is asked for without the package for it.
+        If Parquet is requested without the required package.
     """
     if path.suffix not in FORMATS:
         raise InputError(f"export: given {str(path)!r}; allowed are {' and '.join(FORMATS)} files.")
@@ -99,7 +99,7 @@ def check_export(path: Path) -> None:
 
 
 def export_table(table: StudyTable, path: str | Path) -> int:
-    """Write all rows of a study, those without a result too, and return their number.
+    """Write all rows of a study, including those without a result, and return their number.
 
     Parameters
     ----------

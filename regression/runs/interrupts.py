@@ -1,4 +1,4 @@
-"""Keep an interrupt (Ctrl-C) out of the moment between the arrival of a result and its being on disk."""
+"""Delay an interrupt (Ctrl-C) between the arrival of a result and its storage on disk."""
 
 import signal
 import threading
@@ -8,16 +8,16 @@ from types import FrameType
 
 
 def interrupts_ignored() -> bool:
-    """Whether Ctrl-C does nothing here, as under nohup and in jobs that a shell runs in the background."""
+    """Whether Ctrl-C is ignored, as under nohup and in background jobs of a shell."""
     return signal.getsignal(signal.SIGINT) is signal.SIG_IGN
 
 
 @contextmanager
 def interrupts_deferred() -> Iterator[None]:
-    """Let an interrupt wait until the block is done.
+    """Delay an interrupt until the block is done.
 
-    What else handles interrupts then, or ignores them, does so at its end. On any thread but the main
-    one nothing is done, for interrupts reach the main one alone.
+    Other handlers of interrupts are called at its end. On any thread but the main
+    one this has no effect, since interrupts reach only the main thread.
     """
     handler = signal.getsignal(signal.SIGINT)
     if handler is None or threading.current_thread() is not threading.main_thread():

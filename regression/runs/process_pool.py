@@ -30,7 +30,7 @@ class ProcessPool:
         Parameters
         ----------
         run : str
-            Name of the run that asks, for `end_run`.
+            Name of the requesting run, for `end_run`.
         request : mapping
             As the worker process takes it.
         limits : Limits
@@ -53,7 +53,7 @@ class ProcessPool:
         return {"worker": process.name, "answer": answer}
 
     def end_run(self, run: str) -> None:
-        """End what is under way for a run that was stopped, and what still comes of it."""
+        """End the calculations of a stopped run, including later ones."""
         with self._lock:
             self._ended.add(run)
             for process, owner in self._busy.items():
@@ -61,7 +61,7 @@ class ProcessPool:
                     process.kill()
 
     def close(self) -> None:
-        """End the processes that wait."""
+        """End the idle processes."""
         with self._lock:
             idle, self._idle = self._idle, []
         for process in idle:
@@ -103,5 +103,5 @@ def _pool_of_process(_owner: int) -> ProcessPool:
 
 
 def shared_process_pool() -> ProcessPool:
-    """Return the pool that all threads of this process share; a forked child gets one of its own."""
+    """Return the pool common to all threads of this process; a forked child gets its own."""
     return _pool_of_process(os.getpid())

@@ -1,4 +1,4 @@
-"""The designs by which a store knows a study: those of its plan, and those that were added to it."""
+"""The designs of a study in a store: those of its plan, and those added to it."""
 
 from collections.abc import Mapping
 from dataclasses import replace
@@ -15,7 +15,7 @@ from regression.runs.store_results import factor_value
 
 
 def add_runs(plan: StudyPlan, store: str | Path, values: NDArray[np.float64]) -> None:
-    """Add runs to those of a study that the store knows; the next run computes them.
+    """Add runs to those of a study in the store; the next run computes them.
 
     Parameters
     ----------
@@ -78,7 +78,7 @@ def _as_listed(
 
 
 def register_designs(results: ResultStore, plan: StudyPlan, planned: PlannedStudy) -> None:
-    """Write down which designs the study has."""
+    """Record the designs of a study."""
     own = [_as_listed(plan, design) for design in planned.designs if not design.added]
     results.register_study(plan.key, plan.as_record(), own)
 
@@ -96,7 +96,7 @@ def is_list_sound(results: ResultStore, plan: StudyPlan) -> bool:
 
 
 def registered_designs(results: ResultStore, plan: StudyPlan) -> PlannedStudy:
-    """Return a study with the designs under which its store knows it.
+    """Return a study with its designs as stored.
 
     They are those of the plan and those added to it, unless a later release of numpy or scipy draws
     other points.

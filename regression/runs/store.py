@@ -1,4 +1,4 @@
-"""The result store: one SQLite file, one row per finished design, safe against sudden death.
+"""The result store: one SQLite file, one row per finished design, safe against crashes.
 
 Only the coordinator writes. A design's key is a hash of everything its result depends on, so a
 design that is finished is never computed again, in this study or another.
@@ -46,24 +46,24 @@ class ResultStore:
     Parameters
     ----------
     path : path
-        The file; made if missing, in a folder that there is. A file of an earlier release is brought
+        The file; created if missing, in an existing folder. A file of an earlier release is brought
         up to date: its rows stay, and no study of this release uses results of another model version.
-        Rows of releases without checksums get one then, for what stands in them, if they can be read;
-        opened to be read only, they are believed without.
+        Rows of releases without checksums then get one for their content, if it can be read;
+        in read-only mode they are accepted without.
     readonly : bool
-        Open an existing store and leave it as it is.
+        Open an existing store without changing it.
 
     Attributes
     ----------
     version : int
         Of the layout of its tables.
     damaged : dict of str to str
-        Rows that were left out in reading, by design key or place, and what is wrong with each.
+        Rows skipped while reading, by design key or position, and their faults.
 
     Raises
     ------
     InputError
-        If the file is no such store, or of a later release, or lacks a table.
+        If the file is not such a store, or of a later release, or lacks a table.
     StudyStoppedError
         If the file, here or in any later call, cannot be written: a full disk, a read-only or locked
         file. What was recorded before is kept.
@@ -140,8 +140,8 @@ class ResultStore:
     ) -> None:
         """Record a study's plan and its designs as (role, key, factor values) in order.
 
-        Designs that were recorded for it before and are not among these are no longer its own, but for
-        those that were added to it, which follow these.
+        Designs recorded for it before and not among these no longer belong to it, except
+        those added to it, which follow these.
         """
         with self._writing() as connection:
             added = connection.execute(
@@ -178,10 +178,10 @@ class ResultStore:
             )
 
     def record(self, outcome: Outcome, model_version: int | None = None) -> None:
-        """Keep the outcome of one design; on disk when this returns.
+        """Store the outcome of one design; on disk on return.
 
-        It takes the place of an earlier one, but no result gives way to a failure or a loss: another
-        program that works on the same store may have finished the design meanwhile.
+        It replaces an earlier one, but a failure or loss never replaces a result: another
+        program that uses the same store may have finished the design meanwhile.
 
         Parameters
         ----------
@@ -205,7 +205,7 @@ class ResultStore:
             self.damaged.pop(outcome.key, None)
 
     def outcomes(self, keys: Iterable[str]) -> dict[str, Outcome]:
-        """Return the outcomes of those designs that have one, by key."""
+        """Return the available outcomes of designs, by key."""
         with self._reading():
             found = {key: self._read(key) for key in keys}
         return {key: outcome for key, outcome in found.items() if outcome is not None}
@@ -219,7 +219,7 @@ class ResultStore:
     def _read_or_skip(
         self, place: str, read: Callable[..., Row], row: Mapping[str, Any]
     ) -> Row | None:
-        """Read a row, or skip a damaged one and keep in mind why."""
+        """Read a row, or skip a damaged one and record the reason."""
         try:
             return read(row, checked=self._checked)
         except DamagedRowError as error:
@@ -227,7 +227,7 @@ class ResultStore:
             return None
 
     def results(self) -> Iterator[tuple[str, Outcome, int | None]]:
-        """List the finished designs of all studies: (role, outcome, model version), each once, as planned."""
+        """List the finished designs of all studies: (role, outcome, model version), each once, in order."""
         with self._reading():
             rows = self._connection.execute(
                 "SELECT s.role, d.*, min(s.rowid) AS first FROM designs d "
@@ -264,7 +264,7 @@ class ResultStore:
             return {study: read_plan(text) for study, text in rows}
 
     def added_designs(self, study: str) -> tuple[dict[str, Any], ...]:
-        """Return the factor values of the runs that were added to a study, in order, but damaged ones."""
+        """Return the factor values of the runs added to a study, in order, except damaged ones."""
         with self._reading():
             rows = self._connection.execute(
                 "SELECT * FROM study_designs WHERE study = ? ORDER BY place", (study,)
@@ -275,7 +275,7 @@ class ResultStore:
     def study_designs(self, study: str) -> tuple[tuple[str, str, dict[str, Any]], ...]:
         """Return a study's designs as `register_study` was given them, in order.
 
-        Of a study of the first release, which did not keep factor values, there are none; nor of one
+        A study of the first release, which did not keep factor values, has none; nor one
         in which a row of them is damaged or missing.
         """
         with self._reading():
@@ -291,10 +291,10 @@ class ResultStore:
         return sound if len(sound) == len(rows) else ()
 
     def add_extra_rows(self, study: str, rows: Iterable[ExtraRow]) -> int:
-        """Keep rows from elsewhere beside a study; return how many of them are new.
+        """Store rows from elsewhere for a study; return how many of them are new.
 
-        A result at the same factor values as an earlier one takes its place: finite elements repeat
-        exactly. Measured rows do not: one takes the place of another if throw and values are the same.
+        A result at the same factor values replaces an earlier one: finite elements repeat
+        exactly. Measured rows do not: one replaces another if throw and values are the same.
         """
         listed = [(_extra_key(row), row) for row in rows]
         columns = (*EXTRA, CHECKSUM)
@@ -346,7 +346,7 @@ def _overwritten(columns: Iterable[str]) -> str:
 
 
 def _extra_key(row: ExtraRow) -> str:
-    """Hash what makes a row from elsewhere another one; of a computed row its place in the study."""
+    """Hash the identity of a row from elsewhere; for a computed row its factor values."""
     values = None if row.values is None else [_rounded(value) for value in row.values]
     if row.role != MEASURED:
         return content_key(["computed", values])

@@ -1,4 +1,4 @@
-"""Whether a result store is sound: its file, each of its rows, and what its studies still lack."""
+"""Check of a result store: its file, each of its rows, and missing designs of its studies."""
 
 import sqlite3
 from collections.abc import Mapping
@@ -28,9 +28,9 @@ class StudyCheck:
     study : str
         Its key.
     damaged : str
-        What of its plan or its list of designs is damaged; empty if nothing is.
+        Damage of its plan or its list of designs; empty if none.
     designs, missing : int or None
-        Designs it has, and those of them without a result; None if the plan is damaged, or of another
+        Number of its designs, and of those without a result; None if the plan is damaged, or of another
         version of the finite element model.
     """
 
@@ -42,17 +42,17 @@ class StudyCheck:
 
 @dataclass(frozen=True)
 class StoreCheck:
-    """What a check of a store found.
+    """Result of a check of a store.
 
     Attributes
     ----------
     path : Path
     file : str
-        Why the file cannot be trusted; empty if SQLite finds it sound.
+        Why the file is unreliable; empty if SQLite finds it sound.
     status : dict
         "done", "failed" and "lost" to the number of sound rows.
     damaged : dict
-        Design, or place of an imported row, to what is wrong with its row.
+        Design, or position of an imported row, to the fault of its row.
     without_checksums : bool
         Whether the store is of a release whose rows have no checksums.
     studies : tuple of StudyCheck
@@ -109,7 +109,7 @@ def check_store(path: str | Path) -> StoreCheck:
 
 
 def _file_damage(path: Path) -> str:
-    """Say why SQLite cannot trust a file; empty if it can, or cannot be opened for another reason."""
+    """State why SQLite finds a file unreliable; empty if it is sound, or not readable for another reason."""
     try:
         with closing(connect_readonly(path)) as connection:
             found = [text for (text,) in connection.execute("PRAGMA integrity_check")]

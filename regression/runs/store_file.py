@@ -1,4 +1,4 @@
-"""The file of a result store: opened if it is one, made if it can become one, refused otherwise."""
+"""The file of a result store: opened if it is one, created if possible, refused otherwise."""
 
 import os
 import sqlite3
@@ -49,7 +49,7 @@ NETWORK_FOLDERS = (
 
 
 def damaged_store(path: Path, why: str) -> InputError:
-    """Return the error that says what is wrong with a store."""
+    """Return the error that describes the fault of a store."""
     return InputError(
         f"store: given {str(path)!r}, which is damaged ({why}); allowed is a store as a study leaves it, "
         f"so run crankfem doe --repair {path}, use a copy of it, or give a new file name."
@@ -71,13 +71,13 @@ def transaction(connection: sqlite3.Connection) -> Iterator[None]:
 
 
 def error_cause(error: Exception) -> str:
-    """Say what keeps a good store from being written; empty if the error is of another kind."""
+    """State why a good store cannot be written; empty if the error is of another kind."""
     code = getattr(error, "sqlite_errorcode", None)
     return "" if code is None else CAUSES.get(code & 0xFF, "")
 
 
 def open_store(path: Path, readonly: bool) -> sqlite3.Connection:
-    """Open a store, made or brought up to date if it is to be written.
+    """Open a store, created or updated if it is to be written.
 
     Raises
     ------
@@ -150,7 +150,7 @@ def _check_ours(connection: sqlite3.Connection, path: Path, readonly: bool) -> N
 
 
 def check_place(path: Path, readonly: bool) -> None:
-    """Refuse what is no file, or cannot become one.
+    """Refuse a path that is not a file, or cannot become one.
 
     Raises
     ------
@@ -168,13 +168,13 @@ def check_place(path: Path, readonly: bool) -> None:
 
 
 def is_database(path: Path) -> bool:
-    """Whether a file is an SQLite database, of whatever program."""
+    """Whether a file is an SQLite database, of any program."""
     with path.open("rb") as file:
         return file.read(16) == b"SQLite format 3\0"
 
 
 def is_ours(path: Path) -> bool:
-    """Whether a file's header is that of a store which this release knows, whatever became of the rest."""
+    """Whether a file's header is that of a store of this release, even if the rest is damaged."""
     with path.open("rb") as file:
         header = file.read(100)
     version, mark = int.from_bytes(header[60:64]), int.from_bytes(header[68:72])
@@ -182,7 +182,7 @@ def is_ours(path: Path) -> bool:
 
 
 def _on_network(path: Path) -> bool:
-    """Whether a file lies on a folder of another machine."""
+    """Whether a file is in a network folder."""
     folder = path.absolute().resolve().parent
     mounts = {place.mountpoint: place.fstype for place in psutil.disk_partitions(all=True)}
     for place in (folder, *folder.parents):

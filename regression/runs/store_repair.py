@@ -1,4 +1,4 @@
-"""A sound result store in the place of a damaged one: every row that can still be trusted, byte for byte."""
+"""A sound result store in place of a damaged one: every row that is still valid, byte for byte."""
 
 import itertools
 import os
@@ -35,12 +35,12 @@ UNREADABLE = (sqlite3.DatabaseError, UnicodeDecodeError)
 
 @dataclass(frozen=True)
 class RebuiltStore:
-    """What was kept of a damaged store.
+    """Result of a repair.
 
     Attributes
     ----------
     original : Path
-        Where the damaged file now is.
+        Path of the damaged file.
     designs, extra_rows, studies : int
         Rows that were kept.
     """
@@ -52,7 +52,7 @@ class RebuiltStore:
 
 
 def rebuild_store(path: str | Path) -> RebuiltStore:
-    """Replace a damaged store by one with its sound rows alone; the damaged file is kept under a new name.
+    """Replace a damaged store by one with only its sound rows; the damaged file is kept under a new name.
 
     Parameters
     ----------
@@ -62,7 +62,7 @@ def rebuild_store(path: str | Path) -> RebuiltStore:
     Raises
     ------
     InputError
-        If its rows have no checksums, so that none can be trusted.
+        If its rows have no checksums, so that none can be verified.
     StudyStoppedError
         If another program works on it, or a file cannot be written.
     """
@@ -92,7 +92,7 @@ def rebuild_store(path: str | Path) -> RebuiltStore:
 
 
 def _copy_aside(file: Path) -> Path:
-    """Copy a store and its log under a name that is free."""
+    """Copy a store and its log to an unused name."""
     names = (Path(f"{file}.damaged{number or ''}") for number in itertools.count())
     free = next(name for name in names if not name.exists())
     try:
@@ -106,7 +106,7 @@ def _copy_aside(file: Path) -> Path:
 
 
 def _copy_sound_rows(old: Path, new: Path) -> dict[str, int]:
-    """Copy what can be trusted of one store into another, table by table; return numbers of rows."""
+    """Copy the valid rows of one store into another, table by table; return numbers of rows."""
     plans: dict[str, StudyPlan | None] = {}
 
     def is_study(row: Mapping[str, Any]) -> bool:

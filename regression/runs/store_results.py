@@ -1,4 +1,4 @@
-"""What another store has for a study."""
+"""Results of another store for a study."""
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
@@ -25,18 +25,18 @@ def is_in_range(factor: Factor, given: Any) -> bool:
 
 
 def factor_value(factor: Factor, given: Any) -> float:
-    """Return the value of a factor as designs have it: of a label, its place."""
+    """Return the value of a factor as in designs: for a label, its index."""
     return float(factor.labels.index(given)) if factor.labels else float(given)
 
 
 @dataclass(frozen=True)
 class StoreResults:
-    """What another store has for a study.
+    """Results of another store for a study.
 
     Attributes
     ----------
     finished : tuple of Outcome
-        Results of designs that are exactly the study's own.
+        Results of exactly the study's own designs.
     rows : tuple of ExtraRow
         Results of other designs of the same throw and material, at other values of the factors within
         the study's ranges.
@@ -50,7 +50,7 @@ class StoreResults:
 
 
 def read_store(store: ResultStore, plan: StudyPlan, keys: Iterable[str]) -> StoreResults:
-    """Find what another store has for a study.
+    """Find the results of another store for a study.
 
     Parameters
     ----------
@@ -62,7 +62,7 @@ def read_store(store: ResultStore, plan: StudyPlan, keys: Iterable[str]) -> Stor
     Raises
     ------
     InputError
-        If it has nothing.
+        If there are none.
     """
     own = set(keys)
     finished, rows, left_out = [], list(store.extra_rows(plan.key)), 0
@@ -88,7 +88,7 @@ def read_store(store: ResultStore, plan: StudyPlan, keys: Iterable[str]) -> Stor
 
 
 def _row_of(outcome: Outcome, role: str, plan: StudyPlan, source: str) -> ExtraRow | None:
-    """Make a row of another study's result, if the study could have such a design."""
+    """Make a row from another study's result, if the study could have such a design."""
     inputs: Mapping[str, Any] = outcome.inputs
     same = all(inputs.get(name) == value for name, value in plan.settings.items())
     if outcome.responses is None or not same:

@@ -1,7 +1,7 @@
-"""Rows of a result store: how they are written, and whether they still say what was written.
+"""Rows of a result store: their format, and the check of their content.
 
-Each row keeps a checksum of its content, as a model file does. A row whose checksum does not fit, or
-whose content no program of ours writes, is damaged: a study leaves it out, says so, and computes it again.
+Each row has a checksum of its content, like a model file. A row with a wrong checksum, or
+impossible content, is damaged: a study skips it, reports it, and computes it again.
 """
 
 import hashlib
@@ -44,11 +44,11 @@ LARGEST = sys.float_info.max
 
 
 class DamagedRowError(ValueError):
-    """A row does not say what was written; the message says why, in a few words."""
+    """A row is damaged; the message states how, in a few words."""
 
 
 def damaged_rows_warning(damaged: Mapping[str, str], store: object) -> str:
-    """Warn of damaged rows of a store that were left out, saying of the first what is wrong with it."""
+    """Warn of skipped damaged rows of a store, with the fault of the first."""
     place, why = next(iter(damaged.items()))
     first = f"{place}: {why}" + ("; and others" if len(damaged) > 1 else "")
     number = "1 row is" if len(damaged) == 1 else f"{len(damaged)} rows are"
@@ -61,7 +61,7 @@ def checksum(values: Sequence[object]) -> str:
 
 
 def design_values(outcome: Outcome, model_version: int | None) -> tuple[object, ...]:
-    """Return what is recorded of a design, in the order of `RECORDED`, and its checksum."""
+    """Return the recorded values of a design, in the order of `RECORDED`, and its checksum."""
     values = (
         outcome.key,
         json.dumps(outcome.inputs, sort_keys=True),
@@ -79,7 +79,7 @@ def design_values(outcome: Outcome, model_version: int | None) -> tuple[object, 
 
 
 def extra_values(study: str, key: str, row: ExtraRow) -> tuple[object, ...]:
-    """Return what is recorded of a row from elsewhere, in the order of `EXTRA`, and its checksum."""
+    """Return the recorded values of a row from elsewhere, in the order of `EXTRA`, and its checksum."""
     values = (
         study,
         key,
@@ -111,7 +111,7 @@ def read_design(row: Mapping[str, Any], *, checked: bool = True) -> Outcome:
     Raises
     ------
     DamagedRowError
-        If the row does not say what was written.
+        If the row is damaged.
     """
     responses = None if row["responses"] is None else _numbers(row["responses"], "responses")
     outcome = Outcome(
@@ -140,7 +140,7 @@ def read_design(row: Mapping[str, Any], *, checked: bool = True) -> Outcome:
 
 
 def read_extra(row: Mapping[str, Any], *, checked: bool = True) -> ExtraRow:
-    """Make a row from elsewhere of what stands in the store; else as `read_design`."""
+    """Make a row from elsewhere from its stored values; otherwise as `read_design`."""
     values = None if row["factors"] is None else _content(row["factors"], "factors", list)
     if values is not None:
         _check_numbers(dict(enumerate(values)), "factors")

@@ -1,4 +1,4 @@
-"""The tables of a result store, and how files of earlier releases become such."""
+"""The tables of a result store, and the update of files of earlier releases."""
 
 import sqlite3
 from contextlib import closing
@@ -112,12 +112,12 @@ def results_view() -> str:
 
 
 def _extract(column: str, name: str) -> str:
-    """A number out of a JSON column; nothing where it is damaged, so that other rows can be read."""
+    """A number from a JSON column; null if it is damaged, so that other rows can be read."""
     return f"json_extract(CASE WHEN json_valid(d.{column}) THEN d.{column} END, '$.{name}')"
 
 
 def missing_parts(connection: sqlite3.Connection) -> list[str]:
-    """Name the tables and columns that a file of ours lacks, which somebody took away."""
+    """Name the missing tables and columns of one of our files."""
     version, wanted = schema_version(connection), wanted_columns()
     missing = []
     for table in FIRST_TABLES if version < CHECKSUMS_SINCE else wanted:

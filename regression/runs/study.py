@@ -1,4 +1,4 @@
-"""Run a study, or go on with it; read one back; take results from elsewhere into it."""
+"""Run a study, or continue it; read one back; import results from elsewhere."""
 
 from collections.abc import Callable, Iterable, Mapping
 from contextlib import closing
@@ -80,26 +80,26 @@ def run_plan(
     memory_limit: float | None = None,
     note: Note | None = None,
 ) -> StudyTable:
-    """Compute what a study still lacks, and return all of it.
+    """Compute the missing results of a study, and return all of it.
 
     Parameters
     ----------
     plan : StudyPlan
     store : path
-        SQLite file. Finished designs found there are not computed again; each new one is on disk as
+        SQLite file. Finished designs are not computed again; each new one is on disk as
         soon as it arrives, so an interrupted study continues where it stopped.
     workers : int
         Worker processes on this machine.
     progress : callable, optional
         Called with (finished, total, newest outcome or None).
     dask : str, optional
-        Address of a Dask scheduler, whose workers then compute instead.
+        Address of a Dask scheduler, whose workers then compute.
     time_limit : float, optional
-        Seconds that one design may take before its worker is ended; 300 at 1 % accuracy by default.
+        Time limit of one design [s]; 300 at 1 % accuracy by default.
     memory_limit : float, optional
-        Bytes that a worker process may take; no limit by default.
+        Memory limit of a worker process [bytes]; none by default.
     note : callable, optional
-        Told what the user should know meanwhile.
+        Called with notes for the user.
 
     Raises
     ------
@@ -107,9 +107,9 @@ def run_plan(
         If the plan, the store, a limit, the cluster or the number of workers is unusable, or the workers
         would need more memory than is free.
     MissingLibraryError
-        If a cluster is asked for without the package for it.
+        If a cluster is used without the required package.
     StudyStoppedError
-        If the store cannot be written any more, or the cluster is gone; finished designs are kept.
+        If the store can no longer be written, or the cluster is lost; finished designs are kept.
     """
     check_workers(workers)
     limits = design_limits(plan.accuracy, time_limit, memory_limit)
@@ -196,7 +196,7 @@ def _run_on_dask(
 
 
 def _silent(_: str) -> None:
-    """Tell nobody."""
+    """Ignore a note."""
 
 
 def current_plans(store: str | Path) -> tuple[StudyPlan, ...]:
@@ -217,12 +217,12 @@ def read_study(store: str | Path, study: str | None = None) -> StudyTable:
     ----------
     store : path
     study : str, optional
-        Its key or the first characters of it; needed only if the store holds several studies.
+        Its key or the first characters of it; required only if the store has several studies.
 
     Raises
     ------
     InputError
-        If the store is missing or empty, holds results of another model version only, or holds
+        If the store is missing or empty, has results of another model version only, or has
         several studies and none is named.
     """
     with ResultStore(store, readonly=True) as results:
@@ -253,7 +253,7 @@ def read_study(store: str | Path, study: str | None = None) -> StudyTable:
 def _study_choice_text(
     results: ResultStore, study: str | None, plans: Mapping[str, Mapping[str, Any]]
 ) -> InputError:
-    """Say which studies a store holds, so that one of them can be named."""
+    """List the studies of a store, so that one of them can be named."""
     given = "none named" if study is None else f"given {study!r}"
     usable = {k: p for k, p in plans.items() if p.get("model_version") == MODEL_VERSION}
     if not usable:
@@ -273,7 +273,7 @@ def _study_choice_text(
 
 
 def _described(results: ResultStore, plan: StudyPlan) -> str:
-    """Tell a study from others in a few words."""
+    """Describe a study in a few words, to distinguish it from others."""
     roles = [role for role, _, _ in results.study_designs(plan.key)]
     factors = [
         f"{factor.name} {' or '.join(factor.labels) or factor.range_text}"
@@ -284,21 +284,21 @@ def _described(results: ResultStore, plan: StudyPlan) -> str:
 
 @dataclass(frozen=True)
 class ImportSummary:
-    """What an import brought.
+    """Result of an import.
 
     Attributes
     ----------
     designs : int
-        Designs of the study that need no computing any more.
+        Designs of the study that no longer need to be computed.
     rows : int
-        New rows beside the study's designs.
+        New rows in addition to the study's designs.
     left_out : int
         Designs of the other store that do not belong to the study.
     damaged : str
-        What of the other store is damaged and was left out; empty if nothing is.
+        Skipped damaged parts of the other store; empty if none.
     coinciding : int
-        Rows at the factor values of the study's own designs, which are computed all the same: the
-        study's results stand, and these rows are not used.
+        Rows at the factor values of the study's own designs, which are computed anyway: the
+        study's results have priority, and these rows are not used.
     """
 
     designs: int
@@ -311,7 +311,7 @@ class ImportSummary:
 def import_results(
     plan: StudyPlan, store: str | Path, file: str | Path, *, alone: bool = False
 ) -> ImportSummary:
-    """Take earlier results or measured values into a study.
+    """Import earlier results or measured values into a study.
 
     Parameters
     ----------
@@ -320,10 +320,10 @@ def import_results(
         The study's store.
     file : path
         A CSV table, or the store of another study. Designs of that store that are exactly the
-        study's own count as computed; its other designs, and the rows of a table, are kept as rows
-        of their own that never replace a result of the study.
+        study's own count as computed; its other designs, and the rows of a table, are kept as separate
+        rows that never replace a result of the study.
     alone : bool
-        Whether the study is not going to compute its designs; see `read_rows`.
+        Whether the study will not compute its designs; see `read_rows`.
 
     Returns
     -------
@@ -361,7 +361,7 @@ def import_results(
 def _coinciding(
     results: ResultStore, planned: PlannedStudy, rows: Iterable[ExtraRow], alone: bool
 ) -> int:
-    """Count the computed rows at which the study has, or unless alone will have, a result of its own."""
+    """Count the computed rows at which the study has, or without `alone` will have, its own result."""
     outcomes = results.outcomes(design.key for design in planned.designs)
     status = {key: found.status for key, found in outcomes.items()}
     others = {"failed", "lost", None} if alone else {"failed"}

@@ -1,4 +1,4 @@
-"""The results of a study as arrays: its own designs, and earlier results imported beside them."""
+"""The results of a study as arrays: its own designs, and imported results."""
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
@@ -44,7 +44,7 @@ class StudyRow:
     values : tuple of float or None
         Of the factors [SI], an index for a choice.
     dimensions, outlines : mapping
-        Numbers [SI] and words among the throw's own fields.
+        Numbers [SI] and text values of the throw's own fields.
     responses, errors : mapping
         By response name: SI value, estimated relative error.
     seconds : float
@@ -52,7 +52,7 @@ class StudyRow:
     reason : str
         Why there is no result.
     source : str
-        Where an imported row comes from; empty for the study's own.
+        Origin of an imported row; empty for the study's own.
     """
 
     role: str
@@ -80,7 +80,7 @@ class StudyTable:
         Factor values [SI] of the designs that have a result, imported ones included; for a choice the
         index of its label.
     held_out : (n,) array of bool
-        Which of them are kept out of fits.
+        Which of them are not used in fits.
     responses : dict
         Response name to (n,) array [SI].
     errors : dict
@@ -89,21 +89,21 @@ class StudyTable:
     dimensions : dict
         Numeric field of the throw to (n,) array [SI], as built.
     outlines : dict
-        Field of the throw that holds a word to its n words.
+        Text field of the throw to its n values.
     seconds : (n,) array
-        That each took; 0 for imported ones.
+        Time of each [s]; 0 for imported ones.
     failures : tuple of (role, values, reason)
         Designs without a result.
     excluded : tuple of ExcludedDesign
-        Designs that the plan left out because they cannot be built.
+        Designs that the plan excluded because they cannot be built.
     computed : int
-        Designs computed now, not taken from the store.
+        Number of designs computed now, not read from the store.
     added : int
-        Runs that were added to the plan's, with a result or without.
+        Runs added to the plan's, with or without a result.
     extra : tuple of ExtraRow
         All imported rows, the measured ones too.
     damaged : dict of str to str
-        Rows of the store that were left out, by design key or place, and what is wrong with each.
+        Skipped rows of the store, by design key or position, and their faults.
     rows : tuple of StudyRow
         Everything above row by row, in order.
     """
@@ -191,7 +191,7 @@ class StudyTable:
 
 
 def _one_of(argument: str, given: str | None, names: list[str]) -> str:
-    """Return what was given, or the first name."""
+    """Return the given name, or the first one."""
     if not names or (given is not None and given not in names):
         raise InputError(
             f"{argument}: given {given!r}; allowed are {', '.join(names) or 'none'}, because the study "
@@ -208,7 +208,7 @@ def _cells(factor: Factor, values: Array) -> tuple[Any, str]:
 
 
 def throw_dimensions(throw: Mapping[str, Any]) -> dict[str, float]:
-    """Return the numbers among a throw's own fields, by name; fields that are not given are left out.
+    """Return the numbers among a throw's own fields, by name; missing fields are left out.
 
     Parameters
     ----------
@@ -223,7 +223,7 @@ def throw_dimensions(throw: Mapping[str, Any]) -> dict[str, float]:
 
 
 def throw_outlines(throw: Mapping[str, Any]) -> dict[str, str]:
-    """Return the words among a throw's own fields, by name."""
+    """Return the text values among a throw's own fields, by name."""
     return {
         name: throw[name] for name in CrankThrow.model_fields if isinstance(throw.get(name), str)
     }
@@ -238,7 +238,7 @@ def study_table(
     computed: int = 0,
     damaged: Mapping[str, str] | None = None,
 ) -> StudyTable:
-    """Put a study's designs and the rows imported into it together.
+    """Combine a study's designs and the rows imported into it.
 
     Parameters
     ----------
@@ -247,14 +247,14 @@ def study_table(
     outcomes : mapping
         Outcomes by design key.
     extra : iterable of ExtraRow
-        A computed row at the same values as a design that has a result is left out: the study's own
-        result stands. So is one at the same values as an earlier row: the fit must not be judged by
-        what it was fitted to.
+        A computed row at the same values as a design with a result is left out: the study's own
+        result has priority. So is one at the same values as an earlier row: the fit must not be assessed
+        by data used in it.
     excluded : sequence of ExcludedDesign
     computed : int
         Designs computed now.
     damaged : mapping, optional
-        What is wrong with rows of the store that were left out, by design key or place.
+        Faults of skipped rows of the store, by design key or position.
     """
     damaged = dict(damaged or {})
     extra = tuple(extra)

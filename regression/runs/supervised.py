@@ -27,7 +27,7 @@ def design_limits(
     Parameters
     ----------
     accuracy : float
-        Of the study: a finer mesh may take longer before its worker counts as hanging.
+        Of the study: a finer mesh has a longer limit.
     time_limit : float, optional
         Seconds.
     memory_limit : float, optional
@@ -75,7 +75,7 @@ class SupervisedProcess(CallProcess):
         self.give("regression.runs.worker:answer", request)
 
     def take(self, message: Message) -> tuple[str, Any]:
-        """Return the answer to a design; it is lost, too, if the machine could not compute it."""
+        """Return the response to a design; it is lost, too, if the machine could not compute it."""
         kind, content = super().take(message)
         try:
             answer = answered(kind, content)

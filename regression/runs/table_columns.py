@@ -1,4 +1,4 @@
-"""Columns of a table of results: what each holds, and how its cells are read."""
+"""Columns of a table of results: their content, and the reading of their cells."""
 
 import csv
 import math
@@ -74,7 +74,7 @@ def read_lines(path: Path) -> list[list[str]]:
 
 
 def read_columns(file: str, headers: list[str], plan: StudyPlan) -> list[Column]:
-    """Return what the columns of a table hold, by their headers.
+    """Return the columns of a table, by their headers.
 
     Raises
     ------
@@ -139,7 +139,7 @@ def _choice(choices: tuple[str, ...]) -> Callable[[str, str], str]:
 
 
 def _reader(where: str, unit: str, given: str | None) -> Callable[[str, str], float]:
-    """Make what reads the numbers of a column in a given unit."""
+    """Make the function that reads the numbers of a column in a given unit."""
     if (given or "") == unit:
         return _number
     if given is None:
@@ -156,7 +156,7 @@ def _reader(where: str, unit: str, given: str | None) -> Callable[[str, str], fl
 
 
 def _response_reader(where: str, name: str, given: str | None) -> Callable[[str, str], float]:
-    """Make what reads a response; most are above zero by nature."""
+    """Make the function that reads a response; most are above zero by nature."""
     read = _reader(where, RESPONSES[name].unit, given)
 
     def read_positive(cell: str, place: str) -> float:

@@ -1,4 +1,4 @@
-"""The queue of designs that still wait, and how often each was tried."""
+"""The queue of waiting designs, with the number of attempts of each."""
 
 from collections import deque
 from collections.abc import Callable, Iterable, Mapping
@@ -21,7 +21,7 @@ class WorkQueue:
     ----------
     designs : iterable of (key, inputs)
     claim : callable, optional
-        Called with a key before its design is handed out; by default every design is.
+        Called with a key before its design is assigned; by default every design is.
     """
 
     def __init__(
@@ -37,7 +37,7 @@ class WorkQueue:
         return len(self._waiting)
 
     def next_request(self) -> dict[str, Any] | None:
-        """Hand out the next design as a request to a worker; None if none can be had now."""
+        """Return the next design as a request to a worker; None if none is available now."""
         for _ in range(len(self._waiting)):
             key = self._waiting.popleft()
             claimed = self._claim(key)
@@ -49,7 +49,7 @@ class WorkQueue:
         return None
 
     def outcome(self, answer: Mapping[str, Any], worker: str) -> Outcome:
-        """Make the outcome of a worker's answer."""
+        """Make the outcome from a worker's response."""
         return self._outcome(
             answer["key"],
             responses=answer.get("responses"),
@@ -61,7 +61,7 @@ class WorkQueue:
         )
 
     def lost(self, key: str, reason: str, seconds: float, worker: str) -> Outcome | None:
-        """Take back a design whose worker is lost: None if it is tried again, else its outcome."""
+        """Take back a design whose worker is lost: None if it will be tried again, else its outcome."""
         if self._tries[key] < TRIES:
             self._waiting.append(key)
             return None

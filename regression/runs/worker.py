@@ -1,4 +1,4 @@
-"""What a worker process does: it computes the responses of designs.
+"""The task of a worker process: to compute the responses of designs.
 
 `regression.runs.supervised` starts it, as a child that ends with its coordinator.
 """
@@ -46,7 +46,7 @@ def _numbers_only(numbers: dict[str, float], what: str = "") -> dict[str, float]
 
 
 def _of_the_machine(error: BaseException | None) -> bool:
-    """Whether an error says something of the machine (no memory, a full disk), not of the design."""
+    """Whether an error is due to the machine (no memory, a full disk), not to the design."""
     while error is not None:
         # Without memory a library cannot be loaded either.
         if isinstance(error, MemoryError | OSError | ImportError | NotEnoughMemoryError):
@@ -61,10 +61,10 @@ def _of_the_machine(error: BaseException | None) -> bool:
 
 
 def answer(request: dict[str, Any]) -> dict[str, Any]:
-    """Answer the request for a design.
+    """Handle the request for a design.
 
-    An answer holds ``responses``, or the ``reason`` why the design has none, or ``lost``: what kept the
-    machine from computing it, such as a full disk.
+    The result has ``responses``, or the ``reason`` why the design has none, or ``lost``: the reason why the
+    machine could not compute it, such as a full disk.
     """
     start = time.perf_counter()
     made: dict[str, Any]

@@ -24,21 +24,21 @@ def run_designs(
     Parameters
     ----------
     designs : iterable of (key, inputs)
-        What to compute.
+        Designs to compute.
     on_outcome : callable
         Called in this process with each outcome as it arrives.
     workers : int
         Number of processes.
     limits : Limits, optional
-        What one design may take before its worker is ended.
+        Limits of one design.
     claim : callable, optional
         As for `WorkQueue`: designs of other programs are waited for.
 
     Notes
     -----
-    A design whose worker dies, hangs or takes too much memory is tried once more in a fresh process,
+    A design whose worker dies, hangs or uses too much memory is tried once more in a fresh process,
     then recorded as lost, for a later run to try again. On an exception here (Ctrl-C included) all
-    workers are ended; what arrived is kept, for Ctrl-C waits while an answer is taken and stored.
+    workers are ended; results that arrived are kept, since Ctrl-C is delayed while one is stored.
     """
     limits = limits or Limits(TIME_LIMIT)
     work = WorkQueue(designs, claim)

@@ -194,6 +194,18 @@ def test_misfiring_that_fails_is_in_the_headline(results):
     assert ". With all cylinders firing: torsional stress of crankshaft" in verdict_line(results)
 
 
+def test_a_crankshaft_too_weak_is_in_the_headline(results):
+    results["strength"] = {"passed": False, "sentence": "Q = 1.06, 1.15 is required."}
+    assert headline(results) == "Not acceptable"
+    results["vibration"]["assessment"] |= {"status": "fine", "sentence": "Fine: all"}
+    assert headline(results).endswith("; the crankshaft is not strong enough by UR M53")
+    assert summary(results)["status"] == "bad"
+    assert ". Vibration: torsional stress of crankshaft" in verdict_line(results)
+    results["strength"]["passed"] = True
+    assert "UR M53" not in headline(results)
+    assert summary(results)["status"] == "fine"
+
+
 def test_a_steel_that_keeps_the_limits_of_normal_firing_is_not_said_to_keep_those_of_misfiring(
     results,
 ):

@@ -247,5 +247,9 @@ def test_difference_of_the_whole_shaft_is_told_beside_the_verdict():
     mixed = verdict("torsional", 1e-2, 1e-2, share=0.48)
     (said,) = whole_shaft_remark(ShaftComparison(None, other, mixed))
     assert "Hz is only 48 % torsional; axial mode 1 at 115.0 instead of" in said
+    (match,) = other.modes
+    two = replace(match, further_frequency=80.0, further_share=0.4)
+    (said,) = whole_shaft_remark(ShaftComparison(None, chain_verdict([two])))
+    assert said.endswith("two modes at 80.0 and 115.0 Hz instead of axial mode 1 at 105.6 Hz.")
     (said,) = whole_shaft_remark(ShaftComparison(None, verdict("axial", 1.266e-3, np.inf)))
     assert "over all speeds calculated, unbounded instead of 1266 um at 191 1/min" in said

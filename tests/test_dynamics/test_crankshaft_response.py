@@ -5,6 +5,7 @@ what both ends carry there. So it is known what every force does.
 """
 
 import math
+import sys
 from dataclasses import replace
 from types import SimpleNamespace
 
@@ -123,6 +124,30 @@ def test_coupling_makes_chains_insufficient():
     assert nothing.reasons == (
         "The whole shaft has no mode like the axial mode of the chain at 50.0 Hz.",
     )
+
+
+def test_a_mode_that_coupling_divides_is_told_by_both(monkeypatch):
+    """Equal chains with coupled springs: each mode becomes two, at sqrt(1 - c) and sqrt(1 + c) of it."""
+    monkeypatch.setattr(sys.modules[__name__], "TWIST", AXIAL * INERTIA / MASS)
+    around = replace(
+        AROUND,
+        axial_supports=(AxialSupport(3, 1.0),),
+        flywheel=EndBody(400.0, 400.0 * INERTIA / MASS),
+    )
+    throws = [spring_throw(angle, 0.3) for angle in ANGLES]
+    shaft = crankshaft_system(assemble_crankshaft(throws, around))
+    chain = axial_chain([1.0 / AXIAL] * 3, [MASS] * 3, 400.0, 3, 1.0)
+    match = matching_modes(shaft, chain, 1e4)[1]
+    own = match.chain_frequency
+    assert match.divided == tuple(
+        (close(own * math.sqrt(1.0 + sign * 0.3)), close(0.5)) for sign in (-1.0, 1.0)
+    )
+    (reason,) = chain_verdict([match]).reasons
+    assert reason == (
+        f"The whole shaft has two modes like the axial mode of the chain at {own:.1f} Hz: "
+        f"{own * math.sqrt(0.7):.1f} Hz (50 % axial) and {own * math.sqrt(1.3):.1f} Hz (50 % axial)."
+    )
+    assert matching_modes(straight(), chains()[0], 1e4)[0].divided == ()
 
 
 def test_tangential_forces_move_the_free_end_only_where_torsion_is_coupled(forces):

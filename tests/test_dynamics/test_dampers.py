@@ -108,6 +108,27 @@ def test_tuned_optima_put_both_fixed_points_level_and_the_peak_near_them(ratio, 
     assert peak(damped(1.0)) < min(peak(damped(1.0, 0.95)), peak(damped(1.0, 1.05)))
 
 
+@pytest.mark.parametrize("ratio", [0.1, 0.3])
+def test_damping_of_tuned_optima_is_the_mean_of_both_level_tangents(ratio):
+    """With y = g^2, |x|^2 = (A^2 + 4 z^2 y) / (C^2 + 4 z^2 y E^2): level where its numerator less M^2 times
+    its denominator has the slope zero; with a loss factor h^2 f^4 in the place of 4 z^2 y."""
+    viscous, rubber = tuned_optimum(ratio), rubber_optimum(ratio)
+    tuning, level = viscous.tuning**2, viscous.magnifier**2
+    step = 1e-6
+    dampings, losses = [], []
+    for sign in (-1.0, 1.0):
+        fixed = (1.0 + sign * np.sqrt(ratio / (2.0 + ratio))) / (1.0 + ratio)
+        y = fixed + np.array([-step, step])
+        ring, both = tuning - y, 1.0 - (1.0 + ratio) * y
+        undamped = ring**2 - level * ((1.0 - y) * ring - ratio * tuning * y) ** 2
+        (left,) = np.diff(undamped)
+        dampings.append(-left / (4.0 * np.diff(y - level * y * both**2)[0]))
+        losses.append(left / (tuning**2 * np.diff(level * both**2)[0]))
+    # Differences over 1e-6 leave 1e-8 of the slopes.
+    assert np.mean(dampings) == close(viscous.damping_ratio**2, rel=1e-6)
+    assert np.mean(losses) == close(rubber.loss_factor**2, rel=1e-6)
+
+
 def test_a_mode_acts_as_one_inertia():
     # Two equal inertias on a wall: modal inertia and shape by hand.
     chain = Chain([1.0, 1.0], [1.0], {0: 1.0})

@@ -2,6 +2,8 @@ import math
 
 import numpy as np
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
 
 from comparing import close
 from crankbase.errors import InputError
@@ -233,6 +235,25 @@ def test_throw_inertias_of_several_cylinders(v_four):
     assert half[0] != close(exact[0], rel=1e-4)
     given = throw_inertias(v_four, [0.5, 0.6], reciprocating="mean", throws=[0, 0, 1, 1])
     assert given.tolist() == exact.tolist()
+
+
+@settings(max_examples=20, deadline=None)
+@given(st.floats(0.05, 0.4), st.floats(0.1, 0.6), st.floats(0.5, 1.0))
+def test_mean_inertia_of_a_throw_is_its_series_in_the_crank_ratio(ratio, along, share):
+    """The next terms have lambda^4, times the moving masses and the inertia that two masses lack."""
+    radius, piston, mass = 0.12, 12.0, 8.0
+    length = radius / ratio
+    near, far = along * length, (1.0 - along) * length
+    inertia = share * mass * near * far
+    rod = ConnectingRod(length, mass, near, inertia)
+    engine = EngineLayout(radius, [EngineCylinder(0.2, piston, rod)], [1], strokes=2)
+    moving = piston + mass * along
+    (half,) = throw_inertias(engine, [1.5])
+    (mean,) = throw_inertias(engine, [1.5], reciprocating="mean")
+    assert half == close(1.5 + (mass * (1.0 - along) + moving / 2.0) * radius**2)
+    series = half + ratio**2 * (moving * radius**2 / 8.0 + (inertia - mass * near * far) / 2.0)
+    beyond = (piston + mass) * radius**2 + mass * near * far / 4.0
+    assert mean == close(series, abs=beyond * ratio**4)
 
 
 def test_unusable_throw_inertias_are_refused(v_four):

@@ -123,6 +123,18 @@ def test_the_piston_acceleration_in_closed_form():
     )
 
 
+@settings(max_examples=20, deadline=None)
+@given(st.floats(0.05, 0.4))
+def test_orders_of_the_piston_acceleration_are_the_binomial_series(ratio):
+    """-R (cos a + A_2 cos 2a + A_4 cos 4a ...); the next terms are below 0.15 lambda^7."""
+    angles = np.arange(64) * math.pi / 32.0
+    found = SliderCrank(1.0, 1.0 / ratio).piston(angle_deg=np.degrees(angles)).second.real
+    second, fourth = (-2.0 * np.mean(found * np.cos(k * angles)) for k in (2, 4))
+    room = 0.15 * ratio**7 / (1.0 - ratio**2) ** 2 + 1e-14
+    assert second == close(ratio + ratio**3 / 4.0 + 15.0 * ratio**5 / 128.0, abs=room)
+    assert fourth == close(-(ratio**3 / 4.0 + 3.0 * ratio**5 / 16.0), abs=room)
+
+
 def test_with_a_rod_without_end_the_piston_moves_as_a_cosine():
     # What is left is lambda = 1e-6 of the crank radius.
     drive = SliderCrank(0.07, 0.07e6)

@@ -30,6 +30,14 @@ def test_bores_make_every_formula_softer_by_what_they_take(dimensions, formulas)
         assert plain[name].value < value.value < 4.0 / 3.0 * plain[name].value
 
 
+@pytest.mark.parametrize(("formulas", "power"), [(axial_formulas, 1), (torsional_formulas, 3)])
+def test_every_formula_keeps_its_dimensionless_value_at_another_size(dimensions, formulas, power):
+    """e E D and e_t E D^3 do not change with the size."""
+    larger = formulas(CrankThrow(**{name: 1.7 * value for name, value in dimensions.items()}))
+    for name, value in formulas(CrankThrow(**dimensions)).items():
+        assert larger[name].value * 1.7**power == close(value.value, rel=1e-12)
+
+
 def test_what_a_formula_does_not_know_is_said(dimensions):
     several = CrankThrow(**dimensions, further_pins=(FurtherPin(angle=math.pi),))
     for formulas in (axial_formulas, torsional_formulas):

@@ -119,6 +119,13 @@ def test_printed_form_in_three_readings():
     assert in_mm.max() < 0.0  # no compliance
     in_cm = printed(1e2 * x)
     centered = printed(1e3 * (x - [0.300, 0.068, 0.139]))
+    coded = printed((x - [0.300, 0.068, 0.139]) / [0.030, 0.030, 0.019])
+    # The ranges that the documentation states, in 1e-10 m/N.
+    for reading, lowest, highest in (
+        (in_mm, -15.7, -9.5), (in_cm, 3.9, 4.5), (centered, 3.0, 9.2), (coded, 6.0, 6.2)
+    ):  # fmt: skip
+        assert 1e10 * reading.min() == close(lowest, abs=0.06)
+        assert 1e10 * reading.max() == close(highest, abs=0.06)
     for reading in (in_cm, centered):
         assert np.all(reading < 0.94e-9)
         assert np.max(np.abs(reading / y - 1.0)) > 0.6

@@ -1,4 +1,4 @@
-"""Diagrams of an elastic hinge: its moment, its guides, and the speed over a turn."""
+"""Diagrams of an elastic hinge: its moment, its guides, and the speed over a revolution."""
 
 from pathlib import Path
 
@@ -14,7 +14,7 @@ SURFACE = "hinge_surface.svg"
 
 
 def plot_hinge(folder: Path, run: HingeRun) -> list[Path]:
-    """Write all diagrams into a folder, which is made if it is not there.
+    """Write all diagrams into a folder, which is created if necessary.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""Results of an elastic hinge as plain JSON content, and as a table over the turn."""
+"""Results of an elastic hinge as plain JSON content, and as a table over the revolution."""
 
 import numpy as np
 
@@ -48,7 +48,7 @@ def hinge_record(run: HingeRun) -> Record:
 
 
 def profile_record(profile: HingeProfile) -> Record:
-    """Return what can be said of guides."""
+    """Return the properties of guides."""
     return {
         "smallest_radius": float(profile.radius.min()),
         "largest_radius": float(profile.radius.max()),
@@ -118,7 +118,7 @@ def _other_record(other: OtherSpeed) -> Record:
 
 
 def hinge_columns(run: HingeRun) -> dict[str, FloatArray]:
-    """Return forces, moments, guides and speeds over the turn, by name with unit."""
+    """Return forces, moments, guides and speeds over the revolution, by name with unit."""
     moment, profile = run.moment, run.profile
     surface = run.surface
     guides = {} if surface is None else {"guide_x_m": surface.real, "guide_y_m": surface.imag}
@@ -142,5 +142,5 @@ def hinge_columns(run: HingeRun) -> dict[str, FloatArray]:
 
 
 def _at(turn: SpeedOverAngle, angles: FloatArray) -> FloatArray:
-    """Return the speed at angles, those of the integration lying close enough for straight lines."""
+    """Return the speed at angles, by linear interpolation between the steps of the integration."""
     return np.interp(angles, np.radians(turn.angle_deg), turn.speed)

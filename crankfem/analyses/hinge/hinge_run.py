@@ -1,4 +1,4 @@
-"""What is calculated of an elastic hinge: guides, evenness of the speed, other running points."""
+"""Calculation of an elastic hinge: guides, speed fluctuation, other operating points."""
 
 import math
 from dataclasses import dataclass
@@ -30,7 +30,7 @@ SHOWN: tuple[Shown, ...] = ("moment", "gas force", "speed", "guides")
 
 @dataclass(frozen=True, eq=False)
 class OtherSpeed:
-    """Another running point with the guides as they are.
+    """Another operating point with the same guides.
 
     Parameters
     ----------
@@ -57,24 +57,24 @@ class HingeRun:
     ----------
     file : HingeFile
     moment : HingeMoment
-        For which the guides are made, by the kinematics asked for.
+        For which the guides are designed, with the requested kinematics.
     point : HingeMoment
-        The same running point by exact kinematics, in which the crank is let turn.
+        The same operating point with exact kinematics, for the free rotation of the crank.
     profile : HingeProfile
     with_hinge, without : SpeedOverAngle
-        A turn integrated from the top dead center: with the hinge at the mean speed, without it
+        A revolution integrated from the top dead center: with the hinge at the mean speed, without it
         from the same speed at the top.
     refused : str or None
-        Why the crank does not turn at the mean speed without the hinge, if it does not.
+        Why the crank does not rotate at the mean speed without the hinge, if it does not.
     flywheel : float
         Inertia that reaches the compared fluctuation without the hinge [kg m^2].
     flywheel_turn : SteadyHingeTurn
     others : tuple of OtherSpeed
     compared : list of (GasSpring, float, HingeProfile or str)
-        Other springs: start radius, and guides or why there are none.
+        Other springs: initial radius, and guides or the reason why there are none.
     deviations : dict
-        Largest difference of M_h to that of exact kinematics, by the largest M_h, of each other
-        kinematics.
+        Largest difference of M_h from that of exact kinematics, relative to the largest M_h, for each of the
+        other kinematics.
     """
 
     file: HingeFile
@@ -92,10 +92,10 @@ class HingeRun:
 
     @property
     def surface(self) -> ComplexArray | None:
-        """What rollers of the file's radius run on, x + i y [m]; see `HingeProfile.guide`.
+        """The surface for rollers of the file's radius, x + i y [m]; see `HingeProfile.guide`.
 
-        None where the rollers have no radius, so that it is their path, or where the surface would have a
-        cusp, which the checks of the guides tell.
+        None if the rollers have no radius, so that it is their path, or if the surface would have a
+        cusp, which the checks of the guides report.
         """
         try:
             return self.profile.guide() if self.profile.roller_radius > 0.0 else None
@@ -110,8 +110,8 @@ class HingeRun:
         axes : matplotlib.axes.Axes, optional
             New ones by default.
         show : str
-            "moment" for constant speed, or "gas force", at all running points; "speed" over a turn;
-            "guides": the rollers' path, of the largest spring where several are compared.
+            "moment" for constant speed, or "gas force", at all operating points; "speed" over a revolution;
+            "guides": the rollers' path, for the largest of several springs.
 
         Returns
         -------
@@ -120,7 +120,7 @@ class HingeRun:
         Raises
         ------
         InputError
-            If `show` is none of these.
+            If `show` is unknown.
         """
         from crankfem.analyses.hinge.plots import hinge_panels
 
@@ -153,7 +153,7 @@ class HingeRun:
 
     @property
     def spring_sizes(self) -> list[tuple[float, float]]:
-        """Height of the spring and start radius of the compared guides, the largest first [m]."""
+        """Height of the spring and initial radius of the compared guides, the largest first [m]."""
         return sorted(
             {(spring.height, radius) for spring, radius, _ in self.compared}, reverse=True
         )
@@ -185,7 +185,7 @@ class HingeRun:
         return axes
 
     def to_pandas(self) -> Any:
-        """Return a table of the other running points with the guides as they are.
+        """Return a table of the other operating points with the same guides.
 
         Returns
         -------
@@ -218,14 +218,14 @@ def run_hinge(
     ----------
     file : HingeFile
     kinematics : str, optional
-        By which the guides are made.
+        Kinematics for the design of the guides.
     speed : float, optional
-        The one other running point to look at [rad/s]; all of the file unless given.
+        The one other operating point to calculate [rad/s]; by default all of the file.
 
     Raises
     ------
     InputError
-        If the guides cannot be made, or there is no running point of that speed.
+        If the guides cannot be made, or there is no operating point of that speed.
     """
     moment = file.moment(kinematics=kinematics)
     point = moment if kinematics == "exact" else file.moment()

@@ -21,7 +21,7 @@ STEP = 0.25
 
 
 def piston_names(layout: EngineLayout, cylinders: Sequence[int]) -> dict[int, str]:
-    """Return what the pistons of one crankpin are called, by the number of their cylinder."""
+    """Return the names of the pistons of one crankpin, by the number of their cylinder."""
     return {number: f"{_rod(layout, number)} rod (cylinder {number})" for number in cylinders}
 
 
@@ -61,10 +61,10 @@ def acceleration_record(layout: EngineLayout, speed: float, cylinders: Sequence[
     dict
         "pistons": for each "cylinder", its "rod" ("main" or "hinged"), the "largest" acceleration
         towards the shaft, "amplitude" [m/s^2] and "phase_deg" of "orders" a cos(k alpha - phase), alpha
-        from where the crank lies along the cylinder's own axis, and what is "left" above orders 1 and 2
-        at most [m/s^2].
-        "differences": for each hinged rod, by "cylinder", how far the piston of the main rod is ahead
-        of its own at the same alpha: "largest", "least" [m/s^2] and where, "..._deg", and
+        from the position of the crank along the cylinder's own axis, and the largest remainder "left" above
+        orders 1 and 2 [m/s^2].
+        "differences": for each hinged rod, by "cylinder", the acceleration of the main rod's piston minus
+        its own at the same alpha: "largest", "least" [m/s^2] and where, "..._deg", and
         "mean_largest", the mean of the largest accelerations of both [m/s^2].
     """
     alpha = np.radians(np.arange(0.0, 360.0, STEP))
@@ -118,7 +118,7 @@ def _difference_record(number: int, alpha: FloatArray, main: FloatArray, own: Fl
 
 
 def acceleration_table(record: Record, units: OutputUnits = SI) -> Table:
-    """Return the orders of an `acceleration_record`, and what orders 1 and 2 leave."""
+    """Return the orders of an `acceleration_record`, and the remainder above orders 1 and 2."""
     main = record["pistons"][0]
     speed = units.of("1/min").with_name(record["speed"], 6)
     rows: list[list[float | str | None]] = []
@@ -168,7 +168,7 @@ def acceleration_table(record: Record, units: OutputUnits = SI) -> Table:
 
 
 def acceleration_sentences(record: Record, units: OutputUnits = SI) -> list[str]:
-    """Say how far apart the pistons of main and hinged rods are, one sentence for each hinged rod."""
+    """State the difference between pistons of main and hinged rods, one sentence for each hinged rod."""
     main = record["pistons"][0]["cylinder"]
 
     def apart(row: Record, which: str) -> str:

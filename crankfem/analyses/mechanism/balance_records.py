@@ -31,9 +31,9 @@ def balance_record(found: Balance) -> Record:
     -------
     dict
         "speed" [rad/s], "about" [m], "model", "masses" (a record for each cylinder [kg, kg m]),
-        "rotating" (what else turns with the shaft: "static_moment" [kg m], "angle_deg", "position") and
+        "rotating" (further masses on the shaft: "static_moment" [kg m], "angle_deg", "position") and
         "orders": for each order force [N] and moment [N m] in total and by part, each as
-        `hodograph_record` gives it, whether it is balanced, and the scale of that judgment.
+        `hodograph_record` gives it, whether it is balanced, and the scale for this decision.
     """
     return {
         **attributes(found, "speed", "about", "model"),
@@ -94,7 +94,7 @@ def hinged_rods_record(effects: tuple[HingedRodEffects, ...]) -> list[Record]:
     Returns
     -------
     list of dict
-        "order", and for each case `hodograph_record` [N] with "change" against rods side by side:
+        "order", and for each case `hodograph_record` [N] with "change" from rods side by side:
         "major" and "minor" as shares, "turn_deg".
     """
     return [
@@ -152,7 +152,7 @@ def _cells(shape: Record) -> list[Cell]:
 
 
 def _cleared(shape: Record, name: str) -> float:
-    """Return a value, zero where it is round-off of the largest."""
+    """Return a value, zero if it is round-off of the largest."""
     value = float(shape[name])
     return 0.0 if value <= 1e-12 * shape["major"] else value
 

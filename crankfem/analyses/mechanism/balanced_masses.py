@@ -1,4 +1,4 @@
-"""Which masses the balance of an engine contains, as plain JSON content, and the tables made from it."""
+"""Masses included in the balance of an engine, as plain JSON content, and the tables made from it."""
 
 import cmath
 import math
@@ -19,13 +19,13 @@ PARTS = ("rods", "solid", "counterweights")
 
 
 def mechanism_balance_record(run: MechanismRun) -> Record:
-    """Return the balance of a run with what it contains.
+    """Return the balance of a run with the masses included.
 
     Returns
     -------
     dict
-        As `balance_record` gives it, with "throws": of each "throw" the static moments of "rods" (what
-        falls to the crankpins), "solid" (all of the throw), "counterweights" (that part of the solid)
+        As `balance_record` gives it, with "throws": of each "throw" the static moments of "rods" (their
+        share at the crankpins), "solid" (all of the throw), "counterweights" (that part of the solid)
         and "sum" (rods and solid), each as ["along" the first pin's crank, across it in the sense of
         rotation] [kg m]; and "without_throws": "force" [N] and "moment" [N m] of the first order
         without the throws' solids, the major axes.
@@ -76,7 +76,7 @@ def _without_round_off(moment: complex, scale: float) -> list[float]:
 
 
 def moving_mass_table(record: Record) -> Table:
-    """Return what the balance has of each cylinder."""
+    """Return the masses of each cylinder in the balance."""
     return Table(
         "Masses in the balance: pistons and rods",
         [
@@ -99,7 +99,7 @@ def moving_mass_table(record: Record) -> Table:
 
 
 def throw_mass_table(record: Record) -> Table:
-    """Return what the balance has of each throw: mass times radius along the crank, and their sum."""
+    """Return the static moments of each throw: mass times radius along the crank, and their sum."""
     return Table(
         "Masses in the balance: mass times radius at each throw, along its crank",
         [
@@ -126,7 +126,7 @@ def throw_mass_table(record: Record) -> Table:
 
 
 def balance_contents(record: Record, units: OutputUnits = SI) -> str:
-    """Say what the balance contains, and what the first order would be without the throws' solids."""
+    """State what the balance includes, and the first order without the throws' solids."""
     first = next(row for row in record["orders"] if row["order"] == 1)
 
     def both(kind: str, unit: OutputUnit) -> str:

@@ -26,7 +26,7 @@ def harmonics_record(found: Harmonics) -> Record:
 
 
 def residual_record(found: Harmonics, table: TorqueTable) -> Record:
-    """How far a table's samples are from mean and harmonics up to each order, in its unit."""
+    """Difference of a table's samples from mean and harmonics up to each order, in its unit."""
     each = found.each_at(crank_angle_deg=table.crank_angle_deg)
     residual = table.torque - found.mean - np.cumsum(each, axis=0)
     return {
@@ -36,7 +36,7 @@ def residual_record(found: Harmonics, table: TorqueTable) -> Record:
 
 
 def stars_record(stars: Sequence[Star]) -> Record:
-    """The star of each order, which lead, and which look alike."""
+    """The star of each order, the leading ones, and those of equal shape."""
     return {
         "stars": [
             {
@@ -51,7 +51,7 @@ def stars_record(stars: Sequence[Star]) -> Record:
 
 
 def seen_stars(found: Harmonics, firing_angles_deg: ArrayLike) -> tuple[Star, ...]:
-    """Return the star of each order but the one of which an even number of samples sees one phase only."""
+    """Return the star of each order except the one for which an even number of samples has one phase only."""
     blind = found.highest_order if found.samples % 2 == 0 else math.inf
     return star_diagram(
         orders=found.orders[found.orders < blind * (1.0 - 1e-9)],

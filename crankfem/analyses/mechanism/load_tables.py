@@ -72,7 +72,7 @@ def bearing_table(record: Record) -> Table:
 
 
 def rod_model_table(record: Record) -> Table | None:
-    """Return what the rod models make of it, unless the rod's data cannot tell them apart."""
+    """Return the effect of the rod models, unless the rod's data make them equal."""
     rows = record["rod_models"]
     if all(row["crankpin_beside_mean"] < ROUND_OFF for row in rows):
         return None

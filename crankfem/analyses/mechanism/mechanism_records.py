@@ -90,7 +90,7 @@ def mechanism_intervals(run: MechanismRun) -> list[float]:
 
 
 def power_record(power: EnginePower) -> Record:
-    """Return power at rated speed and full load, and whether the rated power fits it, in SI units."""
+    """Return power at rated speed and full load, and whether the rated power is consistent, in SI units."""
     names = (
         *("mean_indicated_pressure", "mean_effective_pressure", "mechanical_efficiency"),
         *("consistent", "sentence"),
@@ -112,7 +112,7 @@ Size = tuple[float, float]
 
 
 def bearing_sizes(mechanism: MechanismFile) -> tuple[list[Size], list[Size]]:
-    """Return diameter and length [m] that one rod has on the pin of each crank, and of each main bearing."""
+    """Return diameter and length [m] for one rod on the pin of each crank, and of each main bearing."""
     throws = mechanism.crank_throws
     pins = throws[0].parts.pins
     main = set(range(1, len(mechanism.throws) + 1)) - {
@@ -137,7 +137,7 @@ def bearing_sizes(mechanism: MechanismFile) -> tuple[list[Size], list[Size]]:
 
 
 def _gas_remarks(run: MechanismRun) -> list[str]:
-    """Return what is said of the pressures; what holds for some cylinders only, with their numbers."""
+    """Return the remarks on the pressures; those on some cylinders only, with their numbers."""
     whose: dict[str, list[str]] = {}
     for place, pressure in enumerate(run.pressure, start=1):
         for remark in pressure.remarks:
@@ -185,7 +185,7 @@ def _load_record(load: LoadDiagram, size: Size) -> Record:
 def force_columns(
     run: MechanismRun, compared: ModelDifference | None = None
 ) -> tuple[dict[str, FloatArray], str]:
-    """Return the forces over the shaft angle by name with unit, and what they are of.
+    """Return the forces over the shaft angle by name with unit, and a description.
 
     With accelerations of the pistons on the first crankpin that has hinged rods, and the load of the first
     crankpin by two rod models, if they are compared.

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any, Literal, get_args
 
 import numpy as np
 
-from crankbase.checks.choices import check_choice, check_not_given
+from crankbase.checks.choices import check_choice, check_kind, check_not_given
 from crankbase.checks.scalars import is_whole
 from crankbase.errors import InputError
 from crankbase.summaries import summarized
@@ -40,7 +40,7 @@ BALANCE_ORDERS = (1, 2, 4)
 
 @dataclass(frozen=True, eq=False)
 class CylinderWork:
-    """What the gas does in one cylinder.
+    """Results of the gas in one cylinder.
 
     Parameters
     ----------
@@ -115,7 +115,7 @@ class MechanismRun:
             New ones by default.
         show : str
             "torque" of the engine; "forces" and "pressure" of a cylinder; the load of a "crankpin" or
-            main "bearing"; "force balance" or "moment balance": what inertia leaves over.
+            main "bearing"; "force balance" or "moment balance": residual inertia effects.
         number : int, optional
             Of the cylinder, crankpin or bearing, from 1 at the free end, the first by default; torque
             and balance are those of the whole engine.
@@ -129,7 +129,7 @@ class MechanismRun:
         Raises
         ------
         InputError
-            If an option is none of these or of no use to what is shown, or there is no such number.
+            If an option is unknown or not applicable, or there is no such number.
         """
         check_choice("show", show, SHOWN, "these are diagrams of a mechanism")
         if show not in ("crankpin", "bearing"):
@@ -148,7 +148,7 @@ class MechanismRun:
         return loads[_place(number, len(loads), f"the {show}s")].plot(axes, frame=frame)
 
     def to_pandas(self) -> Any:
-        """Return a table of what the gas does, a row for each cylinder.
+        """Return a table of the gas results, a row for each cylinder.
 
         Returns
         -------
@@ -197,17 +197,19 @@ def run_mechanism(
     motored : bool, optional
         Motor the engine without combustion.
     masses : MassProperties or sequence of such, optional
-        Of the throw, or of each crank's throw from the free end; from their solids if not given.
+        Of the throw, or of each crank's throw from the free end; by default from their solids.
 
     Raises
     ------
     InputError
         If the file has no gas pressure, or the speed is not above zero.
     MeshError
-        If the throw's solid, whose unbalance counts, cannot be built.
+        If the throw's solid, needed for its unbalance, cannot be built.
     """
     if isinstance(mechanism, EngineFile):
         mechanism = mechanism_of(mechanism)
+    allowed = "what load_engine or load_mechanism returns"
+    check_kind("mechanism", mechanism, MechanismFile, allowed)
     if mechanism.gas is None:
         raise InputError(
             f"{mechanism.path.name}: given no section [gas]; allowed is one with peak_pressure, "
@@ -247,7 +249,7 @@ def run_mechanism(
 
 
 def _place(number: int | None, count: int, what: str) -> int:
-    """Return a place from 0 of a number from 1; the first if none is given."""
+    """Return an index from 0 for a number from 1; the first by default."""
     if number is None:
         return 0
     if not is_whole(number) or not 1 <= number <= count:
@@ -263,7 +265,7 @@ def _hinged_rods(layout: EngineLayout, speed: float) -> tuple[HingedRodEffects, 
 
 
 def hinged_group(layout: EngineLayout) -> tuple[int, ...]:
-    """Return the cylinders of the first crankpin with hinged rods, none if there is none."""
+    """Return the cylinders of the first crankpin with hinged rods, if any."""
     return next((group for group in pin_groups(layout) if len(group) > 1), ())
 
 

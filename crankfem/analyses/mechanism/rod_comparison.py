@@ -1,4 +1,4 @@
-"""What the models of a rod's mass do to the forces of an engine."""
+"""Effect of the models of a rod's mass on the forces of an engine."""
 
 from dataclasses import dataclass
 
@@ -15,15 +15,15 @@ from dynamics.mechanism.rod_model_names import ROD_MODELS, RodModelName
 
 @dataclass(frozen=True)
 class ModelComparison:
-    """How far a rod model's forces are from those of the rigid rod.
+    """Difference of a rod model's forces from those of the rigid rod.
 
     Parameters
     ----------
     model : str
     crankpin : float
-        Largest difference of the force on a crankpin, vector to vector, beside its mean size.
+        Largest difference of the force on a crankpin, vector to vector, relative to its mean size.
     side : float
-        Largest difference of the side force N, beside the largest N.
+        Largest difference of the side force N, relative to the largest N.
     """
 
     model: RodModelName
@@ -66,14 +66,14 @@ class ModelDifference:
     ----------
     models : tuple of two str
     first, second : LoadDiagram
-        Of the same crankpin; the first is the one that the second is held against.
+        Of the same crankpin; the second is compared with the first.
     piston_area : float
         Of the piston above the crankpin [m^2].
 
     Notes
     -----
     Yamanin, Zhukov, Baryshnikov 2018, doi 10.21821/2309-5180-2018-10-1-191-200, draw forces over the
-    piston's area, and tell the difference of momentary values.
+    piston's area, and give the difference of momentary values.
     """
 
     models: tuple[RodModelName, RodModelName]
@@ -83,9 +83,9 @@ class ModelDifference:
 
     @property
     def change(self) -> FloatArray:
-        """Size of the force by the second model less that by the first, shape (m,) [N].
+        """Size of the force by the second model minus that by the first, shape (m,) [N].
 
-        Zero where it is round-off of the largest force.
+        Zero if it is round-off of the largest force.
         """
         change = self.second.magnitude - self.first.magnitude
         return np.where(np.abs(change) < ROUND_OFF * self.first.maximum, 0.0, change)
@@ -102,7 +102,7 @@ class ModelDifference:
 
 
 def model_difference(run: MechanismRun, model: RodModelName) -> ModelDifference:
-    """Hold the load of the first crankpin by another rod model against that of a run."""
+    """Compare the load of the first crankpin by another rod model with that of a run."""
     return ModelDifference(
         (run.forces.model, model),
         run.crankpins[0],

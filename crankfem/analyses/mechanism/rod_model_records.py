@@ -1,4 +1,4 @@
-"""Two models of the rods' mass beside each other as plain JSON content, and the tables made from it."""
+"""Comparison of two models of the rods' mass as plain JSON content, and the tables made from it."""
 
 import math
 
@@ -24,8 +24,8 @@ def rod_mass_records(layout: EngineLayout) -> list[Record]:
     -------
     list of dict
         For each different rod "cylinders", and "models": "model", "at_foot", "at_piston_pin" and
-        "at_center" [kg], None where the model has no mass there, and "inertia" [kg m^2], which it
-        has beyond these masses. The foot is at the crankpin, or at the slave pin.
+        "at_center" [kg], None where the model has no mass there, and the additional "inertia" [kg m^2].
+        The foot is at the crankpin, or at the slave pin.
     """
     rods = [cylinder.rod for cylinder in layout.cylinders]
     found = []
@@ -160,7 +160,7 @@ def _differ(record: Record) -> bool:
 
 
 def model_difference_sentence(record: Record, units: OutputUnits = SI) -> str:
-    """Say how far two models are apart."""
+    """State the difference between two models."""
     first, second = record["models"]
     if not _differ(record):
         return f"Load of {record['crankpin']}: the same, to round-off, as {second} and as {first}."

@@ -1,4 +1,4 @@
-"""An engine as two masses on one shaft: where orders resonate, and what excites them."""
+"""An engine as two masses on one shaft: resonant orders and their excitation."""
 
 import math
 from dataclasses import dataclass
@@ -21,7 +21,7 @@ from dynamics.torque_table import read_torque_table
 
 @dataclass(frozen=True, eq=False)
 class TwoMassFile:
-    """What a file says of an engine as two masses.
+    """Data of an engine as two masses, from a file.
 
     Parameters
     ----------
@@ -104,7 +104,7 @@ def two_mass_run_record(file: TwoMassFile, order: float | None = None) -> Record
     ----------
     file : TwoMassFile
     order : float, optional
-        In place of the file's.
+        Replaces the file's.
 
     Returns
     -------
@@ -153,8 +153,8 @@ def _shaft_torque(
 ) -> Record:
     """Torque in the shaft by the cylinders' harmonics at rated speed, without damping.
 
-    The torque M_k on the engine's inertia J_np leaves J_MAX / (J_MAX + J_np) of it in the shaft while the
-    order is far below resonance, 1 / (1 - (k w / w_c1)^2) times as much near to it.
+    The torque M_k on the engine's inertia J_np causes J_MAX / (J_MAX + J_np) of it in the shaft while the
+    order is far below resonance, and 1 / (1 - (k w / w_c1)^2) times as much near it.
     """
     firing = np.degrees(engine.firing_angles).tolist()
     stars = seen_stars(found, firing)

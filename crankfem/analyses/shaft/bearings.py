@@ -1,4 +1,4 @@
-"""The lateral stiffness of an engine's main bearings: what the file gives, or what is assumed."""
+"""The lateral stiffness of an engine's main bearings, given or assumed."""
 
 from dataclasses import dataclass
 
@@ -21,14 +21,14 @@ STEPS = 3
 @summarized("nominal [N/m]", "lowest [N/m]", "highest [N/m]", "assumed")
 @dataclass(frozen=True)
 class BearingStiffness:
-    """Lateral stiffness of each main bearing with its housing, and the range in which it is believed.
+    """Lateral stiffness of each main bearing with its housing, and its possible range.
 
-    The journals' compliances in the chains and the whole crankshaft rest on the same value.
+    The journals' compliances in the chains and the whole crankshaft depend on the same value.
 
     Attributes
     ----------
     nominal, lowest, highest : float
-        [N/m]; the same where the file gives a stiffness without a range.
+        [N/m]; equal to the nominal value if the file gives a stiffness without a range.
     assumed : bool
         Whether the file gives none.
     """
@@ -40,9 +40,9 @@ class BearingStiffness:
 
     @property
     def sweep(self) -> NDArray[np.float64]:
-        """Seven values over the range, even in the logarithm on either side of the nominal one in the middle.
+        """Seven values over the range, with equal ratios on either side of the nominal one in the middle.
 
-        One value alone where there is no range.
+        A single value if there is no range.
         """
         if self.lowest == self.highest:
             return np.array([self.nominal])

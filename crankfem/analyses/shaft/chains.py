@@ -1,4 +1,4 @@
-"""The axial and the torsional chain of an engine file, with all that the file attaches to them."""
+"""The axial and the torsional chain of an engine file, with all bodies attached to them."""
 
 from dataclasses import replace
 
@@ -81,7 +81,7 @@ def engine_torsional_chain(
     Returns
     -------
     EngineChain
-        Of a plant whose maker gives it, that chain, whatever the throws have.
+        Of a plant whose maker gives it, that chain, for any throws.
     """
     free_end, driven, damping = engine_file.free_end, engine_file.driven, engine_file.damping
     on_each = np.bincount(engine_file.throws)
@@ -133,7 +133,7 @@ def torsional_damper(engine_file: EngineFile) -> TorsionalDamper | None:
 def magnifier_of(engine_file: EngineFile, kind: Kind) -> tuple[float | None, str]:
     """Return the magnifier of the elastic modes and its source.
 
-    Without any damping in the file it is a measured one, said to be assumed; none where cylinders or
+    Without any damping in the file this is a measured value, marked as assumed; none if cylinders or
     throws have damping of their own.
     """
     given = engine_file.damping

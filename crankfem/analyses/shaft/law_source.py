@@ -27,7 +27,7 @@ def law_values(engine_file: EngineFile, quantity: str) -> dict[CrankThrow, LawVa
     Raises
     ------
     InputError
-        If the law does not hold for one of the throws, with its name.
+        If the law does not cover one of the throws, with its name.
     """
     found: dict[CrankThrow, LawValue] = {}
     for name, throw in engine_file.named_throws.items():
@@ -41,7 +41,7 @@ def law_values(engine_file: EngineFile, quantity: str) -> dict[CrankThrow, LawVa
 
 
 def refuse_law(engine_file: EngineFile) -> None:
-    """Refuse the law as a source where it says nothing of a throw.
+    """Refuse the law as a source if it does not cover a throw.
 
     Raises
     ------

@@ -1,4 +1,4 @@
-"""What moves in each kind of vibration, and the units in which its amplitudes are read."""
+"""Motion in each kind of vibration, and the display units of its amplitudes."""
 
 from typing import Literal, NamedTuple
 
@@ -11,13 +11,13 @@ class Motion(NamedTuple):
     Attributes
     ----------
     quantity : str
-        What diagrams call it.
+        Its name in diagrams.
     si : str
         Its unit in records.
     printed : str
         Its unit among those of `crankbase.tables.output_units`.
     unit : str
-        The same as diagrams and reports write it.
+        The same as written in diagrams and reports.
     size : float
         Of that unit, in SI.
     """

@@ -1,4 +1,4 @@
-"""A fitted compliance model as the source of an engine's compliances, and what it says nothing of."""
+"""A fitted compliance model as the source of an engine's compliances, and its limits."""
 
 from crankbase.errors import InputError
 from crankfem.files.engine.engine_file import EngineFile
@@ -19,7 +19,7 @@ ELASTIC = {"youngs_modulus": "Pa", "poisson_ratio": ""}
 def throw_lookup(
     model: ComplianceModel, response: str, throw: CrankThrow, material: Material
 ) -> Lookup:
-    """Look a compliance up for a throw of an engine: only where the model knows its error.
+    """Look a compliance up for a throw of an engine, only where the model knows its error.
 
     Parameters
     ----------
@@ -31,8 +31,8 @@ def throw_lookup(
     Raises
     ------
     InputError
-        If the model lacks the response, the throw is none of its family or outside the range of the fit,
-        the material is another one, or the error leaves the band without an end.
+        If the model lacks the response, the throw is not of its family or is outside the range of the fit,
+        the material is another one, or the band is unbounded.
     """
     if response not in model.responses:
         raise InputError(f"the model has {', '.join(model.responses)} and no {response}")
@@ -78,7 +78,7 @@ def chosen_regressions(vibration: VibrationSettings) -> dict[str, str]:
 
 
 def refuse_regression(engine_file: EngineFile, model: ComplianceModel | None) -> None:
-    """Refuse a regression as a source where there is none, or where it says nothing of the throws.
+    """Refuse a regression as a source if there is none, or if it does not cover the throws.
 
     Raises
     ------

@@ -1,4 +1,4 @@
-"""The saved compliance model of an engine: named in its file, or in an option beside it."""
+"""The saved compliance model of an engine: named in its file, or given by an option."""
 
 from dataclasses import replace
 from pathlib import Path
@@ -22,7 +22,7 @@ def saved_model(engine_file: EngineFile) -> ComplianceModel | None:
     Raises
     ------
     InputError
-        If the file is not there, or is none that `ComplianceModel.load` reads.
+        If the file does not exist, or `ComplianceModel.load` cannot read it.
     """
     path = engine_file.model_path
     if path is None:
@@ -38,13 +38,13 @@ def _loaded(path: Path, field: str) -> ComplianceModel:
 
 
 def usable_model(engine_file: EngineFile, given: ComplianceModel | None) -> ComplianceModel | None:
-    """Return the model that is given, else the one that the file names; None without either.
+    """Return the model given, else the one that the file names; None without either.
 
     Raises
     ------
     InputError
         If the file's model cannot be read, or a regression is to be the source of compliances and there is
-        none, or it says nothing of the engine's throws.
+        none, or it does not cover the engine's throws.
     """
     model = saved_model(engine_file) if given is None else given
     refuse_regression(engine_file, model)
@@ -52,7 +52,7 @@ def usable_model(engine_file: EngineFile, given: ComplianceModel | None) -> Comp
 
 
 def with_model(content: TomlFile, path: Path) -> TomlFile:
-    """Return an engine file's sections with a saved model as the source of all that it holds.
+    """Return an engine file's sections with a saved model as the source of all that it contains.
 
     Parameters
     ----------
@@ -63,7 +63,7 @@ def with_model(content: TomlFile, path: Path) -> TomlFile:
     Raises
     ------
     InputError
-        If it is no model, or holds neither the axial nor the torsional compliance.
+        If it is not a model, or contains neither the axial nor the torsional compliance.
     """
     held = _loaded(path, "--model").responses
     chosen = {

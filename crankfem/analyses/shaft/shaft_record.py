@@ -1,4 +1,4 @@
-"""Compliances of throws at their places and the shaft's own balance, as plain JSON content."""
+"""Compliances of throws in the shaft and the shaft's own balance, as plain JSON content."""
 
 from collections.abc import Sequence
 
@@ -14,7 +14,7 @@ from geometry.mass import unbalance
 
 
 def shaft_record(shaft: ShaftCompliances, analyses: Sequence[ThrowAnalysis]) -> Record:
-    """Compliances of each throw at its place in the shaft, beside those of the throw alone."""
+    """Compliances of each throw in the shaft, and those of the single throw."""
     axial = np.array([own.axial_compliance("pinned") for own in analyses])
     torsional = np.array([own.torsional_compliance("pinned") for own in analyses])
     return attributes(shaft, "axial", "torsional", "influence") | {
@@ -24,7 +24,7 @@ def shaft_record(shaft: ShaftCompliances, analyses: Sequence[ThrowAnalysis]) -> 
 
 
 def shaft_balance_record(engine_file: EngineFile) -> Record:
-    """Masses and unbalance of the whole crankshaft, about the middle of its throws; no rods."""
+    """Masses and unbalance of the whole crankshaft, about the middle of its throws; without rods."""
     shaft = Crankshaft(
         engine_file.crank_throws,
         crank_angles_deg=engine_file.throw_angles_deg,

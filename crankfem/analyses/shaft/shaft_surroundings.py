@@ -1,4 +1,4 @@
-"""What stands around the throws of a whole crankshaft, as an engine file tells."""
+"""Surroundings of the throws of a whole crankshaft, from an engine file."""
 
 from dataclasses import asdict
 
@@ -38,7 +38,7 @@ def shaft_surroundings(
     surroundings : ShaftSurroundings
         Without damping of the shaft itself.
     remarks : tuple of str
-        What was assumed.
+        Assumptions.
     """
     throws, per_throw = len(engine_file.throw_angles_deg), len(engine_file.throw.parts.pins)
     each = crank_analyses(engine_file, analysis)
@@ -108,7 +108,7 @@ def _flywheel(engine_file: EngineFile) -> tuple[EndBody, Remarks]:
 
 
 def _free_end(engine_file: EngineFile) -> tuple[EndBody | None, Remarks]:
-    """The stub of the shaft as a solid cylinder, and the inertia that the file puts on it."""
+    """The stub of the shaft as a solid cylinder, and the inertia given for it."""
     given, ends = engine_file.free_end, engine_file.shaft_ends
     if given is None and ends.free_end_diameter is None:
         return None, ()

@@ -1,11 +1,11 @@
-"""How far the compliances of each source may be off: factors between which the true ones lie.
+"""Errors of the compliances of each source: factors that contain the true ones.
 
-Finite elements may be off by their estimate, either way. A regression and the law have bands. A formula is
-held against finite elements for the throws of all shipped engines (those of one pin where the engine's are
-so), each put at the cranks of the engine in question, and for the engine's own: with r the sum of the
-formula's compliances along the shaft beside that of finite elements, and f the estimated error of these,
-the true sum is (1 - f)/r to (1 + f)/r times the formula's. The least and the greatest of these are the range;
-the value itself counts as possible.
+Finite elements have their estimated error, either way. A regression and the law have bands. A formula is
+compared with finite elements for the throws of all shipped engines (those with one pin if the engine's
+have one), each at the cranks of the engine in question, and for the engine's own: with r the ratio of the
+formula's sum of compliances along the shaft to that of finite elements, and f the estimated error of these,
+the true sum is (1 - f)/r to (1 + f)/r times the formula's. The range is from the least to the greatest of
+these; it always includes the value itself.
 """
 
 import csv
@@ -73,25 +73,25 @@ def source_spread(
     shaft: ShaftCompliances,
     model: ComplianceModel | None,
 ) -> Spread:
-    """Return the range of factors on the compliances of a source in which the true ones lie.
+    """Return the range of factors on the compliances of a source that contains the true ones.
 
     Parameters
     ----------
     engine_file : EngineFile
     kind : {"axial", "torsional"}
     source : str
-        As `axial_sources` and `torsional_sources` name it; usable for this engine.
+        As named in `axial_sources` and `torsional_sources`; usable for this engine.
     analysis : ThrowAnalysis or mapping
         Of the engine's throw, or of each throw by its name.
     shaft : ShaftCompliances
-        Of the throws at their places.
+        Of the throws in the shaft.
     model : ComplianceModel or None
-        Where the source is a regression.
+        If the source is a regression.
 
     Returns
     -------
     Spread
-        Of all throws together, with what it comes from.
+        Of all throws together, with its origin.
     """
     estimates = (own.error_estimate for own in analyses_by_name(engine_file, analysis).values())
     error = max(estimates)
@@ -130,7 +130,7 @@ def source_spread(
 def _formula_spread(
     engine_file: EngineFile, kind: str, source: str, by_elements: Iterable[float], error: float
 ) -> Spread:
-    """Range of a formula: what it is beside finite elements for shipped throws, and for the engine's own."""
+    """Range of a formula: its ratio to finite elements for shipped throws, and for the engine's own."""
     throws = engine_file.crank_throws
     here = sum(_row(engine_file, kind, source, throws, engine_file.material)) / sum(by_elements)
     found = [(here, error)]
@@ -184,7 +184,7 @@ def _elements(engine_file: EngineFile, kind: str, one: AnalyzedThrow) -> list[fl
 
 @cache
 def analyzed_throws() -> tuple[AnalyzedThrow, ...]:
-    """Return the throws of the shipped engines with what finite elements gave for them."""
+    """Return the throws of the shipped engines with their compliances by finite elements."""
     text = (data_folder() / "tables" / TABLE).read_text(encoding="utf-8")
     found = []
     for row in csv.DictReader(line for line in text.splitlines() if not line.startswith("#")):

@@ -37,7 +37,7 @@ Sources = dict[str, tuple[NDArray[np.float64], str]]
 def compliances_in_shaft(
     engine_file: EngineFile, analysis: Analyses, stiffness: float | None = None
 ) -> ShaftCompliances:
-    """Find the FE compliances of each throw at its place among the engine's cranks.
+    """Find the FE compliances of each throw at its position among the engine's cranks.
 
     Parameters
     ----------
@@ -76,7 +76,7 @@ def torsional_sources(
     shaft: ShaftCompliances,
     model: ComplianceModel | None,
 ) -> Sources:
-    """Torsional compliance of each throw [rad/(N m)] by source; only the maker's where he gives the plant."""
+    """Torsional compliance of each throw [rad/(N m)] by source; only the maker's for a given plant."""
     if PLANT in engine_file.shaft_lines:
         return {GIVEN: _given_by_plant(engine_file)}
     fitted = _fitted_sources(engine_file, analysis, model, "torsional_compliance", shaft.torsional)
@@ -84,7 +84,7 @@ def torsional_sources(
 
 
 def _given_by_plant(engine_file: EngineFile) -> tuple[NDArray[np.float64], str]:
-    """Half of what lies on either side of each crank, in a plant's chain."""
+    """Half of the compliance on either side of each crank, in a plant's chain."""
     chain = engine_file.shaft_lines[PLANT]
     nodes = plant_chain(chain, np.bincount(engine_file.throws).tolist()).throw_nodes
     halves = 0.5 / chain.stiffness
@@ -128,7 +128,7 @@ def _looked_up(
     engine_file: EngineFile,
     look_up: Callable[[], Mapping[CrankThrow, Lookup | LawValue]],
 ) -> tuple[NDArray[np.float64], str]:
-    """Looked-up values of each throw in the shaft; no numbers where a throw has none."""
+    """Looked-up values of each throw in the shaft; NaN where a throw has none."""
     try:
         found = look_up()
     except InputError as error:
@@ -148,14 +148,14 @@ def neighbor_angles(throw_angles_deg: Sequence[float]) -> list[tuple[float, floa
 def axial_by_formulas(
     throws: Sequence[CrankThrow], throw_angles_deg: Sequence[float], material: Material
 ) -> Sources:
-    """Formula values of each throw [m/N]: the mean of those at the angles to either neighbor.
+    """Formula values of each throw [m/N]: the mean of those at the angles to both neighbors.
 
     Parameters
     ----------
     throws : sequence of CrankThrow
         Of the cranks, from the free end.
     throw_angles_deg : sequence of float
-        Theirs [deg].
+        Those of the cranks [deg].
     material : Material
     """
 

@@ -26,9 +26,9 @@ def modal_damping(engine_file: EngineFile, crankshaft: CrankshaftSystem) -> Floa
 
     Notes
     -----
-    Axial, torsional and bending motion bring each its damping, by the share that they have in the mode's
-    energy: axial and torsional motion that of its chain, half of 1 / magnifier or of the loss factor;
-    bending, and corrections, that of its magnifier, assumed where none is given.
+    Axial, torsional and bending motion each contribute their damping, by their share in the mode's
+    energy: axial and torsional motion that of their chains, half of 1 / magnifier or of the loss factor;
+    bending, and corrections, that of the bending magnifier, assumed by default.
     """
     rigid = crankshaft.modes.rigid
     kept = crankshaft.modes.shares[:, rigid : rigid + crankshaft.kept]
@@ -38,7 +38,7 @@ def modal_damping(engine_file: EngineFile, crankshaft: CrankshaftSystem) -> Floa
 
 
 def damping_remarks(engine_file: EngineFile) -> tuple[str, ...]:
-    """Return what damps the whole crankshaft beside bearings and dampers, in words."""
+    """Return the damping of the whole crankshaft in addition to bearings and dampers, in words."""
     axial, torsional, bending = (100.0 * ratio for ratio in _damping_ratios(engine_file))
     given = engine_file.damping
     known = given is not None and given.bending_magnifier is not None

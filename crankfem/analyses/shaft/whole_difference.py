@@ -1,4 +1,4 @@
-"""How far the whole crankshaft of an engine differs from its chains, why, and what is told of it."""
+"""Difference of an engine's whole crankshaft from its chains, its causes, and the remarks on it."""
 
 from dataclasses import replace
 
@@ -23,7 +23,7 @@ def with_differences(
     chains: tuple[EngineChain, ...],
     rigid_chains: tuple[EngineChain, ...],
 ) -> ShaftComparison:
-    """Add to a comparison what makes the first frequencies of the crankshaft itself differ.
+    """Add to a comparison the causes of the difference of the crankshaft's first frequencies.
 
     Parameters
     ----------
@@ -35,7 +35,7 @@ def with_differences(
     Returns
     -------
     ShaftComparison
-        Without a chain whose first mode the whole crankshaft has not at every step; the same where no
+        Without a chain whose first mode has no counterpart at every step; unchanged if no
         chain is compared.
     """
     if not comparison.verdicts:
@@ -56,12 +56,12 @@ def with_differences(
 
 
 def whole_shaft_remark(comparison: ShaftComparison) -> tuple[str, ...]:
-    """Remark on a verdict, which judges the chains, how far the whole crankshaft differs from them.
+    """Remark on a verdict, which is based on the chains, how the whole crankshaft differs from them.
 
     Returns
     -------
     tuple of str
-        A sentence; none where the chains suffice.
+        A sentence; none if the chains are adequate.
     """
     differing = [_difference(one) for one in comparison.verdicts[::-1] if not one.suffices]
     if not differing:
@@ -73,7 +73,7 @@ def whole_shaft_remark(comparison: ShaftComparison) -> tuple[str, ...]:
 
 
 def _difference(verdict: ChainVerdict) -> str:
-    """Tell what weighs most: another amplitude, another frequency, else a mode of mixed motion."""
+    """State the main difference: an amplitude, a frequency, else a mode of mixed motion."""
     motion, found = MOTION[verdict.kind], verdict.response
     if found is not None and abs(found.difference) > RESPONSE_LIMIT:
         chain, shaft = (
@@ -90,6 +90,12 @@ def _difference(verdict: ChainVerdict) -> str:
         number = match.chain_mode - match.chain_rigid + 1
         if match.shaft_frequency is None:
             return f"it has no mode like {verdict.kind} mode {number}"
+        if match.divided:
+            told = " and ".join(f"{frequency:.1f}" for frequency, _ in match.divided)
+            return (
+                f"two modes at {told} Hz instead of {verdict.kind} mode {number} at "
+                f"{match.chain_frequency:.1f} Hz"
+            )
         if abs(match.difference) > FREQUENCY_LIMIT:
             return (
                 f"{verdict.kind} mode {number} at {match.shaft_frequency:.1f} instead of "

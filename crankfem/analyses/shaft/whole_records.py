@@ -57,7 +57,7 @@ def _bending(whole: WholeShaft) -> Record | None:
 
 
 def _tilts(whole: WholeShaft, comparison: ShaftComparison) -> Record | None:
-    """Return what the flywheel's inertia about a diameter does to the first modes."""
+    """Return the effect of the flywheel's diametral inertia on the first modes."""
     if not comparison.tilts:
         return None
     stations = whole.crankshaft.shaft.stations
@@ -79,6 +79,7 @@ def _chain(verdict: ChainVerdict) -> Record:
         **attributes(verdict, "suffices", "reasons"),
         "modes": [
             attributes(one, "chain_frequency", "shaft_frequency", "share", "likeness")
+            | attributes(one, "further_frequency", "further_share")
             for one in verdict.modes
         ],
         "chain_amplitude": chain,

@@ -1,6 +1,6 @@
 """The whole crankshaft of an engine file, from superelements of its throws.
 
-Throws stand at their crank angles, equal ones with the same superelement; cylinders of a V engine act on the
+Throws are at their crank angles, equal ones with the same superelement; cylinders of a V engine act on the
 pins that the file names.
 """
 
@@ -55,7 +55,7 @@ FREE_END = "main bearing 1 uz"
 @summarized("modes.frequencies [Hz]", "highest_frequency [Hz]", "rotation_ratios", "remarks")
 @dataclass(frozen=True, eq=False)
 class WholeShaft:
-    """The whole crankshaft of an engine, its modes, and what was assumed for it.
+    """The whole crankshaft of an engine, its modes, and its assumptions.
 
     Attributes
     ----------
@@ -65,10 +65,10 @@ class WholeShaft:
     exciting_frequency : float
         Of the highest order at the highest speed [Hz].
     rotation_ratios : (q - r,) array
-        Highest speed of rotation over each elastic natural frequency: how far Coriolis' forces, which
-        are left out, can matter; see `rotation_ratio`.
+        Highest ratio of rotational speed to each elastic natural frequency: shows the importance of Coriolis
+        forces, which are neglected; see `rotation_ratio`.
     remarks : tuple of str
-        What was assumed, a sentence each.
+        Assumptions, a sentence each.
     """
 
     crankshaft: CrankshaftSystem
@@ -84,7 +84,7 @@ class WholeShaft:
 
     @property
     def first_bending(self) -> int | None:
-        """The lowest elastic mode in which bending has the largest share, by its place in the modes."""
+        """The lowest elastic mode in which bending has the largest share, by its index in the modes."""
         return self.modes.first("bending")
 
     @property
@@ -111,19 +111,19 @@ class WholeShaft:
 @summarized("verdicts")
 @dataclass(frozen=True, eq=False)
 class ShaftComparison:
-    """Coupled vibration of the whole shaft beside the uncoupled chains of the same engine.
+    """Coupled vibration of the whole shaft compared with the uncoupled chains of the same engine.
 
     Attributes
     ----------
     coupled : CoupledResponse or None
-        None where nothing is forced.
+        None if nothing is forced.
     axial, torsional : ChainVerdict or None
-        None where the chains hold what the whole shaft does not; see `unmodeled_sections`.
+        None if the chains contain parts that the whole shaft lacks; see `unmodeled_sections`.
     differences : tuple of FrequencyDifference
-        What makes the whole shaft's frequencies others than the chains', of the first mode of the
-        crankshaft itself of each kind, where the whole shaft has one like it.
+        Causes of the difference between whole shaft and chains, for the first mode of the
+        crankshaft itself of each kind, if the whole shaft has a similar one.
     tilts : tuple of FlywheelTilt
-        What the flywheel's inertia about a diameter does to the same modes.
+        Effect of the flywheel's diametral inertia on the same modes.
     """
 
     coupled: CoupledResponse | None
@@ -134,7 +134,7 @@ class ShaftComparison:
 
     @property
     def verdicts(self) -> tuple[ChainVerdict, ...]:
-        """Of the chains that were compared."""
+        """Of the compared chains."""
         return tuple(one for one in (self.axial, self.torsional) if one is not None)
 
     def plot(
@@ -144,7 +144,7 @@ class ShaftComparison:
         show: Literal["causes", "axial", "torsional"] = "causes",
         point: str | None = None,
     ) -> "Axes":
-        """Draw the whole shaft's vibration over the speed, by its causes or beside a chain's.
+        """Draw the whole shaft's vibration over the speed, by its causes or with a chain's.
 
         Parameters
         ----------
@@ -163,7 +163,7 @@ class ShaftComparison:
         Raises
         ------
         InputError
-            If `show` is none of these, or was not calculated, or there is no such point, or one is given
+            If `show` is unknown, or was not calculated, or there is no such point, or one is given
             with a chain.
         """
         check_choice("show", show, ("causes", "axial", "torsional"), "these are compared")
@@ -180,7 +180,7 @@ class ShaftComparison:
         return verdict.response.plot(axes)
 
     def to_pandas(self) -> Any:
-        """Return a table of the chains' modes beside those of the whole shaft."""
+        """Return a table of the chains' modes and those of the whole shaft."""
         return table_of(match for verdict in self.verdicts for match in verdict.modes)
 
 
@@ -196,15 +196,15 @@ def whole_shaft(
     Parameters
     ----------
     engine_file : EngineFile
-        In line or V. Flywheel, free end, dampers, thrust bearing, driven machine and main bearings are
-        taken from it.
+        In line or V. Flywheel, free end, dampers, thrust bearing, driven machine and main bearings come
+        from it.
     analysis : ThrowAnalysis or mapping
         Of the engine's throw, or of each throw by its name.
     superelement : DynamicSuperelement, optional
-        Of the one throw that all cranks are, where it is there already; by default one of each throw is
+        For shafts of one throw only, to avoid building it; by default one of each throw is
         built for the highest frequency that the engine excites.
     bearings : MainBearings, optional
-        In place of those of the file.
+        Replaces those of the file.
 
     Returns
     -------
@@ -272,7 +272,7 @@ def whole_shaft(
 
 
 def unmodeled_sections(engine_file: EngineFile) -> tuple[str, ...]:
-    """Return the sections of an engine file that the chains know and the whole crankshaft does not."""
+    """Return the sections of an engine file that are in the chains but not in the whole crankshaft."""
     given = {
         "[shaft_line]": bool(engine_file.shaft_lines),
         "[propeller_forces]": engine_file.propeller_forces is not None,
@@ -289,7 +289,7 @@ def highest_exciting_frequency(engine_file: EngineFile) -> float:
 def shaft_throws(
     superelement: DynamicSuperelement, throw: CrankThrow, *, crank_angles_deg: Sequence[float]
 ) -> list[ShaftThrow]:
-    """Return equal throws at their crank angles, ready to be assembled.
+    """Return throws at their crank angles, ready to be assembled.
 
     Parameters
     ----------
@@ -332,7 +332,7 @@ def shaft_response(
     forces : CylinderForces
         Of the engine's cylinders, by orders over speeds.
     magnifier : float, optional
-        Of all elastic modes, in place of the damping of `modal_damping`. Dampers and bearings add theirs.
+        Of all elastic modes, replaces `modal_damping`. Dampers and bearings add theirs.
 
     Returns
     -------
@@ -365,7 +365,7 @@ def compare_with_chains(
     axial_response: ForcedResponse | None = None,
     torsional_response: ForcedResponse | None = None,
 ) -> ShaftComparison:
-    """Compare the whole shaft with its chains, and say whether these suffice.
+    """Compare the whole shaft with its chains, and decide whether these are adequate.
 
     Parameters
     ----------
@@ -373,7 +373,7 @@ def compare_with_chains(
     axial, torsional : EngineChain
         Of the same engine.
     coupled, axial_response, torsional_response : optional
-        Forced vibration under the same forces at the same speeds; without them modes alone are compared.
+        Forced vibration under the same forces at the same speeds; by default only modes are compared.
 
     Returns
     -------

@@ -1,7 +1,7 @@
 """Fatigue of every throw over the working cycle, by finite elements and a multiaxial criterion.
 
 Stresses at fillets and oil holes are fields of a throw's finite elements times its loads over the cycle
-(`cycle_loads`). Findley's criterion is looked for at the places, speeds and cases of firing where a bound
+(`cycle_loads`). Findley's criterion is evaluated at the points, speeds and cases of firing where a bound
 of it is largest.
 """
 
@@ -43,7 +43,7 @@ ACCURACY = 0.1
 )
 @dataclass(frozen=True)
 class FatiguePlace:
-    """The worst point of a fillet or of an exit of an oil hole, at the speed and firing that decide.
+    """The worst point of a fillet or of an exit of an oil hole, at the decisive speed and firing.
 
     Attributes
     ----------
@@ -51,23 +51,23 @@ class FatiguePlace:
         From 1 at the free end.
     place : {"pin fillet", "journal fillet", "oil hole"}
     name : str
-        Such as "pin, left web".
+        For example "pin, left web".
     point : tuple of three float
         In the throw frame [m].
     speed : float
         [rad/s]
     cylinders : tuple of int
-        That misfire; none in normal firing.
+        Misfiring cylinders; none in normal firing.
     shaft_angle_deg : float
-        Where in the cycle the normal stress on the critical plane is largest [deg].
+        Shaft angle at which the normal stress on the critical plane is largest [deg].
     shear_amplitude, normal_stress : float
         On the critical plane: amplitude of the shear stress, largest normal stress [Pa].
     value, limit : float
         Of the criterion [Pa].
     strength : float
-        Fatigue strength of the place in bending, fully reversed [Pa].
+        Fatigue strength of the location in bending, fully reversed [Pa].
     rule_factor : float or None
-        Q of UR M53 of the same place of the throw; None where the rule has none.
+        Q of UR M53 of the same location of the throw; None if the rule has none.
     """
 
     throw: int
@@ -86,7 +86,7 @@ class FatiguePlace:
 
     @property
     def safety(self) -> float:
-        """Limit over value of the criterion; inf where nothing acts."""
+        """Limit over value of the criterion; inf without stress."""
         return self.limit / self.value if self.value > 0.0 else math.inf
 
     def row(self) -> Row:
@@ -118,7 +118,7 @@ class EngineFatigue:
     factor : float
         k of the criterion.
     remarks : tuple of str
-        What was assumed, a sentence each.
+        Assumptions, a sentence each.
     source : str
         Of the criterion.
     """
@@ -130,7 +130,7 @@ class EngineFatigue:
 
     @property
     def sentence(self) -> str:
-        """The least safety factor, where and when, beside the rule's factor."""
+        """The least safety factor, its location and time, and the rule's factor."""
         least = self.places[0]
         firing = (
             f"while {named(least.cylinders)} misfires" if least.cylinders else "firing normally"
@@ -148,7 +148,7 @@ class EngineFatigue:
         return f"{said}; UR M53 has Q = {least.rule_factor:.2f} for that location."
 
     def to_pandas(self) -> DataFrame:
-        """Return a row for each place, the least safety first.
+        """Return a row for each location, the least safety first.
 
         Returns
         -------
@@ -177,11 +177,11 @@ def engine_fatigue(
     vibration : EngineVibration
         From `engine_vibration`, of an engine with the section [strength].
     stresses : mapping, optional
-        Of each distinct throw by its name, where they are there already: their meshes are used.
+        Of each distinct throw by its name, if available: their meshes are used.
     strength : EngineStrength, optional
-        By the rule, where it is there already.
+        By the rule, if available.
     mechanism : MechanismFile, optional
-        Of the same engine, where it is there already.
+        Of the same engine, if available.
 
     Returns
     -------
@@ -197,9 +197,9 @@ def engine_fatigue(
 
     Notes
     -----
-    At each speed that `engine_strength` judges, in normal firing and in those cases of misfiring that twist
-    some throw most, the criterion tau_a + k sigma_max may reach f/2 (k + sqrt(1 + k^2)), f being the fatigue
-    strength that UR M53 has for the place.
+    At each speed that `engine_strength` judges, in normal firing and in those cases of misfiring with the
+    largest torque in some throw, the limit of tau_a + k sigma_max is f/2 (k + sqrt(1 + k^2)), f being the
+    fatigue strength of UR M53 for the location.
     """
     file = vibration.engine_file
     known = mechanism_of(file) if mechanism is None else mechanism
@@ -237,7 +237,7 @@ def fatigue_or_reason(
     stresses: Mapping[str, FilletStresses],
     mechanism: MechanismFile | None,
 ) -> tuple[EngineFatigue | None, str | None]:
-    """Find the fatigue over the cycle; an engine of which it cannot be had loses nothing else.
+    """Find the fatigue over the cycle; if impossible, the other results remain.
 
     Returns
     -------
@@ -306,7 +306,7 @@ def _remarks(
     fields: Mapping[str, StressFields],
     cases: Sequence[Cylinders],
 ) -> Iterator[str]:
-    """Say what was assumed, a sentence each."""
+    """State the assumptions, a sentence each."""
     file = vibration.engine_file
     failing = [case for case in cases if case]
     yield (
@@ -315,8 +315,8 @@ def _remarks(
     )
     if failing:
         yield (
-            "besides normal firing, the case with the largest torsion in some throw is covered: misfiring "
-            f"of {', '.join(named(case) for case in failing)}"
+            "besides normal firing, each case with the largest torsion of a throw is covered: misfiring of "
+            f"{', of '.join(named(case) for case in sorted(failing))}"
         )
     yield (
         "the bending fatigue strength is the rule's for the location; the torsional one is assumed to be "

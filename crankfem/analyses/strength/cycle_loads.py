@@ -1,8 +1,8 @@
-"""Loads on the ends and the pin of every throw over the working cycle, at any speed, whatever fires.
+"""Loads on the ends and the pin of every throw over the working cycle, at any speed and firing.
 
 Torque and axial force through the throws are those of the chains, with all vibration. The rods' forces bend
-the whole shaft in its elastic main bearings, without inertia. What a throw's own inertia takes of a
-torque acts at its pin, so that the torques beside the throw are the chain's.
+the whole shaft in its elastic main bearings, without inertia. The torque that accelerates a throw's own
+inertia acts at its pin, so that the torques at both ends of the throw are the chain's.
 """
 
 from collections.abc import Iterable, Iterator
@@ -40,11 +40,11 @@ class CycleLoads:
     Attributes
     ----------
     cylinders : tuple of int
-        That misfire; none in normal firing.
+        Misfiring cylinders; none in normal firing.
     speeds : (S,) array
         [rad/s]
     angles : (m,) array
-        Of the shaft, over what the vibration repeats in [rad].
+        Of the shaft, over the period of the vibration [rad].
     ends : (n, S, m, 12) array
         Forces and moments on both end sections [N, N m].
     pins : (n, S, m, 6) array
@@ -60,7 +60,7 @@ class CycleLoads:
 
 @dataclass(frozen=True, eq=False)
 class ShaftUnderForces:
-    """What every throw of a shaft carries per unit of each load on the shaft.
+    """Loads of every throw of a shaft per unit of each load on the shaft.
 
     Attributes
     ----------
@@ -84,7 +84,7 @@ class ShaftUnderForces:
         pins : (n, ..., 6) array
             Loads on the pins, each in its throw frame.
         torques : (2, ...) array
-            Through the shaft before the first throw and behind the last, about +z: positive where the
+            In the shaft before the first throw and behind the last, about +z: positive where the
             part behind turns forwards [N m].
         axial : (n, ...) array
             Tension through each throw [N].
@@ -92,7 +92,7 @@ class ShaftUnderForces:
         Notes
         -----
         Pin and end loads have to be in equilibrium about and along the shaft as a whole; the bearings
-        take the rest.
+        carry the rest.
         """
         count, shape = len(self.throws), pins.shape[1:-1]
         turned = sharing_sections(

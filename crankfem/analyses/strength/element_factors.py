@@ -45,7 +45,7 @@ def element_factors(
     Parameters
     ----------
     stresses : FilletStresses
-        On any mesh; that of Appendix III if they have to be as the rule asks.
+        On any mesh; that of Appendix III for factors that comply with the rule.
     webs : sequence of ThrowWeb
         Left and right.
 
@@ -56,7 +56,7 @@ def element_factors(
 
     Notes
     -----
-    Ends are rigid discs. The force of the three-point bending is spread evenly over the pin.
+    Ends are rigid discs. The force of the three-point bending is uniform over the pin.
     """
     throw = stresses.throw
     if not isinstance(throw, CrankThrow):

@@ -1,6 +1,6 @@
 """Strength of an engine's crankshaft by UR M53, throw by throw."""
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -43,18 +43,18 @@ class ThrowStrength:
     webs : tuple of ThrowWeb
         The left and the right one.
     factors : dict of str to ConcentrationFactors
-        Of each web by its name, as far as the rule's formulas have any.
+        Of each web by its name, where the rule's formulas apply.
     elements : dict of str to ElementFactors
-        By finite elements, where stresses were calculated.
+        By finite elements, if stresses were calculated.
     places : tuple of PlaceStrength
-        Pin fillet, journal fillet and oil hole as far as there are such and the rule has factors: each
-        beside the web, and of a hardened one at the depth, with the least acceptability.
+        Pin fillet, journal fillet and oil hole, if present and if the rule has factors: each
+        next to the web, and if hardened at the depth with the least acceptability.
     torque : LargestLoad
-        Alternating, the largest beside the throw.
+        Alternating, the largest next to the throw.
     fit : ShrinkFit or None
         Of the journals of a semi-built shaft.
     left_out : tuple of str
-        Where the rule has no formula and why, as `EngineStrength.left_out` says it after the throws.
+        Where the rule has no formula and why, as in `EngineStrength.left_out` after the throws.
     """
 
     number: int
@@ -77,7 +77,7 @@ class EngineStrength:
     throws : tuple of ThrowStrength
         From the free end.
     remarks : tuple of str
-        What was assumed, a sentence each.
+        Assumptions, a sentence each.
     by_elements : bool
         Whether the factors of stress concentration are those of finite elements.
     source : str
@@ -97,7 +97,7 @@ class EngineStrength:
 
     @property
     def passed(self) -> bool | None:
-        """Whether all places and fits are acceptable; None where some could not be judged."""
+        """Whether all locations and fits are acceptable; None if some could not be judged."""
         fits = all(own.fit is None or own.fit.passed for own in self.throws)
         if not fits or not all(place.passed for place in self.places):
             return False
@@ -105,7 +105,7 @@ class EngineStrength:
 
     @property
     def sentence(self) -> str:
-        """What was found, with the place that decides."""
+        """The finding, with the decisive location."""
         unjudged = self.left_out
         if not self.places:
             return f"Crankshaft strength by UR M53 is not judged: {unjudged[0]}"
@@ -122,7 +122,7 @@ class EngineStrength:
         return f"{said} Not judged: {unjudged[0]}" if unjudged else said
 
     def to_pandas(self) -> DataFrame:
-        """Return a row for each place, the one with the least acceptability first.
+        """Return a row for each location, the one with the least acceptability first.
 
         Returns
         -------
@@ -138,7 +138,7 @@ class EngineStrength:
 
     @property
     def left_out(self) -> tuple[str, ...]:
-        """What could not be judged and why, a sentence each, with the throws it is said of."""
+        """What could not be judged and why, a sentence each, with the throws concerned."""
         return _of_throws((own.number, text) for own in self.throws for text in own.left_out)
 
     @property
@@ -189,7 +189,7 @@ def engine_strength(
     mechanism: MechanismFile | None = None,
     stresses: Mapping[str, FilletStresses] | None = None,
 ) -> EngineStrength:
-    """Judge the strength of an engine's crankshaft by UR M53.
+    """Assess the strength of an engine's crankshaft by UR M53.
 
     Parameters
     ----------
@@ -197,10 +197,10 @@ def engine_strength(
         From `engine_vibration`, of an engine with the section [strength]: its torques, barred ranges and
         axial forces.
     mechanism : MechanismFile, optional
-        Of the same engine, where it is there already.
+        Of the same engine, if available.
     stresses : mapping, optional
-        Of each distinct throw by its name: factors by finite elements are put beside those of the formulas.
-        They are calculated, as Appendix III asks, if ``strength.factors`` says that these count.
+        Of each distinct throw by its name: factors by finite elements are reported with the formulas'.
+        They are calculated, by Appendix III, if ``strength.factors`` selects them.
 
     Returns
     -------
@@ -211,7 +211,7 @@ def engine_strength(
     InputError
         If the engine has no section [strength].
     MeshError, SolveError
-        If finite elements are asked for, and a throw cannot be meshed or solved.
+        If finite elements are selected, and a throw cannot be meshed or solved.
 
     Notes
     -----
@@ -250,18 +250,25 @@ def engine_strength(
 
 
 def _of_throws(said: Iterable[tuple[int, str]]) -> tuple[str, ...]:
-    """Put the throws of which the same is said before it."""
+    """Put the throws in front of a sentence that holds for all of them."""
     found: dict[str, list[int]] = {}
     for number, text in said:
         found.setdefault(text, []).append(number)
-    return tuple(
-        f"throw{'s' if len(throws) > 1 else ''} {', '.join(map(str, throws))}{text}"
-        for text, throws in found.items()
-    )
+    return tuple(f"{_numbered(throws)}{text}" for text, throws in found.items())
+
+
+def _numbered(throws: Sequence[int]) -> str:
+    """Name throws, those that follow each other by the first and the last."""
+    if len(throws) == 1:
+        return f"throw {throws[0]}"
+    first, last = throws[0], throws[-1]
+    if len(throws) > 2 and list(throws) == list(range(first, last + 1)):
+        return f"throws {first} to {last}"
+    return f"throws {', '.join(map(str, throws))}"
 
 
 def _method(symbol: str) -> str:
-    """Of the two methods of Appendix III for the shear factor the one that is used."""
+    """The method of Appendix III that is used for the shear factor."""
     return ", method 1" if symbol == "beta_Q" else ""
 
 
@@ -270,14 +277,14 @@ def _more(one: float, other: float) -> str:
 
 
 def _shrunk(own: ThrowWeb) -> str:
-    """Say where a shaft without fillets at its journals is described."""
+    """State where a shaft without fillets at its journals is described."""
     if own.web.journal_fillet_radius or own.web.semi_built:
         return ""
     return " Journals shrunk into the webs need a section [strength.shrink_fit]."
 
 
 def shown_factor(place: PlaceStrength) -> str:
-    """Write an acceptability factor so that rounding does not make it a sufficient one."""
+    """Write an acceptability factor so that rounding does not make it sufficient."""
     digits = next(
         n for n in (2, 3, 4, 6, 9, 17)
         if (round(place.acceptability, n) >= REQUIRED) == place.passed
@@ -295,7 +302,7 @@ def _throw(
     loads: ShaftLoads,
     fit: ShrinkFit | None,
 ) -> ThrowStrength:
-    """Judge all places of a throw."""
+    """Judge all locations of a throw."""
     torque, left_out = loads.torque(number - 1), list[str]()
     if fit is None and section.shrink_fit is not None:
         left_out.append(", shrink fit: torsional vibration is unbounded.")

@@ -31,7 +31,7 @@ def _place(one: FatiguePlace) -> Record:
 
 
 def fatigue_table(record: Record) -> Table:
-    """Return the least safety of each kind of place of each throw, from the `fatigue_record`."""
+    """Return the least safety of each kind of location of each throw, from the `fatigue_record`."""
     least: dict[tuple[int, str], Record] = {}
     for one in record["places"]:
         least.setdefault((one["throw"], one["place"]), one)
@@ -39,7 +39,7 @@ def fatigue_table(record: Record) -> Table:
         "Fatigue over the working cycle",
         [
             Column("throw"),
-            Column("place", words=True),
+            Column("location", words=True),
             Column("safety", decimals=2),
             Column("at", "1/min"),
             Column("misfiring cylinder"),

@@ -24,7 +24,7 @@ CLOSELY, NODES = 3, 6
 
 @dataclass(frozen=True)
 class Candidate:
-    """A speed and case of firing of a site that may decide: what no point of it exceeds, and its loads."""
+    """A speed and case of firing of a site that may be decisive: upper bound of its points, and its loads."""
 
     bound: float
     speed: float
@@ -43,7 +43,7 @@ def _history(site: StressedSite, nodes: NDArray[np.int64], amplitudes: FloatArra
 
 
 def _apart(site: StressedSite, values: FloatArray) -> Iterator[int]:
-    """Return nodes of a site with the largest values first, none beside one that came before."""
+    """Return nodes of a site with the largest values first, none next to one that came before."""
     left = values.copy()
     while np.any(left > 0.0):
         node = int(np.argmax(left))
@@ -79,7 +79,7 @@ def find_candidates(
 def worst_point(
     site: StressedSite, candidates: Sequence[Candidate], factor: float
 ) -> tuple[CriticalPlane, int, Candidate]:
-    """Return the critical plane of the worst of a site's nodes, which one, and what acts then."""
+    """Return the critical plane of the worst of a site's nodes, its index, and the loads at that time."""
     best: CriticalPlane | None = None
     where = (0, candidates[0])
     for one in sorted(candidates, key=lambda own: -own.bound):

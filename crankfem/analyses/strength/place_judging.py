@@ -1,4 +1,4 @@
-"""One place beside a web, from its nominal stresses to strength over equivalent stress."""
+"""One location next to a web, from its nominal stresses to strength over equivalent stress."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -21,7 +21,7 @@ from dynamics.strength.surface_treatment import factors_below
 
 @dataclass(frozen=True)
 class JudgedCase:
-    """A place beside a web, with what acts there: nominal stresses [Pa], torque [N m], axial force [N]."""
+    """A location next to a web, with its loads: nominal stresses [Pa], torque [N m], axial force [N]."""
 
     throw: int
     place: str
@@ -34,7 +34,7 @@ class JudgedCase:
 
 
 def judged_places(case: JudgedCase, section: StrengthSection) -> Iterator[PlaceStrength]:
-    """Return the place at its surface, and of a hardened one at the transition below too."""
+    """Return the location at its surface, and if hardened at the transition below too."""
     web, place = case.own.web, case.place
     on_bending, on_shear, on_torsion = case.factors.at(place)
     sizes = web.pin_diameter, web.pin_bore

@@ -1,4 +1,4 @@
-"""Largest alternating torque and axial force in each throw, of normal firing and of misfiring."""
+"""Largest alternating torque and axial force in each throw, in normal firing and with misfiring."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
@@ -36,7 +36,7 @@ class LargestLoad:
     speed : float
         [rad/s]
     cylinders : tuple of int
-        That misfire then; none in normal firing.
+        Misfiring cylinders; none in normal firing.
     """
 
     value: float
@@ -51,13 +51,13 @@ class ShaftLoads:
     Attributes
     ----------
     normal, misfiring : tuple of LargestLoad
-        Torque beside each throw; misfiring in the worst case, empty where it was not calculated.
+        Torque next to each throw; misfiring in the worst case, empty if not calculated.
     axial : tuple of LargestLoad
-        Axial force through each throw in normal firing, without what its own pin's forces only lengthen.
+        Axial force through each throw in normal firing, without the part of its own pin's lengthening.
     passed_on : tuple of float
         Largest sum of the engine's mean torque and a throw's alternating one [N m].
     barred : tuple of pairs of float
-        Ranges that are left out [rad/s].
+        Excluded ranges [rad/s].
     """
 
     normal: tuple[LargestLoad, ...]
@@ -67,7 +67,7 @@ class ShaftLoads:
     barred: tuple[tuple[float, float], ...]
 
     def torque(self, throw: int) -> LargestLoad:
-        """Return the largest torque of a throw, from 0, whatever fires."""
+        """Return the largest torque of a throw, from 0, in all cases of firing."""
         both = (self.normal, self.misfiring)
         return max((own[throw] for own in both if own), key=lambda load: load.value)
 
@@ -78,7 +78,7 @@ def shaft_loads(vibration: EngineVibration, mechanism: MechanismFile) -> ShaftLo
     Parameters
     ----------
     vibration : EngineVibration
-        With forced vibration: its speeds catch every resonance, its verdict says what is barred.
+        With forced vibration: its speeds include every resonance, its verdict the barred ranges.
     mechanism : MechanismFile
         Of the same engine.
 
@@ -128,7 +128,7 @@ def judged_speeds(
 
 
 def superposition(vibration: EngineVibration, mechanism: MechanismFile) -> Superposition:
-    """Return what adds up torques and axial forces of throws in normal firing and misfiring."""
+    """Return the sums of torques and axial forces of throws in normal firing and misfiring."""
     file = vibration.engine_file
     chains = EngineChains.of(file, vibration.axial, vibration.torsional, vibration.shaft)
     firing = engine_harmonics(file, mechanism)
@@ -161,8 +161,8 @@ def _loads(_: EngineFile, axial: ChainAnswer, torsional: ChainAnswer) -> Series:
 def _through_throws(axial: ChainAnswer) -> OrderSeries:
     """Return the axial force through each throw.
 
-    In the chain the forces on a throw's pin press its ends apart with P; the spring between them carries P
-    even where the ends are free and no force passes through the throw. So P is taken off.
+    In the chain the forces on a throw's pin push its ends apart with P; the spring between them carries P
+    even where the ends are free and no force passes through the throw. So P is subtracted.
     """
     throws, elastic = axial.engine_chain.throws, axial.loads.elastic
     before = list(axial.engine_chain.sections[:throws])
@@ -181,7 +181,7 @@ def _amplitude(file: EngineFile, series: OrderSeries) -> FloatArray:
 
 
 def _beside_throws(amplitude: FloatArray, cranks: EngineChain) -> FloatArray:
-    """Return the larger amplitude of the elements beside each throw, (S, n), from those of all (S, e)."""
+    """Return the larger amplitude of the elements next to each throw, (S, n), from those of all (S, e)."""
     ends = cranks.chain.connections[: cranks.crank_elements]
     beside = [[e for e, own in enumerate(ends) if node in own] for node in cranks.throw_nodes]
     return np.stack([np.max(amplitude[:, places], axis=1) for places in beside], axis=1)

@@ -50,7 +50,7 @@ def _throw(own: ThrowStrength) -> Record:
 
 
 def _factors(formulas: ConcentrationFactors | None, elements: ElementFactors | None) -> Record:
-    """Return ratios and factors of a web; None for factors that the rule, or the mesh, has not."""
+    """Return ratios and factors of a web; None for factors that the rule or the mesh lacks."""
     known = formulas or elements
     assert known is not None
     found: Record = {name: known.web.ratio(name) for name in RANGES}
@@ -68,7 +68,7 @@ def _factors(formulas: ConcentrationFactors | None, elements: ElementFactors | N
 
 
 def strength_table(record: Record, units: OutputUnits = SI) -> Table:
-    """Return the least acceptability factor of each place of each throw, from the `strength_record`."""
+    """Return the least acceptability factor of each location of each throw, from the `strength_record`."""
     places = [one for throw in record["throws"] for one in throw["places"]]
     hardened = any(one["depth"] for one in places)
     deep = [Column("depth", units.of("mm"), missing="surface")] if hardened else []
@@ -76,7 +76,7 @@ def strength_table(record: Record, units: OutputUnits = SI) -> Table:
         "Alternating stresses by UR M53",
         [
             Column("throw"),
-            Column("place", words=True),
+            Column("location", words=True),
             *deep,
             *(Column(f"nominal {name}", "MPa") for name in ("bending", "torsion")),
             *(Column(name, "MPa") for name in ("bending", "torsion", "added", "equivalent")),

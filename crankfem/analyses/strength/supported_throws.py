@@ -14,14 +14,14 @@ from dynamics.torque.cycle_samples import DEFAULT_SAMPLES, samples_and_gas
 def supported_throws(
     engine: EngineFile, *, mechanism: MechanismFile | None = None
 ) -> tuple[SupportedThrow, ...]:
-    """Return each throw of an engine by itself, with the forces of its rods over a cycle at rated speed.
+    """Return each single throw of an engine, with the forces of its rods over a cycle at rated speed.
 
     Parameters
     ----------
     engine : EngineFile
         With gas pressure.
     mechanism : MechanismFile, optional
-        Of the same engine, where it is there already.
+        Of the same engine, if available.
 
     Returns
     -------

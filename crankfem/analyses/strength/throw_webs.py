@@ -1,4 +1,4 @@
-"""The two webs of an engine's throw as UR M53 takes them."""
+"""The two webs of an engine's throw for UR M53."""
 
 import math
 from dataclasses import dataclass
@@ -59,8 +59,8 @@ def shrink_fit(
 ) -> ShrinkFit | None:
     """Return the fit of a throw's journals under a torque [N m].
 
-    Pin and fit are apart by what the crank radius leaves between their surfaces. None of a shaft of one
-    piece, and where the torque is unbounded.
+    The distance of pin and fit is the crank radius less their radii. None for a shaft of one
+    piece, and if the torque is unbounded.
     """
     given = section.shrink_fit
     if given is None or not math.isfinite(torque):

@@ -29,11 +29,11 @@ class ExportedDesigns:
     ----------
     table : Path
         A line for each design: its number, file and role, factors and dimensions. With columns of
-        responses added to it, a study can import it.
+        responses added, a study can import it.
     files : tuple of Path
-        Of the designs in order, there or not.
+        Of the designs in order, whether they exist or not.
     written : int
-        How many of them were written now.
+        Number of files written in this call.
     failures : dict
         File that could not be made to the reason.
     """
@@ -52,7 +52,7 @@ def export_designs(
 ) -> ExportedDesigns:
     """Write a table of a study's designs, and a mesh or a solid of each.
 
-    A file's name has the key of its throw; what is there already, from an earlier call, is not made again.
+    A file's name has the key of its throw; existing files of an earlier call are not written again.
 
     Parameters
     ----------
@@ -71,7 +71,7 @@ def export_designs(
     Raises
     ------
     InputError
-        If a file cannot be written, or is somebody else's: found out before anything is meshed.
+        If a file cannot be written, or is not ours: checked before anything is meshed.
     MissingLibraryError
         If the kind needs a package that is not installed.
     """
@@ -102,7 +102,7 @@ def export_designs(
 
 
 def check_kind(kind: str) -> None:
-    """Refuse a kind of file that is none of `KINDS`.
+    """Refuse a kind of file that is not in `KINDS`.
 
     Raises
     ------

@@ -29,11 +29,11 @@ FORMS_DRAWN = 4
 
 
 def draw_over_factor(axes: "Axes", table: StudyTable, found: ResponseFits, place: int) -> None:
-    """Draw the chosen equation, and others beside it, over one factor.
+    """Draw the chosen equation, and others for comparison, over one factor.
 
-    The other factors stay at the nominal throw, or at the levels next to it. Filled dots are finite
-    element results there; open ones are results elsewhere, moved there along the chosen equation: they
-    keep their distance to it.
+    The other factors are those of the nominal throw, or the nearest levels. Filled dots are finite
+    element results there; open ones are results elsewhere, shifted along the chosen equation with
+    their distance to it unchanged.
     """
     factor, size = table.plan.factors[place], display_unit(found.unit)[1]
     forms = forms_drawn(found)
@@ -51,7 +51,7 @@ def draw_over_factor(axes: "Axes", table: StudyTable, found: ResponseFits, place
 
 
 def draw_fit_parity(axes: "Axes", table: StudyTable, found: ResponseFits, fit: Fit) -> None:
-    """Draw a form's values over those by finite elements, and say how far held-out designs are off."""
+    """Draw a form's values over those by finite elements, with the errors of held-out designs."""
     size = display_unit(found.unit)[1]
     by_fe, values = table.responses[found.column], predicted(table, found, fit)
     draw_parity(axes, by_fe / size, values / size, table.held_out)
@@ -84,7 +84,7 @@ def draw_fit_elasticities(
 
 
 def draw_fit_sobol(axes: "Axes", names: Sequence[str], known: Sensitivities) -> None:
-    """Draw Sobol indices over the ranges, under constraints Shapley effects; none where there are none."""
+    """Draw Sobol indices over the ranges, under constraints Shapley effects; nothing without either."""
     sobol = known.sobol
     if sobol is not None and sobol.shapley is not None:
         draw_shapley(axes, names, sobol.shapley)

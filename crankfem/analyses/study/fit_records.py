@@ -96,7 +96,7 @@ def study_record(
 
 
 def fits_record(table: StudyTable, found: ResponseFits) -> Record:
-    """All forms fitted to one response, and what its chosen equation says of the factors."""
+    """All forms fitted to one response, and the effects of the factors by its chosen equation."""
     units = {factor.name: factor.unit for factor in table.plan.factors}
     return {
         "column": found.column,
@@ -168,7 +168,7 @@ def coefficient_units(found: ResponseFits, fit: Fit, factor_units: Mapping[str, 
 
 
 def warnings_of(fit: Fit) -> list[str]:
-    """What should be known before the coefficients of a fit are read, one sentence each."""
+    """Remarks on the coefficients of a fit, one sentence each."""
     told = []
     inflated = [name for name, value in fit.variance_inflation.items() if value > LARGEST_VIF]
     if inflated:
@@ -215,7 +215,7 @@ def comparisons(table: StudyTable, model: ComplianceModel) -> list[Record]:
     -------
     list of dict
         Source, response, measured and calculated value, their ratio and the remarks of the lookup
-        (what lies outside the range), or the reason why the model has no value.
+        (those outside the range), or the reason why the model has no value.
     """
     return [
         _comparison(row, column, measured, model, table.plan)
@@ -245,7 +245,7 @@ def _comparison(
 
 
 def _measured_throw(row: ExtraRow, plan: StudyPlan) -> CrankThrow:
-    """The study's throw with a row's dimensions; parts are as its factor values make them."""
+    """The study's throw with a row's dimensions; its parts follow from the factor values."""
     base: Mapping[str, Any] = plan.throw.model_dump(mode="json")
     if row.values is not None:
         base = plan.variants().at(np.array([row.values]))[0].throw or base

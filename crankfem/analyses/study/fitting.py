@@ -191,7 +191,7 @@ def _fit_response(
 
 
 def _fe_errors(table: StudyTable, column: str) -> list[float]:
-    """Relative errors of a response as far as they are known; imported rows may have none."""
+    """Relative errors of a response where known; imported rows may have none."""
     return [
         row.errors[column] for row in table.rows if row.role != MEASURED and column in row.errors
     ]

@@ -1,4 +1,4 @@
-"""Natural frequencies of an engine as functions of its throws' compliance, to be limited in a search."""
+"""Natural frequencies of an engine as functions of its throws' compliance, as limits in a search."""
 
 from dataclasses import dataclass
 from typing import Literal
@@ -25,9 +25,9 @@ Kind = Literal["axial", "torsional"]
 class EngineFrequencies:
     """First natural frequencies of an engine's crankshaft over the compliance of its throws.
 
-    Modes of a coupling, a damper's ring or a shaft line are passed over (`EngineChain.first_mode`).
-    In the shaft each throw has another compliance than pinned alone; its ratio to the pinned one is
-    taken from finite elements of the engine's own throw, and kept as the throw changes.
+    Modes of a coupling, a damper's ring or a shaft line are skipped (`EngineChain.first_mode`).
+    In the shaft each throw has another compliance than when pinned; the ratio is
+    calculated by finite elements of the engine's own throw, and kept constant.
 
     Attributes
     ----------
@@ -35,9 +35,9 @@ class EngineFrequencies:
     axial_shares, torsional_shares : (n,) array
         Compliance of each throw in the shaft, divided by that of the pinned throw.
     throw_mass : float
-        Of the engine's throw [kg], for models that hold no mass.
+        Of the engine's throw [kg], for models without mass.
     throw_inertias : (n,) array
-        Of the throws with their shares of rods and pistons [kg m^2]; kept as the throw changes.
+        Of the throws with their shares of rods and pistons [kg m^2]; kept constant.
     """
 
     engine_file: EngineFile
@@ -66,7 +66,7 @@ class EngineFrequencies:
 
 
 def _first(named: EngineChain) -> float:
-    """Lowest frequency of the crankshaft itself [Hz], as the engine's vibration tells it."""
+    """Lowest frequency of the crankshaft itself [Hz], as in the engine's vibration."""
     modes = named.chain.modes()
     first = named.first_mode(modes)
     if first is None:

@@ -51,9 +51,9 @@ def run_grown(
     plan, store, workers, progress, **options
         As of `run_plan`.
     more : int
-        How many runs beside those of the plan the study shall have, at most 1000. The store remembers those
-        that were added: the same number again adds none, a larger one what is missing to it, and where the
-        equations are worst is then judged with those added before. Without it, the study has what it has.
+        Number of further runs beyond the plan, at most 1000. The store records the added runs:
+        the same number again adds none, a larger one the difference, chosen where the equations,
+        fitted to all runs so far, are worst. By default no run is added.
 
     Returns
     -------
@@ -77,9 +77,9 @@ def run_grown(
 
 
 def worst_designs(table: StudyTable, fits: Mapping[str, ResponseFits], count: int) -> Array:
-    """Choose runs where the chosen equations of all responses are expected to err most.
+    """Choose runs where the chosen equations of all responses are expected to have the largest errors.
 
-    Held-out designs have no part in it, so that they judge the equations as before.
+    Held-out designs are not used, so that they remain independent of the equations.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""Two compliance models on the same throws: how far they differ, and whether their bands explain it."""
+"""Two compliance models on the same throws: their differences, and whether their bands explain them."""
 
 import math
 from collections.abc import Mapping
@@ -31,7 +31,7 @@ class ResponseComparison:
     ----------
     response, unit : str
     mean, rms : float
-        Of the differences, second less first, as shares of the first's values; of a response that has a
+        Of the differences, second minus first, as shares of the first's values; for a response with a
         sign, as shares of the root mean square of these.
     largest : float
         The largest difference, with its sign.
@@ -40,10 +40,10 @@ class ResponseComparison:
     place : dict
         Factors of the first model there [SI], choices by their labels.
     by_bands : float or None
-        The largest ratio of a difference to the parts of both error bands that reach towards each other;
-        above 1 bands do not meet. None where a band is open.
+        The largest ratio of a difference to the facing parts of both error bands;
+        above 1 the bands do not overlap. None where a band is unbounded.
     apart : float or None
-        Share of the throws where the bands do not meet.
+        Share of the throws whose bands do not overlap.
     """
 
     response: str
@@ -73,11 +73,11 @@ class ModelComparison:
     Attributes
     ----------
     throws : int
-        How many different ones were asked for.
+        Number of different throws requested.
     ranges : dict
-        Factor of the first model that is a number to the range that both know [SI].
+        Numerical factor of the first model to the range common to both [SI].
     choices : dict
-        Factor that is a choice to the labels that both know.
+        Choice to the labels common to both.
     responses : tuple of ResponseComparison
     left_out : dict
         Response that is not compared, to the reason.
@@ -107,10 +107,10 @@ class ModelComparison:
 
 
 def compare_models(first: ComplianceModel, second: ComplianceModel) -> ModelComparison:
-    """Ask two models for the same throws, spread over the ranges that both know.
+    """Evaluate two models for the same throws, spread over the ranges common to both.
 
-    Throws are made by the factors and relations of the first model; half of them lie on ends of ranges. Those
-    that cannot be built, break a constraint of either, or lie outside a range of either are not asked for.
+    Throws follow from the factors and relations of the first model; half of them are at ends of ranges. Those
+    that cannot be built, violate a constraint of either, or are outside a range of either are skipped.
 
     Parameters
     ----------
@@ -123,7 +123,7 @@ def compare_models(first: ComplianceModel, second: ComplianceModel) -> ModelComp
     Raises
     ------
     InputError
-        If there is no such throw, or no response that both have.
+        If there is no such throw, or no common response.
     """
     ranges = {name: _common_range(second, name, ends) for name, ends in first.family.ranges.items()}
     choices = {
@@ -166,7 +166,7 @@ def compare_models(first: ComplianceModel, second: ComplianceModel) -> ModelComp
 def _common_range(
     model: ComplianceModel, name: str, ends: tuple[float, float]
 ) -> tuple[float, float]:
-    """Intersect a range with what another model knows of the same factor; all of it where it knows none."""
+    """Intersect a range with another model's range of the same factor; unchanged if it has none."""
     family = model.family
     other = family.ranges.get(name)
     if other is None and name in family.fixed:
@@ -221,7 +221,7 @@ def _answers(
     responses: list[str],
     reasons: dict[str, str],
 ) -> dict[str, tuple[Lookup, Lookup]]:
-    """Ask both models for a throw; nothing where it does not belong to both, and why is noted."""
+    """Evaluate both models for a throw; if it does not belong to both, note the reason."""
     asked: list[Mapping[str, Any]] = [factors]
     try:
         throw, why = spaces[0].throw(spaces[0].model.family.completed(factors))
@@ -269,7 +269,7 @@ def _compared(
 
 
 def _by_bands(one: Lookup, other: Lookup) -> float | None:
-    """Return the distance of two values by what their bands reach towards each other."""
+    """Return the distance of two values relative to the facing parts of their bands."""
     low, high = sorted((one, other), key=lambda answer: answer.value)
     if low.upper is None or high.lower is None:
         return None

@@ -37,17 +37,17 @@ SAME = 1e-6
 
 @dataclass(frozen=True)
 class Sensitivities:
-    """How much each factor moves a response, by its chosen equation.
+    """Effect of each factor on a response, by its chosen equation.
 
     Attributes
     ----------
     nominal : dict
-        Factor to the value [SI] at which the elasticities hold; of a category its label.
+        Factor to the value [SI] at which the elasticities are valid; of a category its label.
     elasticity : dict
-        Factor that is a number to d ln y / d ln p.
+        Numerical factor to d ln y / d ln p.
     sobol : SobolIndices or None
-        Over the ranges, or what the study's constraints leave of them; None for a response that does not
-        vary, and where the constraints leave too little.
+        Over the ranges, within the study's constraints; None for a response that does not
+        vary, and if the constraints leave too little.
     """
 
     nominal: dict[str, float | str]
@@ -73,7 +73,7 @@ def sensitivities(table: StudyTable, found: ResponseFits) -> Sensitivities:
 
 
 def _indices(plan: StudyPlan, model: Model) -> SobolIndices | None:
-    """Shares of the variance over the ranges; under constraints over what these leave."""
+    """Shares of the variance over the ranges, within the constraints."""
     if not plan.constraints:
         return sobol_indices(model, plan.factors)
     sample = _kept_sample(json.dumps(plan.as_record()))
@@ -82,7 +82,7 @@ def _indices(plan: StudyPlan, model: Model) -> SobolIndices | None:
 
 @lru_cache(maxsize=2)
 def _kept_sample(record: str) -> RegionSample | None:
-    """Sample what a plan's constraints leave, once for all responses."""
+    """Sample the ranges within a plan's constraints, once for all responses."""
     plan = StudyPlan.from_record(json.loads(record))
     return region_sample(plan.factors, plan.variants().keep_constraints)
 
@@ -104,9 +104,9 @@ def _base_value(record: Mapping[str, object], factor: Factor) -> float | None:
 
 
 def outside_study(plan: StudyPlan) -> str:
-    """Say why the base throw of a study is none of those that it varies; empty if it is one of them.
+    """State why the base throw of a study is not one of its variants; empty if it is.
 
-    Ranges, choices and constraints are looked at, and relations where all factors are the throw's.
+    Ranges, choices and constraints are checked, and relations if all factors are the throw's.
     """
     record = plan.throw.model_dump(mode="json")
     for factor in plan.factors:
@@ -139,7 +139,7 @@ def outside_study(plan: StudyPlan) -> str:
 
 
 def nominal_section(table: StudyTable) -> Array:
-    """Return the (k,) values of the factors at the nominal throw, or at the levels next to it."""
+    """Return the (k,) values of the factors at the nominal throw, or the nearest levels."""
     return np.array(
         [
             min(factor.levels, key=lambda level: abs(level - nominal))
@@ -151,14 +151,14 @@ def nominal_section(table: StudyTable) -> Array:
 
 
 def moved(section: Array, place: int, values: Array) -> Array:
-    """Return (n, k) points of a section in which the factor at `place` has (n,) other values."""
+    """Return (n, k) points of a section in which the factor at an index has (n,) other values."""
     points = np.tile(section, (len(values), 1))
     points[:, place] = values
     return points
 
 
 def same_designs(table: StudyTable, points: Array) -> NDArray[np.bool_]:
-    """Tell which designs of a table (n, k) are the points (n, k) beside them."""
+    """Return which designs of a table (n, k) are the points (n, k)."""
     spans = np.array([factor.highest - factor.lowest for factor in table.plan.factors])
     return np.asarray(np.all(np.abs(table.values - points) <= SAME * spans, axis=1))
 
@@ -174,10 +174,10 @@ class FactorSweep:
     curves : list of (p,) array
         Of the forms at these values, the other factors at the nominal throw.
     results : (n,) array
-        Of the designs; those elsewhere are moved to this line along the chosen equation: they keep
-        their distance to it.
+        Of the designs; those elsewhere are shifted to this line along the chosen equation, with
+        their distance to it unchanged.
     on_line : (n,) array of bool
-        Which designs lie on this line themselves.
+        Which designs are on this line.
     """
 
     values: Array
@@ -189,7 +189,7 @@ class FactorSweep:
 def factor_sweep(
     table: StudyTable, found: ResponseFits, place: int, forms: Sequence[Fit], values: Array
 ) -> FactorSweep:
-    """Return forms at (p,) values of the factor at `place`, and the designs beside them."""
+    """Return forms at (p,) values of the factor at an index, and the designs near them."""
     section = nominal_section(table)
     points = moved(section, place, values)
     here = moved(section, place, table.values[:, place])

@@ -58,7 +58,7 @@ class ResponseFits:
     Attributes
     ----------
     response : str
-        Its name in the model: pinned responses are called without their support.
+        Its name in the model: the support of pinned responses is omitted.
     column : str
         Its name in the study's table.
     symbol, unit, support : str
@@ -66,19 +66,19 @@ class ResponseFits:
     fits : tuple of Fit
     chosen : Fit
     reason : str
-        Why that one, in a sentence.
+        Reason for the choice, in a sentence.
     skipped : tuple of str
         Forms that could not be fitted, with the reason.
     twins : mapping
-        Form that is not among the fits, because selection left it the terms of another one, to that
-        one.
+        Form that is not among the fits, because selection left the same terms as in another one, to
+        that form.
     fe_error : float or None
-        Largest estimate of the finite elements' own relative error; None if not known.
+        Largest estimate of the finite elements' own relative error; None if unknown.
     fe_scatter : float
-        Standard deviation of that estimate over the designs: what is common to all designs no form
-        can see, what differs from design to design looks like scatter.
+        Standard deviation of that estimate over the designs: an error common to all designs is invisible
+        to every form, a varying one looks like scatter.
     encodings : mapping
-        Basis ("factors" or "groups") to what the columns of its equations are.
+        Basis ("factors" or "groups") to the encoding of its columns.
     unfitted : mapping
         Other responses of the study that have no equation, by their name in the table, to the reason;
         the same for all responses.
@@ -100,7 +100,7 @@ class ResponseFits:
     unfitted: Mapping[str, str] = field(default_factory=dict)
 
     def form_text(self, fit: Fit) -> str:
-        """Return the name of a fit's form, and whether it is the chosen one."""
+        """Return the name of a fit's form, marked if it is the chosen one."""
         return f"{fit.form} (chosen)" if fit is self.chosen else fit.form
 
     def equation(self, fit: Fit) -> str:
@@ -136,7 +136,7 @@ class ResponseFits:
     ) -> "Axes":
         """Draw the held-out error of every form, or the effects of one.
 
-        What needs the designs too, such as parity, `StudyResult.plot` draws.
+        Diagrams that need the designs too, such as parity, are in `StudyResult.plot`.
 
         Parameters
         ----------
@@ -153,7 +153,7 @@ class ResponseFits:
         Raises
         ------
         InputError
-            If `show` is neither, the form was not fitted, or one is given with "errors".
+            If `show` is unknown, the form was not fitted, or one is given with "errors".
         """
         check_choice("show", show, ("errors", "effects"), "these need the fits alone")
         if show == "effects":
@@ -186,7 +186,7 @@ class ResponseFits:
         draw_effects(axes, names, values / size, label, fit.form)
 
     def to_pandas(self) -> Any:
-        """Return a table of the forms and their errors; what is not known is missing.
+        """Return a table of the forms and their errors; unknown values are missing.
 
         Returns
         -------
@@ -217,8 +217,8 @@ def predicted(table: StudyTable, found: ResponseFits, fit: Fit) -> Array:
 def surface(plan: StudyPlan, found: ResponseFits, fit: Fit) -> Callable[[Array], Array]:
     """Return a fit as a function of factor values (n, k), also between the designs.
 
-    On groups, the dimensions follow from the factors by the study's relations; constraints are not
-    regarded.
+    On groups, the dimensions follow from the factors by the study's relations; constraints are
+    ignored.
     """
     return lambda values: _values(
         plan, found, fit, values, needed_dimensions(plan, found, fit, values)
@@ -248,7 +248,7 @@ def _values(
 def fit_scale(
     plan: StudyPlan, column: str, basis: str, dimensions: Mapping[str, Array]
 ) -> float | Array:
-    """Return what a fit's value is multiplied with to give the response of a table's column."""
+    """Return the factor from a fit's value to the response of a table's column."""
     if basis == "factors":
         return 1.0
     scale: float | Array = response_scale(RESPONSES[column].unit, dimensions, plan.material)
@@ -256,7 +256,7 @@ def fit_scale(
 
 
 def dimensions_at(plan: StudyPlan, values: Array, names: list[str]) -> dict[str, Array]:
-    """Return dimensions of the throws that factor values (n, k) make, whether they can be built or not."""
+    """Return dimensions of the throws of factor values (n, k), whether they can be built or not."""
     if not names:
         return {}
     variants = plan.variants()

@@ -41,14 +41,14 @@ OF_A_FORM: tuple[Shown, ...] = ("parity", "effects")
 @summarized("study: table.plan.key", "designs: table.values", "fits", keeps_text=True)
 @dataclass(frozen=True)
 class StudyResult:
-    """A study's table, its fits by response, and the model made of the chosen ones."""
+    """A study's table, its fits by response, and the model of the chosen ones."""
 
     table: StudyTable
     fits: dict[str, ResponseFits]
     model: ComplianceModel
 
     def __repr__(self) -> str:
-        """Say in a line what it is; the table alone would fill screens."""
+        """Summarize the result in a line; the table alone would fill screens."""
         return (
             f"StudyResult(study {self.table.plan.key[:6]}, {len(self.table.values)} designs, "
             f"equations for {', '.join(self.fits)})"
@@ -76,10 +76,10 @@ class StudyResult:
             "effects": sizes of the equation's terms; "elasticities": % of
             the response per % of each factor; "sobol": the factors' shares of the variance.
         factor : str, optional
-            Along which "response" is drawn, of no use to others; the first by default.
+            Factor for "response"; by default the first.
         form : str, optional
-            Whose "parity" or "effects" are drawn, of no use to others; the chosen one by
-            default.
+            Form for "parity" or "effects"; by default the chosen
+            one.
 
         Returns
         -------
@@ -88,7 +88,7 @@ class StudyResult:
         Raises
         ------
         InputError
-            If an option is none of these or of no use to what is shown, or the form was not fitted.
+            If an option is unknown or not applicable, or the form was not fitted.
         """
         check_choice("show", show, SHOWN, "these are diagrams of a study")
         name = next(iter(self.fits)) if response is None else response
@@ -145,25 +145,25 @@ def run_study(
     Parameters
     ----------
     study : path
-        TOML file with the sections [throw] and [study]; an engine file serves as well.
+        TOML file with the sections [throw] and [study], or an engine file.
     store : path
-        SQLite file of results. Designs found finished there are not computed again.
+        SQLite file of results. Finished designs are not computed again.
     workers : int
         Worker processes on this machine.
     progress : callable, optional
         Called with (finished, total, newest outcome or None).
     dask : str, optional
-        Address of a Dask scheduler, whose workers then compute instead.
+        Address of a Dask scheduler, whose workers then compute.
     time_limit : float, optional
-        Seconds that one design may take; 300 at 1 % accuracy by default.
+        Time limit of one design [s]; 300 at 1 % accuracy by default.
     memory_limit : float, optional
-        Bytes that one worker process may take; no limit by default.
+        Memory limit of one worker process [bytes]; none by default.
     note : callable, optional
-        Told in a sentence what should be known meanwhile, such as that a cluster has no workers and is
-        waited for; by default it is written to standard error. ``note=lambda _: None`` says nothing.
+        Called with notes, for example that a cluster has no workers
+        yet; by default they are written to standard error. ``note=lambda _: None`` suppresses them.
     more : int
-        How many runs beside those of its plan the study shall have, where its equations are worst, at most
-        1000. The store remembers those that were added: the same number again adds none.
+        Number of further runs beyond the plan, where the equations are worst, at most
+        1000. The store records the added runs: the same number again adds none.
 
     Returns
     -------
@@ -175,9 +175,9 @@ def run_study(
         If the file, the store, a limit, the cluster or the number of workers cannot be used, or too few
         designs succeed.
     MissingLibraryError
-        If a cluster is asked for without the package for it.
+        If a cluster is used without the required package.
     StudyStoppedError
-        If the store cannot be written any more, or the cluster is gone; finished designs are kept.
+        If the store can no longer be written, or the cluster is lost; finished designs are kept.
     """
     table = run_grown(
         load_study(study),
@@ -198,7 +198,7 @@ def _to_stderr(text: str) -> None:
 
 
 def study_key(path: str | Path) -> str:
-    """Return the key under which a store knows the study of a file.
+    """Return the key of a file's study in a store.
 
     Raises
     ------

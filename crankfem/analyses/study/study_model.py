@@ -21,15 +21,15 @@ from regression.throw_values import throw_values
 def compliance_model(
     table: StudyTable, fits: Mapping[str, ResponseFits], form: str | None = None
 ) -> ComplianceModel:
-    """Make the model that lookups use.
+    """Make the model for lookups.
 
     Parameters
     ----------
     table : StudyTable
     fits : mapping
-        As `fit_study` returns them.
+        From `fit_study`.
     form : str, optional
-        Form to use for every response in place of the chosen ones.
+        Form for every response; by default the chosen ones.
 
     Raises
     ------

@@ -1,1 +1,1 @@
-"""What a classification society asks of torsional vibration: its numbers, and its tables."""
+"""The torsional vibration document for a classification society: its numbers and tables."""

@@ -45,7 +45,7 @@ def class_document(run: EngineVibration) -> tuple[DocumentPart, ...]:
     Raises
     ------
     InputError
-        If a pressure cannot be reached, or a permitted value is that of a damper that is not there.
+        If a pressure cannot be reached, or a permitted value is for a damper that does not exist.
     """
     check_damper_limits(run)
     cases = firing_cases(run)
@@ -88,7 +88,7 @@ def _upper(text: str) -> str:
 
 
 def _kept_or_exceeded(what: str, table: Table) -> tuple[str, ...]:
-    """Say whether the rows of a table keep what they may reach; nothing where that is not known."""
+    """State whether the rows of a table keep their limits; empty if unknown."""
     judged = [row for row in table.rows if row[JUDGED[table.columns[0].name]] is not None]
     rows = [
         ", ".join(str(cell) for cell in row[:2] if isinstance(cell, str))
@@ -104,7 +104,7 @@ def _kept_or_exceeded(what: str, table: Table) -> tuple[str, ...]:
 
 
 def _failing_sentence(cases: FiringCases, way: str) -> str:
-    """Name the place of which most of its limit is used with a cylinder failing."""
+    """Name the location with the largest use of its limit with a cylinder failing."""
     numbers = {name: cases.worst_cylinder(way, STRESS, name) for name in cases.normal[STRESS].names}
     found = {
         name: cases.failing[way][number].kept[STRESS, name] for name, number in numbers.items()

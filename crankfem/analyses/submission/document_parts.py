@@ -1,4 +1,4 @@
-"""What a document is made of: parts with sentences, tables and diagrams."""
+"""The parts of a document, with sentences, tables and diagrams."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -9,7 +9,7 @@ from crankbase.tables.table import Table
 
 @dataclass(frozen=True)
 class DocumentTable:
-    """A table, and what its file is called."""
+    """A table, and the name of its file."""
 
     name: str
     table: Table
@@ -17,7 +17,7 @@ class DocumentTable:
 
 @dataclass(frozen=True)
 class DocumentPicture:
-    """A diagram: what its file is called, what stands below it, what draws it, whether two fit in a row."""
+    """A diagram: its file name, its caption, its drawing function, whether two fit in a row."""
 
     name: str
     caption: str
@@ -29,7 +29,7 @@ class DocumentPicture:
 class DocumentPart:
     """A part of the document: title, sentences, then tables and diagrams in their order.
 
-    The name stands in addresses.
+    The name is used in addresses.
     """
 
     name: str

@@ -47,20 +47,20 @@ GENERATOR_NODES = ("driven machine", "generator", "flywheel")
 
 @dataclass(frozen=True, eq=False)
 class FiringCase:
-    """What one way of firing brings.
+    """Results of one case of firing.
 
     Attributes
     ----------
     kept : dict
-        Key of a series and place to the worst at running speeds outside of the ranges to be barred: the
-        largest use of its limit as it holds then, without a limit the largest amplitude.
+        Key of a series and location to the worst at running speeds outside the ranges to be barred: the
+        largest use of the limit that then applies, without a limit the largest amplitude.
     passed : dict
-        The same in these ranges, held against the limit for passing; empty without such a range, and where
+        The same in these ranges, compared with the limit for passing; empty without such a range, and if
         a cylinder fails.
     largest : dict
-        The same to the largest amplitude at any speed calculated.
+        The same to the largest amplitude at any calculated speed.
     heat : dict
-        Place of a damper or coupling to the largest heat at these speeds [W] and its speed [rad/s].
+        Damper or coupling to the largest heat at these speeds [W] and its speed [rad/s].
     """
 
     kept: Mapping[tuple[str, str], Reached]
@@ -72,7 +72,7 @@ class FiringCase:
 @summarized("speeds [rad/s]", "limits", "notes")
 @dataclass(frozen=True, eq=False)
 class FiringCases:
-    """Torsional vibration of an engine up to 120 % of its rated speed in all ways of firing.
+    """Torsional vibration of an engine up to 120 % of its rated speed in all cases of firing.
 
     Attributes
     ----------
@@ -83,15 +83,15 @@ class FiringCases:
         [N m], torque of gears on their driven nodes [N m], amplitude of the generator [electrical rad].
     firing : FiringCase
     failing : dict
-        `MISFIRING` and `CUT_OUT` to the case of each cylinder, from 1; without what is not known.
+        `MISFIRING` and `CUT_OUT` to the case of each cylinder, from 1; without unknown ones.
     envelopes : dict
-        The same to the largest stress at each speed and place with any cylinder failing [Pa].
+        The same to the largest stress at each speed and location with any cylinder failing [Pa].
     mean_torque : (S,) array
         Of the engine firing normally [N m].
     limits : dict
-        Key of a series and place to its limit.
+        Key of a series and location to its limit.
     notes : tuple of str
-        What is not calculated, and why.
+        Omitted calculations, and why.
     """
 
     speeds: FloatArray
@@ -104,13 +104,13 @@ class FiringCases:
     notes: tuple[str, ...]
 
     def worst_cylinder(self, way: str, key: str, place: str) -> int:
-        """Return the number of the cylinder whose failing is worst for a place."""
+        """Return the number of the cylinder whose failing is worst for a location."""
         cases = self.failing[way]
         return max(cases, key=lambda number: cases[number].kept[key, place].severity)
 
 
 def firing_cases(run: EngineVibration) -> FiringCases:
-    """Calculate all ways of firing.
+    """Calculate all cases of firing.
 
     Parameters
     ----------
@@ -168,7 +168,7 @@ def _cold(
     compression: bool,
     share: float,
 ) -> CylinderHarmonics | str:
-    """Return the harmonics of cylinders in which nothing burns, or why they are not known."""
+    """Return the harmonics of cylinders without combustion, or why they are unknown."""
     try:
         failing = file.changed(misfire=Misfire(compression=compression))
         return failing_harmonics(failing, mechanism, firing, share)
@@ -189,7 +189,7 @@ def _kept_and_passed(
 
 
 def torsional_series(file: EngineFile, _: ChainAnswer, torsional: ChainAnswer) -> Series:
-    """Return what the document shows of one answer of the torsional chain; linear in the forces."""
+    """Return the quantities of the document for one response of the torsional chain; linear in the forces."""
     loads, response = torsional.loads, torsional.response
     found = {STRESS: _stresses(file, torsional), TORQUE: loads.elements, DASHPOTS: loads.dashpots}
     if torsional.engine_chain.chain.gears:
@@ -208,7 +208,7 @@ def generator_node(chain: Chain) -> str:
 
 
 def _stresses(file: EngineFile, torsional: ChainAnswer) -> OrderSeries:
-    """Nominal stress of all parts of the crankshaft, and of the shafts whose diameters [limits] gives."""
+    """Nominal stress of all parts of the crankshaft, and of shafts with diameters in [limits]."""
     moduli = {torsional.loads.elements.names[place]: one for place, one in torsional.moduli.items()}
     for shaft in (file.limits or LimitsInput()).shafts:
         moduli[shaft.element] = float(section_modulus("torsional", shaft.diameter))
@@ -216,10 +216,10 @@ def _stresses(file: EngineFile, torsional: ChainAnswer) -> OrderSeries:
 
 
 def _gear_torques(response: ForcedResponse, chain: Chain) -> OrderSeries:
-    """Torque that each gear puts on its driven node: what holds that node in equilibrium.
+    """Torque of each gear on its driven node: that which holds the node in equilibrium.
 
-    Of a node the sum of inertia, springs, dampers and outside torques is zero but for its gears; one that
-    is in several gears has their sum.
+    At a node the sum of inertia, springs, dampers and outside torques is zero except for its gears; a node
+    in several gears has their sum.
     """
     w = response.angular_frequencies[:, :, np.newaxis]
     stiffness = chain.stiffness_matrix() + 1j * chain.loss_matrix()
@@ -236,7 +236,7 @@ def _gear_torques(response: ForcedResponse, chain: Chain) -> OrderSeries:
 
 
 def place_limits(file: EngineFile) -> dict[tuple[str, str], VibrationLimit]:
-    """Return the limits by what they hold for; "" stands for each place of the crankshaft."""
+    """Return the limits by their location; "" is each location of the crankshaft."""
     found, _ = engine_limits(file)
     limits = {}
     for name, limit in found.items():
@@ -250,9 +250,9 @@ def place_limits(file: EngineFile) -> dict[tuple[str, str], VibrationLimit]:
 
 
 def heat_factors(chain: Chain) -> dict[tuple[str, str], tuple[float, float, float]]:
-    """Return stiffness, loss factor and damping of what turns vibration into heat, by series and place.
+    """Return stiffness, loss factor and damping of all dissipative parts, by series and location.
 
-    Dashpots have no stiffness; parts of the crankshaft count too where they have damping of their own.
+    Dashpots have no stiffness; parts of the crankshaft with damping of their own are included.
     """
     found = {}
     for name, *values in zip(
@@ -284,13 +284,13 @@ def heat_of(series: OrderSeries, place: str, values: tuple[float, float, float])
 
 
 def damper_places(chain: Chain) -> tuple[tuple[str, str], ...]:
-    """Return what belongs to torsional dampers, by series and place."""
+    """Return the parts of torsional dampers, by series and location."""
     return tuple(key for key in heat_factors(chain) if key[1].endswith(DAMPER))
 
 
 @dataclass(frozen=True, eq=False)
 class _Judge:
-    """Finds the worst of each place in one way of firing."""
+    """Finds the worst of each location in one case of firing."""
 
     limits: Mapping[tuple[str, str], VibrationLimit]
     damping: Mapping[tuple[str, str], tuple[float, float, float]]
@@ -323,7 +323,7 @@ class _Judge:
 def limit_of(
     limits: Mapping[tuple[str, str], VibrationLimit], key: str, place: str
 ) -> VibrationLimit | None:
-    """Return the limit of a place, which of a part of the crankshaft is that of all parts."""
+    """Return the limit of a location; for a part of the crankshaft that of all parts."""
     return limits.get((key, place)) or limits.get((key, ""))
 
 

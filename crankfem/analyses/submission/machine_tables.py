@@ -1,4 +1,4 @@
-"""Dampers, couplings, gears and the generator in all ways of firing, as tables."""
+"""Dampers, couplings, gears and the generator in all cases of firing, as tables."""
 
 import math
 from collections.abc import Sequence
@@ -25,7 +25,7 @@ from dynamics.running_limits import within
 
 
 def damper_table(run: EngineVibration, cases: FiringCases) -> Table | None:
-    """Return torque and heat of dampers and couplings beside what is permitted; None without any."""
+    """Return torque and heat of dampers and couplings with the permitted values; None without any."""
     chain, limits = run.torsional_chain, run.engine_file.limits or LimitsInput()
     dampers = damper_places(chain)
     keys = dict.fromkeys([*dampers, *heat_factors(chain)])
@@ -93,7 +93,7 @@ def _each_way(
 
 
 def gear_table(run: EngineVibration, cases: FiringCases) -> Table | None:
-    """Return vibratory beside mean torque of each gear; None without gears."""
+    """Return vibratory and mean torque of each gear; None without gears."""
     if GEARS not in cases.normal:
         return None
     engine, chain = run.engine_file.engine, run.torsional_chain
@@ -144,7 +144,7 @@ def gear_table(run: EngineVibration, cases: FiringCases) -> Table | None:
 
 
 def generator_table(run: EngineVibration, cases: FiringCases) -> Table | None:
-    """Return the electrical angle of the generator's rotor; None where its poles are not given."""
+    """Return the electrical angle of the generator's rotor; None without its number of poles."""
     if GENERATOR not in cases.normal:
         return None
     engine = run.engine_file.engine

@@ -34,20 +34,20 @@ ROUND_OFF = 1e-9
 @summarized("frequency [Hz]", "modal_inertia [kg m^2]", "amplitude")
 @dataclass(frozen=True, eq=False)
 class HolzerTable:
-    """One mode scaled to an amplitude of 1 mrad at the first node: what moves, and what is twisted.
+    """One mode scaled to an amplitude of 1 mrad at the first node: motions and torques.
 
     Attributes
     ----------
     frequency : float
         [Hz].
     amplitude : (n,) array
-        Of each node beside that of the first one.
+        Of each node relative to that of the first one.
     inertia_torque : (n,) array
-        What the inertia of each node brings [N m].
+        Torque of the inertia of each node [N m].
     torque : (e,) array
-        In each element, the second node less the first [N m].
+        In each element, the second node minus the first [N m].
     ground : (n,) array
-        What each node leaves to springs to ground [N m].
+        Torque of the springs to ground at each node [N m].
     modal_inertia : float
         Referred to the first node [kg m^2].
     kinetic_shares : (n,) array
@@ -77,9 +77,9 @@ def holzer_table(chain: Chain, modes: Modes, mode: int) -> HolzerTable:
 
     Notes
     -----
-    With the shape a, a_1 = 1 at the first node, node i brings the torque w^2 (M a)_i and element j carries
-    k_j times its twist. Together with what goes to ground and to gears they balance at each node. A mode that
-    leaves the first node at rest is scaled to its largest amplitude.
+    With the shape a, a_1 = 1 at the first node, node i contributes the torque w^2 (M a)_i and element j
+    carries k_j times its twist. Together with springs to ground and gears they balance at each node. A mode
+    with the first node at rest is scaled to its largest amplitude.
     """
     shape = modes.shapes[:, mode]
     first = shape[0] if abs(shape[0]) > np.finfo(float).eps else 1.0
@@ -170,7 +170,7 @@ def mass_table(chain: Chain, own: HolzerTable, number: int) -> Table:
 
 
 def _sums(torques: FloatArray) -> list[float]:
-    """Return sums from the first on, with zero for what differs from it by round-off."""
+    """Return sums from the first on, with zero for round-off."""
     sums = np.cumsum(torques)
     small = np.abs(sums) < ROUND_OFF * np.max(np.abs(torques))
     found: list[float] = np.where(small, 0.0, sums).tolist()
@@ -300,7 +300,7 @@ def major_judgment(run: EngineVibration) -> MajorCriticals:
 
 
 def major_sentences(run: EngineVibration) -> tuple[str, ...]:
-    """Say what the rule on major critical speeds finds."""
+    """State the finding of the rule on major critical speeds."""
     engine, own = run.engine_file.engine, major_judgment(run)
     orders = " and ".join(f"{order:g}" for order in own.orders)
     low, high = (f"{speed / engine.rated_speed:.2g}" for speed in own.clear)
@@ -318,7 +318,7 @@ def major_sentences(run: EngineVibration) -> tuple[str, ...]:
 
 
 def _told(run: EngineVibration, found: Sequence[CriticalSpeed]) -> str:
-    """Name critical speeds that lie there, with the damping of their modes where it is known."""
+    """Name critical speeds in the range, with the damping of their modes if known."""
     forced = run.forced_torsional
     damped = {one.mode: one.damping_ratio for one in (() if forced is None else forced.resonances)}
     return ", ".join(

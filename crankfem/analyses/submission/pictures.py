@@ -29,7 +29,7 @@ FAILING_COLORS = {MISFIRING: ORANGE, CUT_OUT: GREEN}
 
 
 def draw_modes(path: Path, run: EngineVibration, first: int) -> None:
-    """Draw the shapes of some modes that are shown, from the place `first` among them on."""
+    """Draw the shapes of some of the modes shown, from index `first` on."""
     result = run.torsional.chosen
     modes, chain = result.modes, result.chain.chain
     shown = list(shown_modes(run)[first : first + SHAPES])
@@ -50,14 +50,14 @@ def draw_modes(path: Path, run: EngineVibration, first: int) -> None:
 
 
 def star_rows(run: EngineVibration, mode: int) -> tuple[int, int]:
-    """Return in how many rows and columns the phase vectors of a mode stand."""
+    """Return the numbers of rows and columns of the phase vectors of a mode."""
     count = len(same_stars(mode_stars(run, mode)))
     columns = min(STARS_IN_ROW, count)
     return -(-count // columns), columns
 
 
 def draw_vectors(path: Path, run: EngineVibration, mode: int) -> None:
-    """Draw the phase vectors of all orders in one mode, orders that look alike together."""
+    """Draw the phase vectors of all orders in one mode, orders of equal shape together."""
     groups = same_stars(mode_stars(run, mode))
     rows, columns = star_rows(run, mode)
     with figure(path, width=1.5 * columns + 0.4, height=1.85 * rows) as axes:
@@ -71,7 +71,7 @@ def draw_vectors(path: Path, run: EngineVibration, mode: int) -> None:
 
 
 def draw_stress(path: Path, run: EngineVibration, cases: FiringCases, place: int) -> None:
-    """Draw the stress of one place over the speed: main orders, all orders, cylinders failing, limits."""
+    """Draw the stress of one location over the speed: main orders, all orders, cylinders failing, limits."""
     series = cases.normal[STRESS]
     name, forced = series.names[place], run.forced_torsional
     display = quantity_display("stress", "SI")

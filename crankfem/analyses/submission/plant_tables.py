@@ -1,4 +1,4 @@
-"""What the document says of the plant: data of the engine, its torsional chain, and what excites it."""
+"""The plant in the document: data of the engine, its torsional chain, and the excitation."""
 
 from dataclasses import replace
 
@@ -23,7 +23,7 @@ LOADS = (0.25, 0.5, 0.75, 1.0)
 
 
 def engine_data_table(run: EngineVibration) -> Table:
-    """Return what the engine is, and what moves in it."""
+    """Return the data of the engine and its moving parts."""
     file, engine = run.engine_file, run.engine_file.engine
     load = run.load
     said = [
@@ -114,7 +114,7 @@ def chain_mass_table(chain: Chain) -> Table:
 
 
 def chain_shaft_table(run: EngineVibration) -> Table:
-    """Return the shafts of the torsional chain with their diameters, where these are known."""
+    """Return the shafts of the torsional chain with their diameters, if known."""
     chain = run.torsional_chain
     diameters = _diameters(run)
     return Table(
@@ -155,12 +155,12 @@ def _diameters(run: EngineVibration) -> dict[str, float]:
 
 
 def harmonics_by_load(run: EngineVibration) -> tuple[list[str], FloatArray, str]:
-    """Return amplitudes of the tangential gas force by order at several loads, and where these are.
+    """Return amplitudes of the tangential gas force by order at several loads, and these loads.
 
     Returns
     -------
     loads : list of str
-        What each load is.
+        Description of each load.
     amplitudes : (K, m) array
         Over the area of the piston [Pa]; the last column is that of the moving masses at rated speed.
     note : str
@@ -209,7 +209,7 @@ def _gas_alone(harmonics: CylinderHarmonics) -> CylinderHarmonics:
 def _part_loads(run: EngineVibration, mechanism: MechanismFile) -> tuple[ComplexArray, FloatArray]:
     """Phasors (K, m) of the gas force of cylinder 1 at part loads, and the mean indicated pressures [Pa].
 
-    A propeller's law says the load by a speed: the one at which it takes this share stands for the load.
+    With a propeller's law, each load is that at the speed at which it reaches this share.
     """
     assert run.load is not None
     along = replace(mechanism, load=LoadSection(law="propeller"))

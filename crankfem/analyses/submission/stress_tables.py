@@ -1,4 +1,4 @@
-"""Stresses and torques of shafts in all ways of firing, what is permitted, and ranges to bar, as tables."""
+"""Stresses and torques of shafts in all cases of firing, limits and ranges to bar, as tables."""
 
 import math
 from itertools import pairwise
@@ -26,12 +26,12 @@ PLACES_SHOWN = 7
 
 
 def place_numbers(cases: FiringCases) -> dict[str, int]:
-    """Return the numbers by which wide tables call the places of stress, from 1."""
+    """Return the numbers of the locations of stress in wide tables, from 1."""
     return {name: number for number, name in enumerate(cases.normal[STRESS].names, start=1)}
 
 
 def normal_table(cases: FiringCases) -> Table:
-    """Return the synthesized stress of each place in normal firing, beside its limits."""
+    """Return the synthesized stress of each location in normal firing, with its limits."""
     rows, marks = [], []
     for name, number in place_numbers(cases).items():
         largest = cases.firing.largest[STRESS, name]
@@ -71,7 +71,7 @@ def normal_table(cases: FiringCases) -> Table:
 
 
 def found_value(found: Reached) -> float | str:
-    """Return a value reached, in a word where it is unbounded."""
+    """Return a value, as a word where it is unbounded."""
     return UNBOUNDED if math.isinf(found.value) else found.value
 
 
@@ -81,7 +81,7 @@ def _judged(found: Reached) -> list[float | str | None]:
 
 
 def permitted_table(run: EngineVibration, cases: FiringCases) -> Table:
-    """Return the limits of each place at shares of the rated speed."""
+    """Return the limits of each location at shares of the rated speed."""
     shares = (0.4, 0.6, 0.8, 0.9, 1.0, 1.05)
     rated = run.engine_file.engine.rated_speed
     speeds = rated * np.array(shares)
@@ -109,7 +109,7 @@ def permitted_table(run: EngineVibration, cases: FiringCases) -> Table:
 
 
 def order_tables(cases: FiringCases) -> list[Table]:
-    """Return the largest stress of each order at any speed, and the speed, of each place."""
+    """Return the largest stress of each order at any speed, and the speed, for each location."""
     series, speeds = cases.normal[STRESS], cases.speeds
     numbers = list(place_numbers(cases).values())
     tables = []
@@ -148,7 +148,7 @@ def order_tables(cases: FiringCases) -> list[Table]:
 
 
 def failing_table(cases: FiringCases, way: str) -> Table:
-    """Return the worst case of one cylinder failing for each place, beside normal firing."""
+    """Return the worst case of one cylinder failing for each location, and normal firing."""
     rows: list[list[Cell]] = []
     marks = []
     for name, number in place_numbers(cases).items():
@@ -197,7 +197,7 @@ def failing_table(cases: FiringCases, way: str) -> Table:
 
 
 def each_table(cases: FiringCases, way: str) -> Table:
-    """Return the stress of each place with each cylinder failing."""
+    """Return the stress of each location with each cylinder failing."""
     numbers = sorted(cases.failing[way])
     return Table(
         f"{way.capitalize()}: largest use of the limit, cylinder by cylinder",
@@ -222,7 +222,7 @@ def each_table(cases: FiringCases, way: str) -> Table:
 
 
 def torque_table(cases: FiringCases) -> Table:
-    """Return the vibratory torque of each element in all ways of firing."""
+    """Return the vibratory torque of each element in all cases of firing."""
     ways = list(cases.failing)
     rows = []
     for name in cases.normal[TORQUE].names:
@@ -248,7 +248,7 @@ def torque_table(cases: FiringCases) -> Table:
 
 
 def barred_table(verdict: Verdict) -> Table:
-    """Return the speed ranges to be barred, and what is said of passing them."""
+    """Return the speed ranges to be barred, and the remarks on passing them."""
     ranges = (*verdict.started_through, *verdict.barred)
     return Table(
         "Speed ranges to be barred, or passed on starting",
@@ -272,7 +272,7 @@ def barred_table(verdict: Verdict) -> Table:
 
 
 def limit_source_table(cases: FiringCases) -> Table:
-    """Return where each limit comes from."""
+    """Return the source of each limit."""
     rows = {
         limit.name: [
             limit.name,
@@ -293,7 +293,7 @@ def limit_source_table(cases: FiringCases) -> Table:
 
 
 def permitted_curves(cases: FiringCases, name: str) -> dict[str, FloatArray]:
-    """Return the limits of a place over the speeds, by what a legend calls them."""
+    """Return the limits of a location over the speeds, by their names in the legend."""
     limit = limit_of(cases.limits, STRESS, name)
     if limit is None:
         return {}

@@ -1,4 +1,4 @@
-"""What an engine needs for the torsional vibration document, and permitted values it has nothing for."""
+"""Requirements of an engine for the torsional vibration document."""
 
 from crankbase.errors import InputError
 from crankfem.analyses.submission.firing_cases import damper_places
@@ -8,7 +8,7 @@ from crankfem.files.sections.limits_sections import LimitsInput
 
 
 def check_submission(engine: EngineFile) -> None:
-    """Refuse an engine that no document can be made of, and permitted values of what it lacks.
+    """Refuse an engine without the data for the document, and permitted values for parts that it lacks.
 
     Raises
     ------

@@ -1,1 +1,1 @@
-"""One throw: stresses at fillets, formulas beside finite elements, export."""
+"""One throw: stresses at fillets, formulas compared with finite elements, export."""

@@ -11,7 +11,7 @@ UNITS = {"axial": "m/N", "torsional": "rad/(N m)"}
 
 
 def compliance_tables(results: Mapping[str, Any]) -> Record:
-    """Return what the tables of compliances show.
+    """Return the content of the tables of compliances.
 
     Parameters
     ----------
@@ -90,7 +90,7 @@ def compliance_tables(results: Mapping[str, Any]) -> Record:
 
 
 def further_compliances(results: Mapping[str, Any]) -> dict[str, Record]:
-    """Return the tables of an engine's further throws by name; of them no frequency is told."""
+    """Return the tables of an engine's further throws by name, without frequencies."""
     return {
         name: compliance_tables(
             {
@@ -107,16 +107,16 @@ def further_compliances(results: Mapping[str, Any]) -> dict[str, Record]:
 def regression_record(
     values: Mapping[str, tuple[float, ResponseModel]], source: str = "the study", *remarks: str
 ) -> Record:
-    """Return what fitted equations say of the throw itself.
+    """Return the results of fitted equations for the throw itself.
 
     Parameters
     ----------
     values : mapping
         Kind, "axial" or "torsional", to the compliance of the throw [SI] and its equation.
     source : str, optional
-        Where the equations come from.
+        Source of the equations.
     *remarks : str
-        What else is to be said of them.
+        Further remarks on them.
 
     Returns
     -------

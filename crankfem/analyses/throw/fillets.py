@@ -1,4 +1,4 @@
-"""Stresses at the fillets in a run, computed coarsely, pictured for the loads that matter."""
+"""Stresses at the fillets in a run, computed coarsely, pictured for the main loads."""
 
 from collections.abc import Sequence
 from dataclasses import replace
@@ -23,7 +23,7 @@ KINDS_SHOWN = ("radial", "torsion")
 def stresses_or_reason(
     throw: CrankThrow, material: Material, mesh: fillet_stress.FilletMesh = "adaptive"
 ) -> tuple[FilletStresses | None, str | None]:
-    """Compute the stresses at a throw's fillets; a throw for which they cannot be had loses nothing else.
+    """Compute the stresses at a throw's fillets; if impossible, the other results remain.
 
     Parameters
     ----------
@@ -57,7 +57,7 @@ def shown_loads(stresses: FilletStresses) -> FilletStresses:
 
 
 def of_loads(stresses: FilletStresses, kept: Sequence[int]) -> FilletStresses:
-    """Return the stresses under some of the loads, by their places."""
+    """Return the stresses under some of the loads, by their indices."""
     loaded = stresses.loaded
     loads = tuple(loaded.loads[place] for place in kept)
     return replace(
@@ -89,7 +89,7 @@ class StressRendering(OffscreenProcess):
     stresses : FilletStresses
         `shown_loads` of a throw.
     folder : Path
-        Where the `stress_files` go.
+        Folder of the `stress_files`.
     """
 
     def __init__(self, stresses: FilletStresses, folder: Path) -> None:

@@ -30,12 +30,12 @@ def plot_formulas(
     *,
     finite_elements: float | None = None,
 ) -> "Axes":
-    """Draw what the published formulas give for one throw, a bar for each.
+    """Draw the values of the published formulas for one throw, a bar for each.
 
     Parameters
     ----------
     found : mapping of str to FormulaValue
-        As `axial_formulas` or `torsional_formulas` returns it.
+        From `axial_formulas` or `torsional_formulas`.
     axes : matplotlib.axes.Axes, optional
         New ones by default.
     finite_elements : float, optional
@@ -88,7 +88,7 @@ def plot_formulas_over_angle(
     axes : matplotlib.axes.Axes, optional
         New ones by default.
     analysis : ThrowAnalysis, optional
-        Of the same throw, drawn beside them; its material counts then.
+        Of the same throw, drawn too; its material is then used.
     material : Material
         For the formulas otherwise.
 
@@ -178,7 +178,7 @@ def formulas_over_angle(
     gammas : (g,) array
         [deg]
     formulas : mapping
-        Formula name to (g,) values [m/N], nan where it does not apply.
+        Formula name to (g,) values [m/N], NaN where it does not apply.
     fe : (g,) array, optional
         By finite elements in a helix of that angle [m/N].
     bounds : mapping of str to float, optional

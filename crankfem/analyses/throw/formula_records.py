@@ -1,4 +1,4 @@
-"""Values of the published formulas for one throw as plain JSON content, beside finite elements."""
+"""Values of the published formulas for one throw as plain JSON content, with those of finite elements."""
 
 from collections.abc import Mapping, Sequence
 
@@ -34,8 +34,8 @@ def formula_records(
     -------
     dict
         "axial" [m/N] and "torsional" [rad/(N m)]: a record for each formula; "law": `law_answers`
-        at that angle, None where it says nothing of the throw; "left_out": axial formulas without a value in
-        a printed reading, and the law without answers, with the reason.
+        at that angle, None if it does not cover the throw; "left_out": axial formulas without a value in
+        a printed reading, and the law without results, with the reason.
 
     Raises
     ------
@@ -96,7 +96,7 @@ def fe_axial_curve(analysis: ThrowAnalysis, gammas_deg: Sequence[float]) -> list
 
 
 def fe_record(analysis: ThrowAnalysis, gamma_deg: float) -> Record:
-    """What finite elements give to compare with the formulas.
+    """Values by finite elements to compare with the formulas.
 
     Parameters
     ----------

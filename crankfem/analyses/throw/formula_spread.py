@@ -1,4 +1,4 @@
-"""How far the published formulas lie from finite elements, for many engines."""
+"""Ratios of the published formulas to finite elements, for many engines."""
 
 import math
 from collections.abc import Callable, Mapping, Sequence
@@ -16,7 +16,7 @@ ACCURACY = 0.02
 
 @dataclass(frozen=True)
 class Ratio:
-    """A formula's value beside finite elements, and whether the formula applies to the throw."""
+    """Ratio of a formula's value to finite elements, and whether the formula applies to the throw."""
 
     value: float
     valid: bool
@@ -24,13 +24,13 @@ class Ratio:
 
 @dataclass(frozen=True)
 class EngineSpread:
-    """One engine's formulas beside finite elements.
+    """One engine's formulas compared with finite elements.
 
     Attributes
     ----------
     engine : str
     overlap : float
-        Overlap of main journal and crankpin beside the crank radius, negative where none.
+        Overlap of main journal and crankpin relative to the crank radius, negative without overlap.
     fe : mapping of str to float
         "axial" [m/N] and "torsional" [rad/(N m)] by finite elements.
     error_estimate : float
@@ -48,7 +48,7 @@ class EngineSpread:
 
 @dataclass(frozen=True)
 class FormulaSpread:
-    """One formula beside finite elements over many engines: least, mean and greatest ratio."""
+    """One formula compared with finite elements over many engines: least, mean and greatest ratio."""
 
     least: float
     mean: float

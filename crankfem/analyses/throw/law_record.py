@@ -1,4 +1,4 @@
-"""What the law says of a throw, without finite elements: values with their bands, or why there are none."""
+"""Results of the law for a throw, without finite elements: values with their bands, or why there are none."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -43,8 +43,8 @@ def law_answers(
     throw : CrankThrow
     material : Material
     gamma_deg : float, optional
-        Angle between neighboring cranks [deg], for the axial compliance and the influence coefficient in
-        place of pinned ends.
+        Angle between neighboring cranks [deg], for the axial compliance and the influence coefficient;
+        by default pinned ends.
 
     Returns
     -------
@@ -54,7 +54,7 @@ def law_answers(
     Raises
     ------
     InputError
-        If the law does not hold for the throw or its material.
+        If the law does not cover the throw or its material.
     """
     axial, torsional = throw_laws(
         throw, youngs_modulus=material.youngs_modulus, poisson_ratio=material.poisson_ratio
@@ -95,7 +95,7 @@ def _answer(value: float, lower: float, upper: float, unit: str, support: str) -
 
 
 def law_record(throw: CrankThrow, material: Material, gamma_deg: float | None = None) -> Record:
-    """Return `law_answers` under "answers", or None there and the "reason" why the law has none."""
+    """Return `law_answers` under "answers", or None there and the "reason" why there are none."""
     try:
         return {"answers": law_answers(throw, material, gamma_deg), "reason": None}
     except InputError as error:
@@ -103,7 +103,7 @@ def law_record(throw: CrankThrow, material: Material, gamma_deg: float | None = 
 
 
 def law_sentence(record: Record, units: OutputUnits = SI) -> str:
-    """Say what the law makes of a throw, from its `law_record`."""
+    """State the result of the law for a throw, from its `law_record`."""
     answers = record["answers"]
     if answers is None:
         return units.text(f"The law does not apply to this throw: {record['reason']}")
@@ -127,7 +127,7 @@ LAW_BANDS = (
 
 @dataclass(frozen=True)
 class LawLookups:
-    """The law's answers for one throw, as lookups in a model give theirs.
+    """The law's results for one throw, in the form of lookups in a model.
 
     Attributes
     ----------

@@ -70,7 +70,7 @@ def _peak_record(peak: FilletPeak | OilHolePeak) -> Record:
 
 
 def stress_tables(record: Record, units: OutputUnits = SI) -> list[Table]:
-    """Return a table of the largest stresses for each load; the left half says all where it mirrors."""
+    """Return a table of the largest stresses for each load; of a symmetric throw the left half."""
     length = units.of("mm")
     tables = []
     for load in record["loads"]:
@@ -107,7 +107,7 @@ def stress_tables(record: Record, units: OutputUnits = SI) -> list[Table]:
 
 
 def mirrored(record: Record) -> bool:
-    """Tell whether the left half of a throw, symmetric about its middle, says everything."""
+    """Return whether the left half of a throw, symmetric about its middle, is sufficient."""
     return bool(record["solved_part"] == "quarter")
 
 

@@ -34,13 +34,13 @@ def throw_record(
     ----------
     analysis : ThrowAnalysis
     radial_force : float
-        Z for which reactions are given [N].
+        Z for the reactions [N].
     pin_force : (3,) sequence of float, optional
-        On the first pin, in the throw frame, in place of Z [N].
+        On the first pin, in the throw frame, replaces Z [N].
     gamma_deg : float, optional
-        Angle to equal neighbors, one more support [deg].
+        Angle to equal neighbors, for one more support [deg].
     left_gamma_deg : float, optional
-        That to the left neighbor, where it differs [deg].
+        Angle to the left neighbor, if different [deg].
     """
     supports, mesh = {}, analysis.mesh
     named: dict[str, Support] = {str(support): support for support in SUPPORTS}
@@ -98,7 +98,7 @@ def throw_record(
 
 
 def _section_errors(analysis: ThrowAnalysis, support: Support) -> Record | None:
-    """What rigid sections leave out of compliances; None where sections bend, or are known as rigid alone."""
+    """Effect of rigid sections on compliances; None if sections bend, or were solved as rigid only."""
     if isinstance(support, Neighbors) or analysis.sections == "rigid":
         return None
     found = analysis.section_errors(support)
@@ -110,15 +110,15 @@ def _section_errors(analysis: ThrowAnalysis, support: Support) -> Record | None:
 
 
 def reciprocity_record(analysis: ThrowAnalysis) -> Record:
-    """How well reciprocity holds between separate solutions of a throw, as shares.
+    """Errors of reciprocity between separate solutions of a throw, as shares.
 
     Returns
     -------
     dict
-        "asymmetry": largest difference between the stiffness made of end forces and its transpose,
-        beside the largest stiffness, with rotations measured as length x angle; "axial_reaction": the
+        "asymmetry": largest difference between the stiffness from end forces and its transpose,
+        relative to the largest stiffness, with rotations measured as length x angle; "axial_reaction": the
         largest difference, of the supports, between c Z / e_n and the axial reaction by the end forces
-        under a radial force Z on the first pin, beside Z.
+        under a radial force Z on the first pin, relative to Z.
     """
     analysis = analysis.discrete
     elements = analysis.superelement
@@ -136,7 +136,7 @@ def reciprocity_record(analysis: ThrowAnalysis) -> Record:
 
 
 def mode_records(modes: ThrowModes) -> list[Record]:
-    """Natural modes of the free throw [Hz], with what moves."""
+    """Natural modes of the free throw [Hz], with their motions."""
     return [
         {"frequency": float(frequency), "name": name}
         for frequency, name in zip(modes.frequencies, modes.names, strict=True)
@@ -144,7 +144,7 @@ def mode_records(modes: ThrowModes) -> list[Record]:
 
 
 def given_dimensions(throw: Throw) -> Record:
-    """What was given: fields in SI units, or the file of a CAD part with what was found in it."""
+    """The input: fields in SI units, or the file of a CAD part with its recognized features."""
     if isinstance(throw, CrankThrow):
         return throw.model_dump(mode="json")
     return {

@@ -17,7 +17,7 @@ ANSWERS = (
 
 
 def error_words(record: Record) -> str:
-    """Say how far the axial compliance of a `throw_record` may be from the exact solution."""
+    """State the error of the axial compliance of a `throw_record`."""
     error = f"{percent(record['error_estimate'])} %"
     # Compliances of older versions were not corrected for discretization.
     return f"within {error}" if record.get("axial_correction") else f"too small by about {error}"
@@ -39,7 +39,7 @@ def support_table(record: Record) -> Table:
 
 
 def section_sentence(record: Record) -> str:
-    """Say what rigid sections leave out of the axial compliance of a `throw_record`; nothing if unknown."""
+    """State the effect of rigid sections on the axial compliance of a `throw_record`; empty if unknown."""
     shares = [
         f"{percent(own['section_errors']['axial_compliance'] / own['axial_compliance'])} % of e_n {name}"
         for name, own in record["supports"].items()
@@ -54,7 +54,7 @@ def section_sentence(record: Record) -> str:
 
 
 def loaded_table(record: Record, units: OutputUnits = SI) -> Table:
-    """Return the compliances of a throw with the axial force P of the force on its pin beside them."""
+    """Return the compliances of a throw with the axial force P due to the force on its pin."""
     table = support_table(record)
     return replace(
         table,
@@ -68,7 +68,7 @@ def loaded_table(record: Record, units: OutputUnits = SI) -> Table:
 
 
 def pin_force_words(record: Record, units: OutputUnits = SI) -> str:
-    """Say which force acts on the pin of a `throw_record`."""
+    """State which force acts on the pin of a `throw_record`."""
     unit = units.of("kN")
     # Records of older versions know radial forces only.
     x, y, z = record.get("pin_force", (0.0, -record["radial_force"], 0.0))
@@ -79,7 +79,7 @@ def pin_force_words(record: Record, units: OutputUnits = SI) -> str:
 
 
 def reaction_table(record: Record, units: OutputUnits = SI) -> Table:
-    """Return what the ends of a throw take of a radial force on its pin."""
+    """Return the reactions of the ends of a throw to a radial force on its pin."""
     return Table(
         f"Reactions to {pin_force_words(record, units)}, length kept",
         [

@@ -1,4 +1,4 @@
-"""What an engine's forced vibration means: limits, verdict, and how sure it is."""
+"""Assessment of an engine's forced vibration: limits, verdict, and uncertainty."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -50,13 +50,13 @@ if TYPE_CHECKING:
 @summarized("kind", "spreads", "nominal [Hz]", "lowest [Hz]", "highest [Hz]")
 @dataclass(frozen=True, eq=False)
 class Uncertainty:
-    """How far natural frequencies and amplitudes of one kind may be off.
+    """Uncertainty of natural frequencies and amplitudes of one kind.
 
     Attributes
     ----------
     kind : str
     spreads : tuple of Spread
-        What is not known well.
+        Uncertain values.
     lowest, nominal, highest : (m,) arrays
         Elastic natural frequencies [Hz]; exact bounds.
     critical : tuple of CriticalRange
@@ -65,7 +65,7 @@ class Uncertainty:
         Largest amplitude of the free end over the running range [rad or m] for many possible chains;
         None unless the engine file has the section [ranges].
     barred : tuple of pairs of float
-        Speeds to be barred with some compliance of the range [rad/s]; those of the verdict lie among them.
+        Speeds to be barred with some compliance of the range [rad/s]; they include those of the verdict.
     """
 
     kind: str
@@ -108,13 +108,13 @@ class Assessment:
     Attributes
     ----------
     verdict : Verdict
-        With the values that were given or assumed.
+        With the given and the assumed values.
     decision : Decision
-        Whether it holds for other values of what is assumed.
+        Whether it holds for other possible values of the assumptions.
     limits : dict
-        Name to limit; those given, or the rule that was picked.
+        Name to limit; those given, or the selected rule.
     remarks : tuple of str
-        What was not judged, or assumed.
+        What was not assessed, or assumed.
     axial, torsional : Uncertainty
     beside : tuple of str
         What the engine drives where it is not modeled, how far a calculation of the whole crankshaft
@@ -134,12 +134,12 @@ class Assessment:
     whole: Verdict | None = None
 
     def limit_curve(self, name: str, speeds: FloatArray) -> dict[str, FloatArray]:
-        """Return a limit over speeds [rad/s] by what a legend calls it; nothing if there is no such."""
+        """Return a limit over speeds [rad/s] with its name in a legend; empty if there is none."""
         limit = self.limits.get(name)
         return {} if limit is None else {"limit": limit.continuous.at(speeds)}
 
     def plot(self, axes: "Axes | None" = None) -> "Axes":
-        """Draw how far each limit is used over the speed; see `Verdict.plot`."""
+        """Draw the use of each limit over the speed; see `Verdict.plot`."""
         return self.verdict.plot(axes)
 
     def to_pandas(self) -> Any:
@@ -156,23 +156,23 @@ def assess(
     chains: tuple[Vibration, Vibration] | None = None,
     again: Again | None = None,
 ) -> Assessment:
-    """Hold the forced vibration of an engine against limits, and carry what is uncertain through it.
+    """Compare the forced vibration of an engine with limits, including the uncertainties.
 
     Parameters
     ----------
     engine_file : EngineFile
-        Its sections [limits] and [ranges] are used where given.
+        Its sections [limits] and [ranges] are used if given.
     axial, torsional : ForcedVibration
     errors : mapping of str to Spread
         Kind to the error of its compliances' source; see `crankfem.analyses.shaft.source_errors`.
     held : sequence of HeldChains, optional
-        The chains over the range of the bearings' stiffness with their answers, for all of which the bounds
-        of frequencies and critical speeds hold.
+        The chains over the range of the bearings' stiffness with their responses; the bounds
+        of frequencies and critical speeds cover all of them.
     chains : pair of Vibration, optional
         The axial and the torsional one.
     again : callable, optional
-        Forced vibration of an engine with other damping or other chains, to find out whether the verdict
-        holds; without it and the chains neither is tried.
+        Forced vibration of an engine with other damping or other chains, to check whether the verdict
+        holds; without it and the chains neither is varied.
 
     Raises
     ------
@@ -231,7 +231,7 @@ def assess_chains(
     model: ComplianceModel | None,
     held: Sequence[HeldChains],
 ) -> Assessment:
-    """Assess the forced vibration of an engine's chains, with other chains and damping where these decide.
+    """Assess the forced vibration of an engine's chains, with other chains and damping if decisive.
 
     Parameters
     ----------
@@ -243,7 +243,7 @@ def assess_chains(
     forced : pair of ForcedVibration
         Theirs.
     shaft, analysis, model
-        What the compliances come from; see `source_spread`.
+        Source of the compliances; see `source_spread`.
     held : sequence of HeldChains
         As of `assess`.
     """
@@ -265,7 +265,7 @@ def assess_chains(
 def _cause(
     check: LimitCheck, forced: ForcedVibration, series: OrderSeries, torsional: ForcedVibration
 ) -> PeakCause:
-    """Find the orders that make what was found at a check's worst speed."""
+    """Find the orders responsible for the finding at a check's worst speed."""
     index = int(np.argmin(np.abs(series.speeds - check.worst_speed)))
     driven = None
     if forced.by_torque is not None:
@@ -334,7 +334,7 @@ def _uncertainty(
 
 
 def _spreads(engine_file: EngineFile, forced: ForcedVibration, error: Spread) -> tuple[Spread, ...]:
-    """What the file says is uncertain, and at least the error of the compliances' source."""
+    """The uncertainties given in the file, and at least the error of the compliances' source."""
     given = engine_file.ranges
     elements = tuple(range(len(forced.crank_elements.names)))
     found: tuple[Spread, ...] = ()

@@ -1,4 +1,4 @@
-"""The verdict on an engine's vibration, and what is uncertain of it, as plain numbers."""
+"""The verdict on an engine's vibration, and its uncertainty, as plain numbers."""
 
 from crankbase.units.units import RPM
 from crankfem.analyses.record import Record, attributes, plain
@@ -81,7 +81,7 @@ def _check(check: LimitCheck, highest_speed: float) -> Record:
 
 
 def _cause(found: PeakCause) -> Record:
-    """Return the parts of the orders in a peak, and what they say."""
+    """Return the contributions of the orders to a peak, and the sentences on them."""
     names = (
         *("order", "contribution", "amplitude", "state", "kind", "mode", "mode_share"),
         *("magnifier", "detuning"),

@@ -31,7 +31,7 @@ def axial_cycle(chains: EngineChains, harmonics: CylinderHarmonics) -> AxialForc
     Returns
     -------
     AxialForceOverCycle
-        Held, the torque of the cylinders goes to the flywheel, as in running.
+        Between held ends, the torque of the cylinders goes to the flywheel, as in running.
     """
     file, shaft = chains.engine_file, chains.shaft
     forces = forces_over_speeds(file, harmonics, np.array([file.engine.rated_speed]))
@@ -77,7 +77,7 @@ def axial_cycle_record(
         Axial.
     engine_file : EngineFile
     coupled : CoupledResponse, optional
-        Of the whole crankshaft, if that is the same as the chain has.
+        Of the whole crankshaft, if it has the same bodies as the chain.
     """
     thrust = engine_file.thrust_bearing
     on_bearing, running = found.thrust_bearing, forced.running_range
@@ -100,7 +100,7 @@ def axial_cycle_record(
 
 
 def axial_cycle_columns(found: AxialForceOverCycle) -> tuple[dict[str, FloatArray], str]:
-    """Return all forces over the shaft angle, and what they are."""
+    """Return all forces over the shaft angle, and a description."""
     return found.columns(), (
         f"axial forces over the cycle at {found.speed * RPM:.10g} 1/min: on the thrust bearing with "
         "vibration, on held ends without vibration, pressing each throw's ends apart"
@@ -108,7 +108,7 @@ def axial_cycle_columns(found: AxialForceOverCycle) -> tuple[dict[str, FloatArra
 
 
 def _extremes(found: AxialForceOverCycle, force: FloatArray) -> Record:
-    """Lowest and highest value of a force [N], and where it has them."""
+    """Lowest and highest value of a force [N], and their angles."""
     low, high = int(np.argmin(force)), int(np.argmax(force))
     degrees = found.shaft_angles_deg
     return {

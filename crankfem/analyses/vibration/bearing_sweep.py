@@ -1,4 +1,4 @@
-"""An engine's vibration over the range in which the stiffness of its main bearings is believed."""
+"""An engine's vibration over the possible range of its main bearings' stiffness."""
 
 import math
 from collections.abc import Sequence
@@ -59,7 +59,7 @@ class HeldChains:
     axial, torsional : Vibration
         With the chosen compliances alone.
     answers : tuple of ForcedVibration or None
-        Axial and torsional, with their resonances; None where they were not calculated.
+        Axial and torsional, with their resonances; None if not calculated.
     """
 
     stiffness: float
@@ -77,7 +77,7 @@ class HeldChains:
 @summarized("stiffness [N/m]", "chains [Hz]", "shaft [Hz]", "used", "statuses")
 @dataclass(frozen=True, eq=False)
 class BearingSweep:
-    """What the stiffness of the main bearings does to frequencies, limits and the verdict.
+    """Effect of the main bearings' stiffness on frequencies, limits and the verdict.
 
     Attributes
     ----------
@@ -86,11 +86,11 @@ class BearingSweep:
         Lateral, of each main bearing, ascending over the range [N/m].
     chains, shaft : dict of str to (k,) array
         By kind: the first frequency of the crankshaft itself by its chain, and that of the whole
-        crankshaft's mode most like it [Hz]; nan where there is none. Empty where there is no whole
+        crankshaft's most similar mode [Hz]; NaN if there is none. Empty without a whole
         crankshaft to compare.
     used : dict of str to (k,) array
         By limit: the largest share of it that is used. Calculated at a coarse grid of speeds, within
-        3 % of a peak, but for the nominal stiffness. Empty where nothing is judged.
+        3 % of a peak, except for the nominal stiffness. Empty if nothing is assessed.
     statuses : tuple of k str, or empty
         Verdict at each stiffness.
     """
@@ -104,12 +104,12 @@ class BearingSweep:
 
     @property
     def flips(self) -> bool:
-        """Whether the verdict is not the same over the whole range."""
+        """Whether the verdict varies over the range."""
         return len(set(self.statuses)) > 1
 
     @property
     def trials(self) -> tuple[Trial, ...]:
-        """The verdict at each stiffness, where it is assumed; none where the file gives it."""
+        """The verdict at each stiffness, if it is assumed; empty if the file gives it."""
         if not self.bearings.assumed:
             return ()
         name = ("bearings.stiffness", "lateral stiffness of the main bearings")
@@ -120,7 +120,7 @@ class BearingSweep:
 
     @property
     def sentences(self) -> tuple[str, ...]:
-        """What the range does to first frequencies and to limits, and whether the verdict changes."""
+        """Effect of the range on first frequencies and limits, and whether the verdict changes."""
         held = self.bearings
         over = f"Main bearings of {compact(held.lowest)} to {compact(held.highest)} N/m"
         over += " (assumed)" if held.assumed else ""
@@ -145,7 +145,7 @@ class BearingSweep:
             said = (
                 f"the verdict changes within this range: {self.status_by_stiffness}"
                 if self.flips
-                else f'with all else unchanged, the verdict is "{self.statuses[0]}" over the whole range'
+                else f'with all other values as used, the verdict is "{self.statuses[0]}" over all of it'
             )
             found.append(f"Over that range, {uses} is used; {said}.")
         return tuple(found)
@@ -204,7 +204,7 @@ def held_chains(
 def chains_over_bearings(
     engine_file: EngineFile, analysis: Analyses, model: ComplianceModel | None = None
 ) -> tuple[HeldChains, ...]:
-    """Return an engine's chains at each stiffness of the sweep; none where the file gives no range."""
+    """Return an engine's chains at each stiffness of the sweep; empty if the file gives no range."""
     values = bearing_stiffness(engine_file).sweep
     if len(values) == 1:
         return ()
@@ -219,7 +219,7 @@ def bearing_sweep(
     harmonics: CylinderHarmonics | None = None,
     verdict: Verdict | None = None,
 ) -> BearingSweep:
-    """Carry the range of the bearings' stiffness through frequencies, limits and verdict.
+    """Apply the range of the bearings' stiffness to frequencies, limits and verdict.
 
     Parameters
     ----------
@@ -231,9 +231,9 @@ def bearing_sweep(
     whole : WholeShaft, optional
         In the nominal bearings.
     harmonics : CylinderHarmonics, optional
-        What excites; without it nothing is judged.
+        Excitation; without it nothing is assessed.
     verdict : Verdict, optional
-        At the nominal stiffness, where it is there already.
+        At the nominal stiffness, if available.
     """
     held = bearing_stiffness(engine_file)
     nominal = len(each) // 2
@@ -287,7 +287,7 @@ def bearing_sweep(
 
 
 def in_bearings(shaft: AssembledShaft, added: float) -> AssembledShaft:
-    """Return a whole crankshaft in main bearings of more lateral stiffness each [N/m], or less."""
+    """Return a whole crankshaft in main bearings with their lateral stiffness increased by values [N/m]."""
     across = shaft.sections.reshape(shaft.section_count, 6, -1)[:, [UX, UY]]
     rows = across.reshape(-1, across.shape[-1])
     return replace(shaft, stiffness=shaft.stiffness + added * rows.T @ rows)
@@ -299,9 +299,9 @@ def with_answers(
     analysis: Analyses,
     harmonics: CylinderHarmonics,
 ) -> tuple[HeldChains, ...]:
-    """Return chains of the sweep with their forced vibration and its resonances, but for the nominal ones.
+    """Return chains of the sweep with their forced vibration and its resonances, except the nominal ones.
 
-    Speeds are those of a coarse grid; resonances are looked for between them.
+    Speeds are those of a coarse grid; resonances are found between them.
     """
     nominal = len(each) // 2
     return tuple(
@@ -331,7 +331,7 @@ def _first(chain: EngineChain) -> float:
 
 
 def _matched(shaft: AssembledShaft, modes: Any, chain: EngineChain) -> float:
-    """Frequency of the whole crankshaft's mode most like the chain's first one of the crankshaft [Hz]."""
+    """Frequency of the whole crankshaft's mode most similar to the chain's first one [Hz]."""
     first = chain.first_mode(chain.chain.modes())
     if first is None:
         return math.nan

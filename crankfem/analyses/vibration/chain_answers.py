@@ -1,4 +1,4 @@
-"""What an engine's chains answer to forces of its cylinders: torsional, and axial with the torques."""
+"""Responses of an engine's chains to forces of its cylinders: torsional, and axial with the torques."""
 
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -21,7 +21,7 @@ from geometry.throw import CrankThrow
 
 @dataclass(frozen=True, eq=False)
 class ChainAnswer:
-    """Motion of one chain, and what limits are held against; made from it when asked for.
+    """Motion of one chain, and quantities with limits, calculated on demand.
 
     Attributes
     ----------
@@ -30,9 +30,9 @@ class ChainAnswer:
     moduli : dict of int to float
         Section modulus of each element of the crankshaft [m^3]; none in the axial direction.
     by_torque : OrderExcitation or None
-        Of axial vibration, the part of its excitation that torques in the shaft bring.
+        Of axial vibration, the part of its excitation due to torques in the shaft.
     remarks : tuple of str
-        What was left out of the excitation.
+        Parts left out of the excitation.
     """
 
     engine_chain: EngineChain
@@ -53,7 +53,7 @@ class ChainAnswer:
 
     @cached_property
     def free_end(self) -> OrderSeries:
-        """Motion of the free end [rad or m], without that of the rigid body, one place."""
+        """Motion of the free end [rad or m], relative to that of the rigid body, one location."""
         return first_places(self.response.elastic, 1)
 
     @cached_property
@@ -68,7 +68,7 @@ Answers = tuple[ChainAnswer, ChainAnswer]
 
 @dataclass(frozen=True, eq=False)
 class EngineChains:
-    """The damped chains of an engine, ready to answer forces.
+    """The damped chains of an engine, ready for forces.
 
     Attributes
     ----------
@@ -116,7 +116,7 @@ class EngineChains:
         ----------
         forces : CylinderForces
         propeller : bool, optional
-            Whether the propeller excites too. Without it the answer is linear in the forces.
+            Whether the propeller excites too. Without it the response is linear in the forces.
         """
         file = self.engine_file
         torques = torque_excitation(forces, self.cranks)
@@ -136,7 +136,7 @@ class EngineChains:
 
 
 def first_places(series: OrderSeries, count: int) -> OrderSeries:
-    """Return a series of its first places alone."""
+    """Return the first locations of a series."""
     return replace(series, values=series.values[:, :, :count], names=series.names[:count])
 
 

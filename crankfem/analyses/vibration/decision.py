@@ -1,4 +1,4 @@
-"""The verdict again with other values of what is assumed: whether it holds."""
+"""Whether the verdict holds for other possible values of the assumptions."""
 
 from collections.abc import Callable, Iterable
 from dataclasses import replace
@@ -37,7 +37,7 @@ def engine_decision(
     findings: Findings,
     again: Callable[[EngineFile], Answers] | None = None,
 ) -> Decision:
-    """Conclude from an engine's verdict whether it holds for what is assumed.
+    """Check whether an engine's verdict holds for other values of its assumptions.
 
     Parameters
     ----------
@@ -45,15 +45,15 @@ def engine_decision(
     status : {"fine", "barred range needed", "not acceptable"}
         Of its verdict.
     findings : sequence of pairs of VibrationLimit and AmplitudeCurve
-        What was held against limits.
+        Quantities compared with limits.
     again : callable, optional
         Forced vibration of a changed engine; without it no other magnifier is tried.
 
     Returns
     -------
     Decision
-        The steel that a rule for the crankshaft was asked with and the magnifiers are varied where they
-        are assumed, each by itself.
+        The steel of the crankshaft's rule and the magnifiers are varied if they
+        are assumed, each separately.
     """
     trials = _steels(engine_file, status, findings)
     if again is not None:
@@ -62,9 +62,9 @@ def engine_decision(
 
 
 def _steels(engine_file: EngineFile, status: Status, findings: Findings) -> list[Trial]:
-    """Steels from the plain one to the strongest of the rule, where the crankshaft's limit comes from one.
+    """Steels from the plain one to the strongest of the rule, if the crankshaft's limit is from a rule.
 
-    The strength that decides by itself, else both strengths together.
+    The strength that decides alone, else both strengths together.
     """
     limits = engine_file.limits or LimitsInput()
     if limits.crankshaft_stress is not None:
@@ -106,7 +106,7 @@ def _steels(engine_file: EngineFile, status: Status, findings: Findings) -> list
 
 
 def _with_changes(made: Trial, others: set[float], judged: Judged) -> list[Trial]:
-    """The value taken and others, and those between which the verdict changes."""
+    """The value used and others, and those between which the verdict changes."""
     tried = [made, *(_tried(made, value, judged) for value in sorted(others - {made.value}))]
     for pair in changes(tried):
         tried += _at_change(*pair, judged)
@@ -116,7 +116,7 @@ def _with_changes(made: Trial, others: set[float], judged: Judged) -> list[Trial
 def _magnifiers(
     engine_file: EngineFile, status: Status, again: Callable[[EngineFile], Answers]
 ) -> Iterable[Trial]:
-    """Other magnifiers, of the axial chain only where its vibration is judged."""
+    """Other magnifiers, of the axial chain only if its vibration is assessed."""
     limits, _ = engine_limits(engine_file)
     for kind in ("torsional", "axial"):
         value, source = magnifier_of(engine_file, kind)

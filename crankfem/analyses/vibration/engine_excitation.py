@@ -1,4 +1,4 @@
-"""What excites an engine's chains: forces of its cylinders over the speeds, torques, a propeller."""
+"""Excitation of an engine's chains: forces of its cylinders over the speeds, torques, a propeller."""
 
 from collections.abc import Sequence
 from dataclasses import replace
@@ -55,7 +55,7 @@ def engine_harmonics(
     Parameters
     ----------
     engine_file : EngineFile
-        Its load, or its pressure map, says what the pressure is at each speed; full load without either.
+        Its load, or its pressure map, determines the pressure at each speed; full load by default.
     mechanism : MechanismFile
         With gas pressure.
     above_rated : float, optional
@@ -82,12 +82,12 @@ def failing_harmonics(
     firing: CylinderHarmonics,
     above_rated: float = ABOVE_RATED,
 ) -> CylinderHarmonics:
-    """Harmonics of the pin forces of cylinders in which nothing burns.
+    """Harmonics of the pin forces of cylinders without combustion.
 
     Parameters
     ----------
     engine_file : EngineFile
-        Its section [misfire] may say that there is no compression either; then no gas acts.
+        Its section [misfire] may exclude compression, too; then no gas acts.
     mechanism : MechanismFile
     firing : CylinderHarmonics
         From `engine_harmonics`.
@@ -97,7 +97,7 @@ def failing_harmonics(
     Raises
     ------
     InputError
-        If the pressure without combustion is not known: there is no section [gas], or its table shows
+        If the pressure without combustion is unknown: there is no section [gas], or its table shows
         no compression.
     """
     given = engine_file.misfire
@@ -125,7 +125,7 @@ def calculated_speeds(
     further: Frequencies = (),
     above_rated: float = ABOVE_RATED,
 ) -> NDArray[np.float64]:
-    """Return speeds among which no resonance is missed, and where limits bend and judging ends.
+    """Return speeds that include every resonance, kinks of limits and ends of assessed ranges.
 
     Parameters
     ----------
@@ -133,7 +133,7 @@ def calculated_speeds(
     orders : (K,) array
     chains : sequence of DampedChain
     further : (m,) array, optional
-        Natural frequencies of what else vibrates [Hz].
+        Further natural frequencies [Hz].
     above_rated : float, optional
         As of `calculated_range`.
 
@@ -141,7 +141,7 @@ def calculated_speeds(
     -------
     (S,) array
         From half the lowest running speed to 5 % above the highest (and 15 % above the rated one), within
-        the pressure map or the load's points if there are any [rad/s].
+        the pressure map or the load's points, if any [rad/s].
     """
     ratios = [np.maximum(own.system.damping_ratios(), 1e-4) for own in chains]
     low, high = calculated_range(engine_file, above_rated)
@@ -157,7 +157,7 @@ def calculated_speeds(
 
 
 def merged_speeds(speeds: Frequencies, others: Frequencies) -> NDArray[np.float64]:
-    """Return speeds with others among them, ascending; those so near to others that they are the same go."""
+    """Return speeds with others added, ascending; nearly equal ones are dropped."""
     given = np.asarray(speeds, dtype=np.float64)
     added = np.unique(np.asarray(others, dtype=np.float64))
     added = added[np.diff(added, prepend=0.0) > SAME_SPEED * added]
@@ -192,9 +192,9 @@ def excitation_along_shaft(
     cranks: EngineChain,
     twisted: ForcedResponse,
 ) -> tuple[OrderExcitation, OrderExcitation | None, tuple[str, ...]]:
-    """Return the axial force of each throw by radial forces and by torques in the shaft.
+    """Return the axial force of each throw due to radial forces and to torques in the shaft.
 
-    Whatever the source of the chain's compliances, the exciting forces are those of the finite
+    For any source of the chain's compliances, the exciting forces are those of the finite
     elements: lengthening over compliance, both of the assembled shaft.
 
     Parameters
@@ -213,9 +213,9 @@ def excitation_along_shaft(
     -------
     excitation : OrderExcitation
     by_torque : OrderExcitation or None
-        The part that torques in the shaft bring.
+        The part due to torques in the shaft.
     remarks : tuple of str
-        What is left out.
+        Parts left out.
     """
     scale = (axial.compliances / shaft.axial)[:, None]
     by_radial = axial_excitation(
@@ -245,7 +245,7 @@ def excitation_along_shaft(
 
 
 def excitation_remarks(engine_file: EngineFile, kind: Kind) -> tuple[str, ...]:
-    """Remarks on what excites besides cylinders that fire as one diagram tells."""
+    """Remarks on excitation other than cylinders that all fire with one diagram."""
     found = []
     if engine_file.gas_map is not None:
         count = len(engine_file.gas_map.points)
@@ -262,7 +262,7 @@ def excitation_remarks(engine_file: EngineFile, kind: Kind) -> tuple[str, ...]:
 def with_propeller(
     engine_file: EngineFile, chain: EngineChain, excitation: OrderExcitation
 ) -> OrderExcitation:
-    """Add what a propeller excites, where the file gives its harmonics for this kind.
+    """Add the excitation by a propeller, if the file gives its harmonics for this kind.
 
     Parameters
     ----------
@@ -304,7 +304,7 @@ def compared_axial_forces(
     shaft: ShaftCompliances,
     analysis: Analyses,
 ) -> AxialForceComparison:
-    """Return the force c Z / e_n of each throw by itself, beside that in the assembled shaft.
+    """Return the force c Z / e_n of each single throw, and that in the assembled shaft.
 
     Parameters
     ----------
@@ -336,7 +336,7 @@ def calculated_range(
     ----------
     engine_file : EngineFile
     above_rated : float, optional
-        The share of the rated speed that is reached at least where no map or points end before.
+        Share of the rated speed that is included unless a map or points end before.
     """
     engine = engine_file.engine
     low = BELOW * engine.lowest_speed

@@ -1,4 +1,4 @@
-"""The limits of an engine file, those picked by rule included, and the speeds that they judge."""
+"""The limits of an engine file, including those from rules, and the speeds at which they apply."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -54,7 +54,7 @@ Findings = Sequence[tuple[VibrationLimit, AmplitudeCurve]]
 
 
 class Limited(Protocol):
-    """What limits are held against; `crankfem.analyses.vibration.forced.ForcedVibration` is one."""
+    """Quantities with limits; `crankfem.analyses.vibration.forced.ForcedVibration` is an example."""
 
     @property
     def free_end(self) -> OrderSeries:
@@ -81,15 +81,15 @@ def engine_limits(
     Parameters
     ----------
     engine_file : EngineFile
-        Its section [limits] is used where given; else the rule of a classification society for the
-        crankshaft's stress is picked.
+        Its section [limits] is used if given; else a rule of a classification society for the
+        crankshaft's stress.
 
     Returns
     -------
     limits : dict
         Name to limit.
     remarks : tuple of str
-        What is not judged, or was assumed.
+        What is not assessed, or was assumed.
     """
     engine, given = engine_file.engine, engine_file.limits or LimitsInput()
     kind: EngineKind = "in line" if engine.bank_angles is None else "V"
@@ -140,7 +140,7 @@ def engine_limits(
 
 
 def rule_of(engine: Engine) -> str:
-    """Return the name of the rule that is picked for the crankshaft where the file gives none."""
+    """Return the name of the rule for the crankshaft if the file gives none."""
     return RULE_OF_DRIVEN[engine.drives or "propeller"]
 
 
@@ -175,10 +175,10 @@ def _driven(engine_file: EngineFile) -> str | None:
 
 
 def strengths(engine_file: EngineFile) -> tuple[float, float]:
-    """Return the tensile and the yield strength that a rule for the crankshaft is asked with [Pa].
+    """Return the tensile and the yield strength for the crankshaft's rule [Pa].
 
-    Those that the file gives, the tensile strength in [limits] or [strength], else those of the plain steel
-    with which the rules begin.
+    Those in the file, the tensile strength in [limits] or [strength], else those of the plain steel
+    of the rules.
     """
     given, steel = engine_file.limits or LimitsInput(), engine_file.strength
     # The rule's formula ends with alloy steel: what is stronger counts no more.
@@ -191,7 +191,7 @@ def assessment_end_speeds(engine_file: EngineFile) -> tuple[float, ...]:
     """Return the speeds at which the assessment ends [rad/s], ascending, the lowest running speed first.
 
     That of a limit is the highest running speed, or the end of its rule above it; an engine without
-    gas pressure is not judged, so that its running range stands alone.
+    gas pressure is not assessed and has the running range only.
     """
     engine = engine_file.engine
     running = (engine.lowest_speed, engine.highest_speed)
@@ -203,7 +203,7 @@ def assessment_end_speeds(engine_file: EngineFile) -> tuple[float, ...]:
 
 
 def bending_speeds(engine_file: EngineFile) -> tuple[float, ...]:
-    """Return the speeds at which a limit may bend or jump [rad/s]: the rated one, and where passing ends."""
+    """Return the speeds at which a limit may have a kink or jump [rad/s]: rated speed and end of passing."""
     limits, _ = engine_limits(engine_file)
     ends = [one.passing.high for one in limits.values() if one.passing is not None]
     finite = [end for end in ends if np.isfinite(end)]
@@ -224,7 +224,7 @@ def limit_findings(
 
 
 def engine_verdict(engine_file: EngineFile, findings: Findings) -> Verdict:
-    """Hold an engine's vibration, as `limit_findings` returns it, against its limits."""
+    """Compare an engine's vibration, as `limit_findings` returns it, with its limits."""
     engine = engine_file.engine
     rule = (engine_file.limits or LimitsInput()).barred_rule(engine.rated_speed)
     running = (engine.lowest_speed, engine.highest_speed)
@@ -232,7 +232,7 @@ def engine_verdict(engine_file: EngineFile, findings: Findings) -> Verdict:
 
 
 def even_firing_interval(firing_angles: Sequence[float], strokes: int) -> float | None:
-    """Return the angle between firings where it is always the same [deg], to a hundredth.
+    """Return the angle between firings if it is constant [deg], to a hundredth.
 
     Parameters
     ----------
@@ -244,7 +244,7 @@ def even_firing_interval(firing_angles: Sequence[float], strokes: int) -> float 
     Returns
     -------
     float or None
-        None where intervals differ.
+        None if intervals differ.
     """
     cycle = 180.0 * strokes
     angles = np.sort(np.rad2deg(firing_angles) % cycle)
@@ -254,7 +254,7 @@ def even_firing_interval(firing_angles: Sequence[float], strokes: int) -> float 
 
 
 def refuse_limits(engine_file: EngineFile) -> None:
-    """Refuse limits on what the engine lacks, and limits where nothing is excited.
+    """Refuse limits on parts that the engine lacks, and limits if nothing is excited.
 
     Raises
     ------
@@ -303,7 +303,7 @@ def of_stress(name: str) -> bool:
 def limited_series(
     name: str, engine_file: EngineFile, axial: Limited, torsional: Limited
 ) -> OrderSeries:
-    """Return what a limit of `engine_limits` applies to, by orders.
+    """Return the quantity of a limit of `engine_limits`, by orders.
 
     The elements are those of `check_limited_elements`.
     """
@@ -332,7 +332,7 @@ def limited_series(
 
 @dataclass(frozen=True, eq=False)
 class ComparedQuantity:
-    """What is compared between normal firing and misfiring.
+    """A quantity compared between normal firing and misfiring.
 
     Attributes
     ----------
@@ -345,14 +345,14 @@ class ComparedQuantity:
     limit: VibrationLimit | None
 
     def while_firing(self, failing: Sequence[int]) -> VibrationLimit | None:
-        """Return the limit as it holds while cylinders fail; none of them in normal firing."""
+        """Return the limit that applies while cylinders fail; none of them in normal firing."""
         if self.limit is None or not failing:
             return self.limit
         return replace(self.limit, continuous=self.limit.misfiring, passing=None)
 
 
 def compared_quantities(engine_file: EngineFile) -> dict[str, ComparedQuantity]:
-    """Return name, unit and limit of what `compared_series` may hold, by its key."""
+    """Return name, unit and limit of each possible item of `compared_series`, by its key."""
     limits, _ = engine_limits(engine_file)
     found = {key: ComparedQuantity(name, unit, None) for key, (name, unit) in COMPARED.items()}
     return found | {
@@ -363,7 +363,7 @@ def compared_quantities(engine_file: EngineFile) -> dict[str, ComparedQuantity]:
 def compared_series(
     engine_file: EngineFile, axial: Limited, torsional: Limited
 ) -> dict[str, OrderSeries]:
-    """Return what limits apply to, and motions and torques of `COMPARED` that the engine has."""
+    """Return the quantities with limits, and motions and torques of `COMPARED` that the engine has."""
     limits, _ = engine_limits(engine_file)
     found = {key: limited_series(key, engine_file, axial, torsional) for key in limits}
     loads = torsional.loads.elements

@@ -1,4 +1,4 @@
-"""At which load each speed of an engine's vibration is taken, and the gas pressure of it."""
+"""The load of an engine at each speed of its vibration, and the corresponding gas pressure."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -41,9 +41,9 @@ class EngineLoad:
     Attributes
     ----------
     law : {"constant", "propeller", "points", "map"}
-        Full load at all speeds; along a propeller's law; by points of the file; of its pressure map.
+        Full load at all speeds; by the propeller law; by points of the file; by its pressure map.
     given : bool
-        Whether the file says so; full load is taken where it says nothing.
+        Whether the file specifies it; by default full load.
     speeds : (S,) array
         Speeds of the load: lowest, rated and highest, and some between [rad/s].
     power : (S,) array
@@ -53,11 +53,11 @@ class EngineLoad:
     peak_pressure : (S,) array
         Highest of any cylinder, absolute [Pa].
     intake_pressure : (S,) array or None
-        Absolute, where the cycle is calculated along a load [Pa].
+        Absolute, if the cycle is calculated along a load [Pa].
     friction_pressure : float
-        What a propeller's law leaves to friction at every speed [Pa].
+        Part of the pressure assigned to friction at every speed, with a propeller law [Pa].
     rated : EnginePower
-        Power of [gas], or of the pressure map in its place, at rated speed beside the rated power.
+        Power of [gas], or of the pressure map replacing it, at rated speed, and the rated power.
     """
 
     law: str
@@ -72,7 +72,7 @@ class EngineLoad:
 
     @property
     def sentence(self) -> str:
-        """How the load goes with the speed."""
+        """The load as a function of the speed, in words."""
         if self.law == "constant":
             source = (
                 "as given in [load]" if self.given else "because the file has no section [load]"

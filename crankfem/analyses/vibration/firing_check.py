@@ -1,4 +1,4 @@
-"""One quantity in normal firing and while cylinders misfire, side by side."""
+"""Comparison of one quantity in normal firing and while cylinders misfire."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -49,7 +49,7 @@ class Reached:
 
     @property
     def severity(self) -> tuple[float, float]:
-        """What cases are compared by: the used share, and without a limit the value."""
+        """Measure for the comparison of cases: the used share, and without a limit the value."""
         return self.used, self.value
 
 
@@ -61,18 +61,18 @@ class FiringCheck:
     Attributes
     ----------
     quantity : str
-        Such as "torsional stress of crankshaft".
+        For example "torsional stress of crankshaft".
     unit : str
         SI unit of the values.
     limit : VibrationLimit or None
     normal : Reached
-        With all cylinders firing, held against the limit for continuous running.
+        With all cylinders firing, compared with the limit for continuous running.
     cylinders : tuple of int
-        Those that fail in the worst case.
+        Failing cylinders in the worst case.
     misfiring : Reached
-        In the worst case, held against the limit while misfiring, `VibrationLimit.misfiring`.
+        In the worst case, compared with the limit while misfiring, `VibrationLimit.misfiring`.
     each : dict
-        Cylinders that fail to the worst then.
+        Cylinders whose failing is then worst.
     over_speed : tuple of three (S,) arrays, or None
         Running speeds [rad/s], and at the place of `misfiring` the amplitude with all cylinders firing
         and in the worst case; of the stress that uses its limit most alone.
@@ -94,7 +94,7 @@ class FiringCheck:
 
     @property
     def sentence(self) -> str:
-        """What was found while misfiring, and beside it normal firing."""
+        """The finding while misfiring, with normal firing for comparison."""
         own, normal, limit = self.misfiring, self.normal, self.limit
         if limit is None or np.isinf(own.permitted):
             found = f"at most {self._amount(own)}"
@@ -110,20 +110,21 @@ class FiringCheck:
         """Write the share of what is permitted at that speed, where something is and it is bounded."""
         if np.isinf(found.permitted) or np.isinf(found.value):
             return ""
-        share = f", {format_usage(found.used)}"
-        if found.permitted == self.misfiring.permitted:
-            return share
-        return f"{share} of the permitted {format_quantity(found.permitted, self.unit, DIGITS)}"
+        permitted, failing = (
+            format_quantity(one.permitted, self.unit, DIGITS) for one in (found, self.misfiring)
+        )
+        same = permitted == failing and not np.isinf(self.misfiring.value)
+        return f", {format_usage(found.used)}{'' if same else f' of the permitted {permitted}'}"
 
     def _amount(self, found: Reached) -> str:
-        """Write what is reached, and at which speed."""
+        """Write the value, and its speed."""
         at = format_quantity(found.speed, "rad/s", 4)
         if np.isinf(found.value):
             return f"unbounded at {at}"
         return f"{format_quantity(found.value, self.unit, DIGITS)} at {at}"
 
     def row(self) -> Row:
-        """Return what a table shows, each value with its unit; see `table_of`."""
+        """Return the columns of a table, each value with its unit; see `table_of`."""
         found: Row = {"quantity": (self.quantity, ""), "unit": (self.unit, "")}
         for name, one in (("normal", self.normal), ("misfiring", self.misfiring)):
             found |= {
@@ -143,14 +144,14 @@ def named(cylinders: Cylinders) -> str:
 
 
 def permitted_at(limit: VibrationLimit | None, speeds: FloatArray) -> FloatArray:
-    """Return what is permitted at speeds [rad/s]; inf where nothing is stated, or there is no limit."""
+    """Return the permitted values at speeds [rad/s]; inf where none is stated, or without a limit."""
     if limit is None:
         return np.full(speeds.shape, np.inf)
     return limit.continuous.at(speeds)
 
 
 def weights(limit: VibrationLimit | None, speeds: FloatArray) -> FloatArray:
-    """Return one over what is permitted at each speed; without a limit one everywhere."""
+    """Return the reciprocal of the permitted value at each speed; without a limit one everywhere."""
     return np.ones(speeds.shape) if limit is None else 1.0 / permitted_at(limit, speeds)
 
 

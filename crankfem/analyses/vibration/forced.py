@@ -73,9 +73,9 @@ class ForcedVibration:
     kind : str
     engine_chain : EngineChain
     damping : tuple of str
-        What damps, one sentence each, with its source.
+        Sources of damping, one sentence each.
     remarks : tuple of str
-        What was left out, a sentence each.
+        Parts left out, a sentence each.
     forces : CylinderForces
         Of the cylinders on their pins.
     response : ForcedResponse
@@ -85,15 +85,15 @@ class ForcedVibration:
         Nominal torsional stress of the crankshaft's elements [Pa]; None in the axial direction.
     power : PowerBalance
     resonances : tuple of DampedCritical
-        Where each order by itself makes the free end move most, with all damping, ascending speed, at
-        all speeds judged: the running range, and above it as far as a limit applies. Those at which an
-        order meets a mode but makes no peak have no speed and come last.
+        Peaks of the free end's motion due to each single order, with all damping, ascending in speed, at
+        all speeds assessed: the running range, and above it as far as a limit applies. Orders that
+        meet a mode without a peak have no speed and come last.
     by_torque : OrderExcitation or None
-        Of axial vibration, the part of its excitation that torques in the shaft bring.
+        Of axial vibration, the part of its excitation due to torques in the shaft.
     axial_forces : AxialForceComparison or None
         Exciting force of each throw by its own coefficient and by the assembled shaft.
     running_range, judged_range : tuple of two floats
-        Speeds at which the engine runs, and at which vibration is judged: as far above as a limit holds
+        Speeds at which the engine runs, and at which vibration is assessed: above as far as a limit applies
         and speeds were calculated [rad/s].
     """
 
@@ -119,16 +119,16 @@ class ForcedVibration:
 
     @property
     def frequencies(self) -> FloatArray:
-        """Damped natural frequencies [Hz] by the number of the mode; undamped where one only creeps."""
+        """Damped natural frequencies [Hz] by the number of the mode; undamped for an overdamped mode."""
         found = self.modes.undamped.copy()
         numbered = self.modes.numbers > 0
         found[self.modes.numbers[numbered] - 1] = self.modes.frequencies[numbered]
         return found
 
     def damped_shifts(self, mode: int, order: float) -> tuple[float, ...]:
-        """Return the critical speeds of an order and a mode with damping over that without, peak by peak.
+        """Return the critical speeds of an order and a mode with damping over those without, peak by peak.
 
-        Beyond the speeds judged it is the ratio of the mode's frequencies.
+        Beyond the assessed speeds this is the ratio of the mode's frequencies.
         """
         met = [one for one in self.resonances if (one.mode, one.order) == (mode, order)]
         if not met:
@@ -142,7 +142,7 @@ class ForcedVibration:
 
     @property
     def free_end(self) -> OrderSeries:
-        """Motion of the free end [rad or m], without that of the rigid body, one place."""
+        """Motion of the free end [rad or m], relative to that of the rigid body, one location."""
         return first_places(self.response.elastic, 1)
 
     @property
@@ -152,7 +152,7 @@ class ForcedVibration:
 
     @property
     def speed_parts(self) -> dict[str, NDArray[np.bool_]]:
-        """Which speeds are "running" ones, which lie "below" them, and which "above" as far as is judged."""
+        """Which speeds are "running", "below", and "above" as far as assessed."""
         speeds = self.response.speeds
         low, high = self.running_range
         below, running = ~at_most(low, speeds), within(speeds, low, high)
@@ -160,7 +160,7 @@ class ForcedVibration:
         return {"running": running, "below": below, "above": above}
 
     def largest_place(self, series: OrderSeries) -> int:
-        """Return the number of the place of a series with the largest amplitude at running speeds."""
+        """Return the index of the location of a series with the largest amplitude at running speeds."""
         inside = within(series.speeds, *self.running_range)
         return int(np.argmax(np.max(series.synthesis.amplitude[inside], axis=0)))
 
@@ -172,20 +172,20 @@ class ForcedVibration:
         limits: Mapping[str, ArrayLike] | None = None,
         barred: Sequence[tuple[float, float]] = (),
     ) -> "Axes":
-        """Draw one thing over the speeds of the engine.
+        """Draw one quantity over the speeds of the engine.
 
         Parameters
         ----------
         axes : matplotlib.axes.Axes, optional
             New ones by default.
         show : {"amplitude", "load", "stress", "power", "axial forces"}
-            Motion of the free end; torque or force in the crankshaft's element that is loaded most at
-            running speeds; nominal stress in the one that is stressed most then; power in and out; the
+            Motion of the free end; torque or force in the crankshaft's element with the largest load at
+            running speeds; nominal stress in the element with the largest one; power in and out; the
             exciting axial force of the first throw.
         limits : mapping of str to (S,) array_like, optional
-            Limits over the response's speeds by their name [SI], of no use to power and axial forces.
+            Limits over the response's speeds by their name [SI], not applicable to power and axial forces.
         barred : sequence of (low, high), optional
-            Speed ranges to shade [rad/s], of no use to power and axial forces.
+            Speed ranges to shade [rad/s], not applicable to power and axial forces.
 
         Returns
         -------
@@ -194,8 +194,8 @@ class ForcedVibration:
         Raises
         ------
         InputError
-            If `show` is none of these, this kind of vibration has none, or limits or ranges are given
-            that are no such, or of no use to what is shown.
+            If `show` is unknown, this kind of vibration has none, or limits or ranges are
+            invalid or not applicable.
         """
         check_choice("show", show, FORCED, "these are drawn over the speed")
         if show in ("power", "axial forces"):
@@ -238,9 +238,9 @@ class ForcedVibration:
         return axes
 
     def to_pandas(self) -> Any:
-        """Return a table of the resonances at the speeds judged, with the free end's amplitude.
+        """Return a table of the resonances at the speeds assessed, with the free end's amplitude.
 
-        A resonance without a peak has no speed (nan).
+        A resonance without a peak has no speed (NaN).
 
         Returns
         -------
@@ -296,18 +296,18 @@ def forced_vibrations(
     analysis : ThrowAnalysis or mapping
         Of the engine's throw, or of each throw by its name.
     further : (m,) array, optional
-        Natural frequencies of what else is to be calculated at the same speeds [Hz].
+        Further natural frequencies to be resolved by the speeds [Hz].
     speeds : (S,) array, optional
-        Ascending, to calculate at these alone [rad/s]: neither are the worst speeds looked for between
-        them nor resonances.
+        Ascending, to calculate at these alone [rad/s]: neither worst speeds between
+        them nor resonances are then searched for.
     limits_alone : bool, optional
-        Whether resonances and the comparison of axial forces are left out, which no limit holds for.
+        Whether to omit resonances and the comparison of axial forces, which have no limits.
 
     Returns
     -------
     axial, torsional : ForcedVibration
-        On one grid of speeds, that of `calculated_speeds` with the speeds at which most of each limit is
-        used. Axial vibration is excited by the radial forces and by the torques of the torsional
+        On one grid of speeds, that of `calculated_speeds` and the speeds with the largest use of each limit.
+        Axial vibration is excited by the radial forces and by the torques of the torsional
         vibration.
     """
     chains = EngineChains.of(engine_file, axial, torsional, shaft)
@@ -353,7 +353,7 @@ def _vibrations(
 def _vibration(
     engine_file: EngineFile, forces: CylinderForces, damped: DampedChain, answer: ChainAnswer
 ) -> ForcedVibration:
-    """Return all that is told of one chain, but for its resonances and the comparison of axial forces."""
+    """Return all results of one chain, except its resonances and the comparison of axial forces."""
     engine, ends = engine_file.engine, assessment_end_speeds(engine_file)
     kind, response = answer.engine_chain.kind, answer.response
     return ForcedVibration(
@@ -377,12 +377,12 @@ def _vibration(
 def _worst_speeds(
     engine_file: EngineFile, answers: Callable[[FloatArray], Answers], speeds: FloatArray
 ) -> FloatArray:
-    """Speeds at which most of the limits is used, and where free ends move most, closer than the grid."""
+    """Speeds with the largest use of the limits and motion of the free ends, closer than the grid."""
     return refined_maxima(lambda some: _limit_usage(engine_file, answers(some)), speeds, least=1.0)
 
 
 def _limit_usage(engine_file: EngineFile, answers: Answers) -> FloatArray:
-    """Used shares of the limits as far as they are judged, (curves, speeds), and free ends' amplitudes."""
+    """Used shares of the limits where they apply, (curves, speeds), and free ends' amplitudes."""
     engine = engine_file.engine
     running = (engine.lowest_speed, engine.highest_speed)
     speeds = answers[0].response.speeds

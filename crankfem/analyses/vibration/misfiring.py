@@ -1,4 +1,4 @@
-"""Misfiring beside normal firing: the worst of all cylinders, by adding up answers of the chains."""
+"""Misfiring compared with normal firing: the worst cylinder, by superposition of the chains' responses."""
 
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, replace
@@ -52,12 +52,12 @@ Found = dict[str, dict[Cylinders, Reached]]
 @summarized("cases", "missing_share", "compression", "checks", "exceeded [rad/s]", "remarks")
 @dataclass(frozen=True, eq=False)
 class Misfiring:
-    """What vibrates most while cylinders misfire, beside normal firing, at running speeds.
+    """Worst vibration while cylinders misfire, and in normal firing, at running speeds.
 
     Attributes
     ----------
     cases : tuple of tuples of int
-        Numbers of the cylinders that fail together, a tuple for each case that was calculated.
+        Numbers of the cylinders that fail together, a tuple for each calculated case.
     missing_share : float
         Share of the combustion that is missing in each of them.
     compression : bool
@@ -77,7 +77,7 @@ class Misfiring:
 
     @property
     def worst(self) -> FiringCheck:
-        """The quantity of which most of the limit while misfiring is used."""
+        """The quantity with the largest use of the limit while misfiring."""
         return self.checks[0]
 
     @property
@@ -92,7 +92,7 @@ class Misfiring:
 
     @property
     def sentence(self) -> str:
-        """The worst finding while misfiring, beside normal firing."""
+        """The worst finding while misfiring, with normal firing for comparison."""
         if not self.exceeded:
             return self.worst.sentence
         shown = [shown_range(*one) for one in self.exceeded]
@@ -102,7 +102,7 @@ class Misfiring:
 
     @property
     def remarks(self) -> tuple[str, ...]:
-        """What was assumed, a sentence each."""
+        """Assumptions, a sentence each."""
         one = len(self.cases) == 1
         which = named(self.cases[0]) if one else f"each of {len(self.cases)} cylinders in turn"
         share = 100.0 * self.missing_share
@@ -153,7 +153,7 @@ def misfiring_or_reason(
     Raises
     ------
     InputError
-        If the file has a section [misfire] and the pressure without combustion is not known.
+        If the file has a section [misfire] and the pressure without combustion is unknown.
     """
     file = chains.engine_file
     try:
@@ -170,15 +170,15 @@ def misfiring_or_reason(
 
 @dataclass(frozen=True, eq=False)
 class Superposition:
-    """Adds what missing combustion changes to normal firing, for chains are linear.
+    """Adds the effect of missing combustion to normal firing, as chains are linear.
 
     Attributes
     ----------
     chains : EngineChains
     firing, failing : CylinderHarmonics
-        Of cylinders that fire, and of such in which nothing burns.
+        Of cylinders that fire, and of cylinders without combustion.
     series : callable, optional
-        What is added up: engine file, answers of the axial and of the torsional chain to series by key.
+        To be superposed: engine file, responses of the axial and of the torsional chain to series by key.
     """
 
     chains: EngineChains
@@ -212,7 +212,7 @@ class Superposition:
         )
 
     def _missing(self, forces: CylinderForces, case: Cylinders) -> CylinderForces:
-        """Return what the missing combustion of some cylinders changes of forces."""
+        """Return the change of forces by the missing combustion of some cylinders."""
         given = self.chains.engine_file.misfire
         # There is no load to ask for: where nothing burns a single diagram serves, or none.
         cold = forces_at_speeds(self.failing, forces.speeds)
@@ -296,7 +296,7 @@ def _ranges(speeds: FloatArray, flags: NDArray[np.bool_]) -> tuple[tuple[float, 
 
 
 def _refine(added: Superposition, speeds: FloatArray, each: Found) -> None:
-    """Look for the worst speeds of normal firing and of the worst cases between their neighbors."""
+    """Find the worst speeds of normal firing and of the worst cases between their neighbors."""
     quantities = compared_quantities(added.chains.engine_file)
     pairs = []
     for key, own in each.items():
@@ -329,7 +329,7 @@ def _refine(added: Superposition, speeds: FloatArray, each: Found) -> None:
 def _difference(
     firing: CylinderForces, cold: CylinderForces, case: Cylinders, share: float
 ) -> CylinderForces:
-    """Return what a share of the combustion that is missing in some cylinders changes."""
+    """Return the change by a missing share of the combustion in some cylinders."""
     factors = np.zeros(len(firing.throws))
     factors[[number - 1 for number in case]] = share
     changed = {name: factors * (getattr(cold, name) - getattr(firing, name)) for name in SUMMED}
@@ -346,6 +346,6 @@ def _sum(one: OrderSeries, other: OrderSeries) -> OrderSeries:
 
 
 def at_place(series: OrderSeries, name: str) -> OrderSeries:
-    """Return a series of one of its places alone."""
+    """Return one location of a series."""
     place = series.names.index(name)
     return replace(series, values=series.values[:, :, [place]], names=(name,))

@@ -1,4 +1,4 @@
-"""Misfiring beside normal firing as plain numbers in SI units."""
+"""Misfiring and normal firing as plain numbers in SI units."""
 
 from crankbase.units.units import RPM
 from crankfem.analyses.record import Record, attributes, plain
@@ -43,7 +43,7 @@ def _reached(found: Reached) -> Record:
 
 
 def worst_record(found: tuple[float, float, float] | None) -> Record | None:
-    """Return where most of a limit is used among some speeds."""
+    """Return the largest use of a limit among some speeds."""
     if found is None:
         return None
     speed, value, permitted = found

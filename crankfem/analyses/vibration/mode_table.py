@@ -34,7 +34,7 @@ def mode_table(record: Record) -> Table:
 
 
 def _still_at(positions: list[float], record: Record, first: int) -> str | None:
-    """Say where a mode does not move: by the numbers of the points, or on the branch that it is on."""
+    """State the positions of a mode's nodes: by the numbers of the points, or on their branch."""
     names = record["nodes"]
     # Results of older runs say nothing of branches.
     pairs = record.get("connections") or [(node, node + 1) for node in range(len(names) - 1)]

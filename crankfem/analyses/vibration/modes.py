@@ -62,7 +62,7 @@ class SourceResult:
     chain : EngineChain
     modes : Modes
     remark : str
-        How the source was used.
+        Remarks on the use of the source.
     """
 
     source: str
@@ -121,22 +121,22 @@ class SourceResult:
 
 
 def mode_label(frequency: float, nodes: Sequence[float]) -> str:
-    """Return what the legend says of a mode shape: its frequency [Hz] and how many nodes it has."""
+    """Return the label of a mode shape: its frequency [Hz] and its number of nodes."""
     return f"{frequency:.1f} Hz, {len(nodes)} node{'s' if len(nodes) != 1 else ''}"
 
 
 @dataclass(frozen=True)
 class WeightedCritical:
-    """A critical speed with the share of the cylinders' excitation that reaches the mode.
+    """A critical speed with the relative phase vector sum of the cylinders.
 
     Attributes
     ----------
     critical : CriticalSpeed
     phase_sum : float
-        Resultant of the cylinders' unit harmonics, weighted by the mode shape, beside the largest
+        Resultant of the cylinders' unit harmonics, weighted by the mode shape, relative to the largest
         possible one; 0 to 1.
     in_running_range : bool
-        Whether the engine runs at that speed; limits may hold at higher ones too.
+        Whether the engine runs at that speed; limits may apply at higher speeds too.
     kind : {"major", "minor"}
         Of the order.
     """
@@ -163,7 +163,7 @@ class WeightedCritical:
 
     @property
     def unbounded(self) -> bool:
-        """Not known without what excites and damps it."""
+        """Unknown without excitation and damping."""
         return False
 
 
@@ -204,7 +204,7 @@ class Vibration:
         axes : matplotlib.axes.Axes, optional
             New ones by default.
         count : int, optional
-            How many mode shapes.
+            Number of mode shapes.
 
         Returns
         -------
@@ -378,7 +378,7 @@ def axial_weights(forces: NDArray[np.float64], shape: NDArray[np.float64]) -> ND
     Parameters
     ----------
     forces : (n, pins) array
-        Axial force P in throw i per radial force on pin j, the throws' lengths kept.
+        Axial force P in throw i per radial force on pin j, at constant length of the throws.
     shape : (n + 1,) array
         Displacements of the main-journal middles.
     """

@@ -36,9 +36,9 @@ ROUND_OFF = 1e-12
 
 
 def run_record(run: EngineVibration) -> Record:
-    """Return modes, forced vibration, verdict, whole crankshaft and what the main bearings' range does.
+    """Return modes, forced vibration, verdict, whole crankshaft and the effect of the main bearings' range.
 
-    Null for what was not calculated.
+    Null for results that were not calculated.
     """
     forced = (run.forced_axial, run.forced_torsional)
     return {
@@ -65,7 +65,7 @@ def _axial_force(run: EngineVibration) -> Record | None:
 
 
 def load_record(load: EngineLoad) -> Record:
-    """Return at which load each speed was taken, in SI units."""
+    """Return the load at each speed, in SI units."""
     columns = {
         "speed_rpm": load.speeds * RPM,
         "indicated_power": load.power,
@@ -84,7 +84,7 @@ def load_record(load: EngineLoad) -> Record:
 
 
 def sweep_record(sweep: BearingSweep) -> Record:
-    """Return what the range of the main bearings' stiffness does, in SI units."""
+    """Return the effect of the range of the main bearings' stiffness, in SI units."""
     names = ("stiffness", "chains", "shaft", "used", "statuses", "flips", "sentences")
     return {"assumed": sweep.bearings.assumed, **attributes(sweep, *names)}
 
@@ -125,7 +125,7 @@ def vibration_record(vibration: Vibration) -> Record:
 def _first(result: SourceResult, chosen: SourceResult) -> float:
     """Frequency of the mode that is the crankshaft's first with the chosen source [Hz].
 
-    Another source changes the mode's frequency and what it is called, but hardly its number.
+    Another source changes the mode's frequency and name, but hardly its number.
     """
     first = chosen.chain.first_mode(chosen.modes)
     return float(result.modes.frequencies[chosen.modes.rigid if first is None else first])
@@ -185,7 +185,7 @@ def _rpm(speeds: Sequence[float]) -> list[float]:
 
 
 def _resonance(found: DampedCritical) -> Record:
-    """Return a peak; null in its place where an order meets a mode without one."""
+    """Return a peak; null if an order meets a mode without one."""
     beside = {
         "undamped_rpm": found.undamped_speed * RPM,
         "locked_rpm": found.locked_speed * RPM,
@@ -211,7 +211,7 @@ def _resonance(found: DampedCritical) -> Record:
 
 
 def forced_columns(forced: ForcedVibration) -> tuple[dict[str, FloatArray], str]:
-    """Return the amplitudes over the speed, of the free end by order and of loads, and what they are."""
+    """Return the amplitudes over the speed, of the free end by order and of loads, and a description."""
     free_end, loads = forced.free_end, forced.loads.elements
     unit = MOTION[forced.kind].si
     load = "Nm" if forced.kind == "torsional" else "N"
@@ -228,7 +228,7 @@ def forced_columns(forced: ForcedVibration) -> tuple[dict[str, FloatArray], str]
 
 
 def _peaks(series: OrderSeries, unit: str, forced: ForcedVibration) -> list[Record]:
-    """Largest value of each place, all orders together: over all speeds, and in and beside running ones."""
+    """Largest value of each location, all orders together: over all speeds, in and outside running ones."""
     summed = series.synthesis
     worst = np.argmax(summed.amplitude, axis=0)
     return [
@@ -255,7 +255,7 @@ def _peaks(series: OrderSeries, unit: str, forced: ForcedVibration) -> list[Reco
 
 
 def _order_peaks(series: OrderSeries) -> list[Record]:
-    """Largest amplitude of each order at the first place, and its speed."""
+    """Largest amplitude of each order at the first location, and its speed."""
     amplitude = series.amplitude[:, :, 0]
     return [
         {"order": order, "amplitude": own.max(), "speed_rpm": series.speeds[own.argmax()] * RPM}
@@ -264,7 +264,7 @@ def _order_peaks(series: OrderSeries) -> list[Record]:
 
 
 def _power(forced: ForcedVibration) -> Record:
-    """Where most heat arises, and how well the balance of power holds."""
+    """Speed with the most heat, and the error of the power balance."""
     power = forced.power
     bounded = ~np.any(power.unbounded, axis=0)
     total = power.dissipated.sum(axis=0, where=~power.unbounded)
@@ -285,7 +285,7 @@ def _power(forced: ForcedVibration) -> Record:
 
 
 def _axial_forces(compared: AxialForceComparison, forced: ForcedVibration) -> list[Record]:
-    """Largest axial force of any throw at the highest speed, two ways, by order."""
+    """Largest axial force of any throw at the highest speed, by two methods, by order."""
     alone, in_shaft = (
         np.abs(forces[:, -1]).max(axis=1) for forces in (compared.alone, compared.in_shaft)
     )
@@ -305,13 +305,13 @@ def _axial_forces(compared: AxialForceComparison, forced: ForcedVibration) -> li
 
 
 def _gas_remarks(forced: ForcedVibration) -> list[str]:
-    """What the forces tell beside what the mechanism and the load tell of the gas."""
+    """Remarks of the forces that mechanism and load do not already have."""
     left_out = (ASSUMED, "Solved", ONE_DIAGRAM)
     return [text for text in forced.forces.remarks if not text.startswith(left_out)]
 
 
 def run_up_record(found: RunUp) -> Record:
-    """Return the largest torques beside those at constant speeds, in SI units."""
+    """Return the largest torques and those at constant speeds, in SI units."""
     motion, envelope = found.motion, found.envelope
     worst = np.argmax(envelope.torque, axis=0)
     return plain(

@@ -1,4 +1,4 @@
-"""The resonances of an engine at all speeds judged: peaks of the free end by single orders."""
+"""The resonances of an engine at all speeds assessed: peaks of the free end by single orders."""
 
 from dataclasses import replace
 from typing import Protocol
@@ -13,7 +13,7 @@ from dynamics.response.forced import ForcedResponse
 
 
 class Answer(Protocol):
-    """What vibrates; `crankfem.analyses.vibration.forced.ForcedVibration` is one."""
+    """A vibrating system; `crankfem.analyses.vibration.forced.ForcedVibration` is an example."""
 
     @property
     def response(self) -> ForcedResponse:
@@ -29,14 +29,14 @@ class Answer(Protocol):
 
     @property
     def judged_range(self) -> tuple[float, float]:
-        """Speeds at which vibration is judged [rad/s]."""
+        """Speeds at which vibration is assessed [rad/s]."""
 
 
 def resonances_of(engine_file: EngineFile, forced: Answer) -> tuple[DampedCritical, ...]:
-    """Return the peaks of modes, ascending speed, and then what has no peak.
+    """Return the peaks of modes, ascending in speed, and then modes without a peak.
 
-    Major are those of orders in which all cylinders fire in phase. Where the exciting forces have a peak
-    and no mode is near, there is no resonance.
+    Major orders are those in which all cylinders fire in phase. A peak of the exciting forces
+    without a mode near it is not a resonance.
     """
     response = forced.response
     major = major_orders(response.orders, engine_file.engine.firing_angles)
@@ -54,5 +54,5 @@ def resonances_of(engine_file: EngineFile, forced: Answer) -> tuple[DampedCritic
 
 
 def _speed(critical: DampedCritical) -> float:
-    """Speed of a peak; without one that at which the order meets the mode undamped [rad/s]."""
+    """Speed of a peak; without one that at which the order meets the undamped mode [rad/s]."""
     return critical.speed if critical.has_peak else critical.undamped_speed

@@ -78,28 +78,28 @@ class EngineVibration:
     analyses : dict of str to ThrowAnalysis
         Of each distinct throw by its name; "throw" is that of a file with one.
     shaft : ShaftCompliances
-        Of the throws at their places.
+        Of the throws in the shaft.
     axial, torsional : Vibration
         Modes and critical speeds.
     forced_axial, forced_torsional : ForcedVibration or None
-        None where the file has no gas pressure.
+        None if the file has no gas pressure.
     assessment : Assessment or None
-        None where nothing is forced.
+        None if nothing is forced.
     whole : WholeShaft or None
-        None where it was not asked for.
+        None unless requested.
     comparison : ShaftComparison or None
-        Coupled response of the whole crankshaft, and how far the chains agree with it; without the latter
-        where the chains have a shaft line or a propeller, which the whole crankshaft has not.
+        Coupled response of the whole crankshaft, and its comparison with the chains; without the latter
+        if the chains have a shaft line or a propeller, which the whole crankshaft lacks.
     misfiring : Misfiring or None
-        What the chains do while a cylinder misfires, beside normal firing.
+        Vibration of the chains while a cylinder misfires, compared with normal firing.
     misfiring_note : str
-        Why that was not calculated, where something is forced.
+        Why misfiring was not calculated, if vibration is forced.
     load : EngineLoad or None
-        At which load each speed was taken; None where nothing is forced.
+        Load at each speed; None if nothing is forced.
     bearings : BearingSweep or None
-        What the range of the main bearings' stiffness does; None where the file gives no range.
+        Effect of the range of the main bearings' stiffness; None if the file gives no range.
     axial_force : AxialForceOverCycle or None
-        Over the cycle at rated speed, on the thrust bearing and between held ends; None where nothing is
+        Over the cycle at rated speed, on the thrust bearing and between held ends; None if nothing is
         forced.
     """
 
@@ -121,7 +121,7 @@ class EngineVibration:
 
     @property
     def analysis(self) -> ThrowAnalysis:
-        """That of the throw, of several that of the one at the free end."""
+        """That of the throw; of several, that of the throw at the free end."""
         return self.analyses[self.engine_file.throw_names[0]]
 
     @property
@@ -135,12 +135,12 @@ class EngineVibration:
         return self.torsional.chosen.chain.chain
 
     def forced(self, kind: str) -> ForcedVibration | None:
-        """Forced vibration of one kind; None where the gas pressure is not known."""
+        """Forced vibration of one kind; None if the gas pressure is unknown."""
         return self.forced_axial if kind == "axial" else self.forced_torsional
 
     @property
     def worst_check(self) -> LimitCheck | None:
-        """The limit of which most is used at its worst speed; None where nothing is forced."""
+        """The limit with the largest use at its worst speed; None if nothing is forced."""
         return None if self.assessment is None else self.assessment.verdict.checks[0]
 
     def plot(
@@ -158,9 +158,9 @@ class EngineVibration:
             New ones by default.
         kind : {"torsional", "axial"}
         show : str
-            "campbell": natural frequencies, orders, and where they meet; "modes": first mode shapes;
+            "campbell": natural frequencies, orders, and their intersections; "modes": first mode shapes;
             "amplitude" (of the free end), "stress", "load" and "power" over the speed, with limits and
-            barred ranges; "limits": how far all limits are used; "shaft": the whole
+            barred ranges; "limits": the use of all limits; "shaft": the whole
             crankshaft's first elastic mode.
 
         Returns
@@ -170,7 +170,7 @@ class EngineVibration:
         Raises
         ------
         InputError
-            If an option is none of these, or what is to be shown was not calculated.
+            If an option is unknown, or the quantity was not calculated.
         """
         check_choice("kind", kind, ("axial", "torsional"), "these are calculated")
         check_choice("show", show, SHOWN, "these are diagrams of vibration")
@@ -261,15 +261,15 @@ def engine_vibration(
         Engine file, name of a shipped engine, or the engine as read and perhaps changed
         (`EngineFile.changed`).
     analysis : ThrowAnalysis or mapping, optional
-        Of its throw, where it is there already; of several throws a mapping by name.
+        Of its throw, if available; of several throws a mapping by name.
     mechanism : MechanismFile, optional
-        Of the same engine, where it is there already.
+        Of the same engine, if available.
     model : ComplianceModel, optional
-        Regression of compliances, one more source of them; by default the one that the file names.
+        Regression of compliances, one more source of them; by default the one named in the file.
     coupled : bool, optional
-        Whether the whole crankshaft is calculated too, from superelements of its throws: seconds more.
+        Whether to calculate the whole crankshaft too, from superelements of its throws (seconds).
     step : callable, optional
-        Told what begins.
+        Called with the name of each step.
 
     Returns
     -------
@@ -278,7 +278,7 @@ def engine_vibration(
     Raises
     ------
     InputError
-        If the file cannot be used, a regression is to be the source that says nothing of the throws, or
+        If the file cannot be used, a regression that does not cover the throws is to be the source, or
         analysis or mechanism are those of another engine.
     MeshError, SolveError
         If the throw cannot be meshed or solved.
@@ -376,7 +376,7 @@ def engine_vibration(
 def _check_same_engine(
     engine: EngineFile, analyses: Mapping[str, ThrowAnalysis] | None, mechanism: MechanismFile
 ) -> None:
-    """Refuse what was calculated or read of an engine that is another one, or was another one then.
+    """Refuse analyses or models of another engine, or of an earlier state of this one.
 
     Raises
     ------

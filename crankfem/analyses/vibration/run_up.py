@@ -32,15 +32,15 @@ class RunUp:
     Attributes
     ----------
     motion : TransientMotion
-        Of the torsional chain; cut short where it was interrupted.
+        Of the torsional chain; shorter if it was interrupted.
     duration : float
-        Asked for [s].
+        Requested [s].
     envelope : Envelope
         Amplitudes over each working cycle, half of the range.
     largest : (e,) array
         Largest of these amplitudes of the torque in each spring [N m].
     steady : (e,) array
-        Largest amplitude at constant speeds, of those that were passed [N m].
+        Largest amplitude at constant speeds, of those passed [N m].
     """
 
     motion: TransientMotion
@@ -51,12 +51,12 @@ class RunUp:
 
     @property
     def worst(self) -> int:
-        """Number of the spring with the largest torque, from 0."""
+        """Index of the spring with the largest torque, from 0."""
         return int(np.argmax(self.largest))
 
     @property
     def elements(self) -> list[str]:
-        """Names of the springs, by which `plot` knows them too."""
+        """Names of the springs, as used by `plot`."""
         return axis_names(self.motion.system.chain, 0, len(self.largest))[1]
 
     def plot(self, axes: "Axes | None" = None, element: int | str | None = None) -> "Axes":
@@ -81,7 +81,7 @@ class RunUp:
         return self.motion.plot(axes, self.worst if element is None else element, quantity="torque")
 
     def to_pandas(self) -> Any:
-        """Return a table of the largest amplitudes of torque in each spring by name, beside steady ones.
+        """Return a table of the largest amplitudes of torque in each spring by name, with steady ones.
 
         Returns
         -------
@@ -108,7 +108,7 @@ def parse_duration(text: str) -> float:
     Raises
     ------
     InputError
-        If it is no time, or out of range.
+        If it is not a time, or out of range.
     """
     duration = parse_quantity(text, "s", "--run-up")
     if not SHORTEST <= duration <= LONGEST:
@@ -122,7 +122,7 @@ def parse_duration(text: str) -> float:
 def run_up(
     run: EngineVibration, duration: float, progress: Callable[[float], None] | None = None
 ) -> RunUp:
-    """Follow the torsional vibration of an engine while its speed rises evenly.
+    """Integrate the torsional vibration of an engine during a uniform run-up.
 
     Parameters
     ----------
@@ -131,12 +131,12 @@ def run_up(
     duration : float
         From the lowest speed calculated to the highest running speed [s].
     progress : callable, optional
-        Told the share that is done.
+        Called with the share done.
 
     Returns
     -------
     RunUp
-        What was finished, if it is interrupted.
+        The finished part, if it is interrupted.
 
     Raises
     ------

@@ -1,4 +1,4 @@
-"""The verdict again with compliances at the ends of their range, and between: what their error does to it."""
+"""Effect of the compliances' error on the verdict: verdicts over their range."""
 
 import math
 from collections.abc import Callable, Sequence
@@ -39,9 +39,9 @@ class SourceVerdicts:
     Attributes
     ----------
     trials : tuple of Trial
-        In the order of the factors, the value used among them; empty if that kind is not judged.
+        In the order of the factors, including the value used; empty if that kind is not assessed.
     barred : tuple of pairs of float
-        Speeds that have to be barred with some compliance of the range [rad/s]; as far as they may be.
+        Speeds that have to be barred with some compliance of the range [rad/s]; as far as permitted.
     """
 
     trials: tuple[Trial, ...] = ()
@@ -56,7 +56,7 @@ def source_verdicts(
     verdict: Verdict,
     again: Again,
 ) -> SourceVerdicts:
-    """Judge an engine with compliances of one kind over their range.
+    """Assess an engine with compliances of one kind over their range.
 
     Parameters
     ----------
@@ -103,7 +103,7 @@ def source_verdicts(
 
 
 def _factors(spread: Spread) -> list[float]:
-    """Factors from 1 to either end of a range, evenly over the logarithm, the 1 left out."""
+    """Factors from 1 to either end of a range, with equal ratios, without the 1."""
     found: list[float] = []
     for end in (spread.low, spread.high):
         if abs(end - 1.0) > LEAST:
@@ -126,7 +126,7 @@ def _scaled(vibration: Vibration, spread: Spread, factor: float) -> Vibration:
 
 
 def _joined(each: Sequence[Sequence[Range]]) -> tuple[Range, ...]:
-    """Ranges over all factors: where two neighbors have as many of them, each slides into its like."""
+    """Ranges over all factors: between two factors with equally many, each is joined to its counterpart."""
     swept = [own for ranges in each for own in ranges]
     for before, after in pairwise(each):
         if len(before) == len(after):

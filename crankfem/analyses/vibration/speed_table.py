@@ -1,4 +1,4 @@
-"""The one table of critical speeds of an engine: where they lie, how sure that is, and what they do."""
+"""The table of an engine's critical speeds: their position, uncertainty and effect."""
 
 from collections.abc import Collection, Sequence
 from dataclasses import replace
@@ -41,7 +41,7 @@ def speed_table(
     Returns
     -------
     Table
-        Marked are speeds at which the cylinders act together.
+        Speeds at which the cylinders act in phase are marked.
     """
     running = (vibration["assessment"] or {}).get("running_rpm")
     rows = [
@@ -80,7 +80,7 @@ def _absent(column: Column) -> Column:
 
 
 def _speeds(vibration: Record, kind: str) -> list[Record]:
-    """Return what is known of each critical speed of one kind, put together by its mode and order.
+    """Return the results for each critical speed of one kind, combined by its mode and order.
 
     One order may have several peaks by one mode, each a critical speed of its own. Orders that damping
     leaves without a peak count at running speeds alone, and modes that no order brings to a peak have no
@@ -129,7 +129,7 @@ def _shown(records: list[Record], most: int) -> list[Record]:
 
 
 def _known(record: Record) -> Record:
-    """What tells most of a critical speed: its peak, or where it lies without damping, or its margin."""
+    """The main quantity of a critical speed: its peak, or its undamped speed, or its margin."""
     return next(record[part] for part in ("resonance", "critical", "margin") if part in record)
 
 

@@ -25,7 +25,7 @@ FREQUENCY = Column("frequency", "Hz", decimals=2)
 
 
 def load_table(record: Record) -> Table:
-    """Return the load at which some speeds were taken, from the `load_record`."""
+    """Return the load at some speeds, from the `load_record`."""
     rows = record["speeds"]
     boosted = bool(rows) and "intake_pressure" in rows[0]
     return Table(
@@ -52,7 +52,7 @@ def load_table(record: Record) -> Table:
 
 
 def critical_table(record: Record) -> Table:
-    """Return the critical speeds of one kind; marked are those at which the cylinders act together."""
+    """Return the critical speeds of one kind; those at which the cylinders act in phase are marked."""
     return Table(
         f"{record['kind'].capitalize()} critical speeds in the running range, without damping",
         [
@@ -101,7 +101,7 @@ def source_table(record: Record, said: Callable[[str], str] = str) -> Table:
 
 
 def barred_within_error(ranges: list[Record]) -> str:
-    """Say which speeds have to be barred over the range of the compliances."""
+    """State which speeds have to be barred over the range of the compliances."""
     shown = ", ".join(f"{one['low_rpm']:.0f} to {one['high_rpm']:.0f}" for one in ranges)
     return f"over that range of the compliances, speeds to be barred are within {shown} 1/min"
 
@@ -165,7 +165,7 @@ def _from_rpm(speed: float | None) -> float | None:
 def element_table(record: Record) -> Table:
     """Return the largest loads, and stresses if there are, of the elements of a `forced_record`.
 
-    Running speeds stand first; what is larger or smaller below and above them has columns of its own.
+    Running speeds come first; larger or smaller values below and above them have their own columns.
     """
 
     def peak(one: Record | None, part: str) -> float | str | None:
@@ -208,7 +208,7 @@ def element_table(record: Record) -> Table:
 def limit_table(
     record: Record, limit: str | None = None, units: OutputUnits = SI, digits: int = 4
 ) -> Table:
-    """Return how far limits are used, each place at its worst speed: all of them, or one by its name."""
+    """Return the use of limits, each location at its worst speed: all of them, or one by its name."""
     checks = [one for one in record["checks"] if limit in (None, one["limit"])]
 
     def quantity(value: float | None, unit: str) -> str:
@@ -253,7 +253,7 @@ def limit_table(
 
 
 def misfiring_table(record: Record, units: OutputUnits = SI) -> Table:
-    """Return normal firing and the worst misfiring, row under row, from a `misfiring_record`."""
+    """Return normal firing and the worst misfiring, row below row, from a `misfiring_record`."""
     motions = {own.si: own.printed for own in MOTION.values()}
 
     def written(value: float | None, unit: str) -> str | None:
@@ -300,7 +300,7 @@ def misfiring_table(record: Record, units: OutputUnits = SI) -> Table:
 
 
 def margin_table(record: Record, kind: str) -> Table:
-    """Return the critical speeds of one kind with what is uncertain of them."""
+    """Return the critical speeds of one kind with their uncertainty."""
     found = record["critical"]
     return Table(
         f"{kind.capitalize()} critical speeds with uncertainty ranges, and margins to running speeds"
@@ -359,7 +359,7 @@ def run_up_table(record: Record, units: OutputUnits = SI) -> Table:
 
 
 def _assessed_range(record: Record, units: OutputUnits) -> str:
-    """Say over which speeds resonances are listed."""
+    """State over which speeds resonances are listed."""
     running, judged = record.get("running_rpm"), record.get("judged_rpm")
     # Results of older runs know no speeds above the running range.
     if running is None or judged is None or judged[1] <= running[1]:

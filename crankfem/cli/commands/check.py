@@ -1,4 +1,4 @@
-"""What a file was understood as."""
+"""How a file is understood."""
 
 from pathlib import Path
 from typing import Annotated

@@ -1,4 +1,4 @@
-"""The torsional vibration document that a classification society asks for."""
+"""The torsional vibration document for a classification society."""
 
 from typing import Annotated
 

@@ -1,4 +1,4 @@
-"""Two models, or the studies behind them, beside each other."""
+"""Comparison of two models, or of the studies behind them."""
 
 from dataclasses import asdict
 from pathlib import Path

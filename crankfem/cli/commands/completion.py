@@ -1,6 +1,6 @@
-"""What a shell completes: names of shipped files, files that fit, sections, dimensions of a model.
+"""Shell completion: names of shipped files, suitable files, sections, dimensions of a model.
 
-Nothing slow is loaded here, for the shell waits.
+Nothing slow is loaded here, since the shell waits.
 """
 
 from collections.abc import Callable, Iterable

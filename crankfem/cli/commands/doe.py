@@ -184,7 +184,7 @@ def doe(
 
 
 def _summary(table: "StudyTable", store: Path) -> str:
-    """Say in a line what the study has."""
+    """State in a line what the study contains."""
     held_out = int(table.held_out.sum())
     text = (
         f"Study {table.plan.key[:6]}: {len(table.held_out) - held_out} runs and {held_out} held-out "
@@ -228,7 +228,7 @@ def _show_plan(plan: "StudyPlan", json: bool) -> None:
 
 
 def _export_designs(plan: "StudyPlan", store: Path, folder: Path, kind: str, out: Output) -> None:
-    """Write a study's designs for other solvers, those that were added in its store too."""
+    """Write a study's designs for other solvers, including those added in its store."""
     from crankfem.analyses.study.design_export import TABLE, check_kind, export_designs
     from crankfem.jobs.outputs import make_output_folder
     from regression.runs.registered_designs import known_designs

@@ -1,4 +1,4 @@
-"""What the fields of an engine file, or of a chain file, mean."""
+"""Meaning of the fields of an engine file, or of a chain file."""
 
 from typing import Annotated
 

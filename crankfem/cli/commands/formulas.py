@@ -16,7 +16,7 @@ from crankfem.cli.console import parse_pairs, print_json
 
 @dataclass(frozen=True)
 class _Request:
-    """What the command line asks for."""
+    """The options of the command line."""
 
     throw: str | None
     gamma: float

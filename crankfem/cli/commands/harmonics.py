@@ -21,7 +21,7 @@ USUAL_ORDERS, USUAL_ENGINE_ORDERS = 9.0, 12.0
 
 @dataclass(frozen=True)
 class _Request:
-    """What the command line asks for."""
+    """The options of the command line."""
 
     strokes: int | None
     orders: float | None
@@ -105,7 +105,7 @@ def harmonics(
 
 
 def _names_engine(source: str) -> bool:
-    """Tell an engine from a torque table: by the file's ending, or as the name of a shipped engine."""
+    """Distinguish an engine from a torque table: by the file's ending, or the name of a shipped engine."""
     from crankfem.files.reading.data_files import shipped_names
 
     path = Path(source)

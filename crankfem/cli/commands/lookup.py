@@ -21,6 +21,9 @@ if TYPE_CHECKING:
     from regression.models.lookup import Lookup
 
 
+SUPPORTS = "End sections: pinned ones tilt freely, guided ones do not; a throw in a shaft is between the two."
+
+
 @with_output(units=True)
 def lookup(
     model: ModelArgument,
@@ -60,7 +63,7 @@ def lookup(
     Also reactions to a force on the pin. Example: crankfem lookup law --throw 6chn25-34 --pin-force "100 kN"
     """
     from crankfem.analyses.throw.law_record import LAW, LAW_BANDS, law_lookups
-    from crankfem.cli.model_arguments import model_dimensions
+    from crankfem.cli.model_arguments import dimensions_text, model_dimensions
     from crankfem.cli.quantity_list import parse_pin_force
     from crankfem.cli.tables.reaction_tables import print_reactions, reaction_record
 
@@ -72,13 +75,19 @@ def lookup(
     force = None if pin_force is None else parse_pin_force(pin_force)
     refused: dict[str, str] = {}
     if str(model) == LAW:
-        from crankfem.cli.law_arguments import law_throw
+        from crankfem.cli.law_arguments import law_throw, throw_text
 
-        law = law_lookups(*law_throw(dimensions or [], throw, out.quiet), angle)
+        of_law, material = law_throw(dimensions or [], throw, out.quiet)
+        law = law_lookups(of_law, material, angle)
         answers, react = law.answers, law.reactions
+        used = throw_text(of_law)
     else:
         from regression.models.compliance_model import ComplianceModel
 
+        if not model.exists():
+            raise InputError(
+                f"{model}: does not exist; allowed are law and the path of a model file."
+            )
         loaded = ComplianceModel.load(model)
         asked: dict[str, Any] = {}
         if throw is not None:
@@ -87,6 +96,7 @@ def lookup(
             asked |= loaded.dimensions_of(select_throw(throw, quiet=out.quiet)[0])
         asked |= model_dimensions(loaded, dimensions or [])
         answers, refused = _lookups(loaded, asked, angle, strict)
+        used = dimensions_text(loaded, asked)
         react = partial(loaded.reactions, strict=strict, **asked)
     reactions = None if force is None else reaction_record(react, force, angle)
     if out.json:
@@ -94,7 +104,11 @@ def lookup(
         records |= {name: {"refused": reason} for name, reason in refused.items()}
         print_json(records if reactions is None else records | {"reactions": reactions})
         return
+    if throw is not None:
+        print_line(out.units.text(f"Throw of {throw}{_overridden(dimensions)}: {', '.join(used)}."))
     banded = _print_lookups(answers, angle is not None, out.units)
+    if any(answer.support in ("pinned", "guided") for answer in answers.values()):
+        print_line(SUPPORTS)
     if str(model) == LAW:
         print_line(LAW_BANDS)
     elif banded:
@@ -105,10 +119,16 @@ def lookup(
         print_line(out.units.text(f"{_title(name)}: left out; {reason}"))
 
 
+def _overridden(dimensions: list[str] | None) -> str:
+    """Name the dimensions that the command line gives in place of the file."""
+    names = [pair.partition("=")[0].strip() for pair in dimensions or ()]
+    return f" with {', '.join(names)} as given" if names else ""
+
+
 def _lookups(
     model: "ComplianceModel", asked: dict[str, Any], gamma: float | None, strict: bool
 ) -> tuple[dict[str, "Lookup"], dict[str, str]]:
-    """Look all responses up; tell which cannot be, as long as any can."""
+    """Look all responses up; report those that fail, as long as any succeeds."""
     from regression.response_kinds import ANGLE_LAWS
 
     answers: dict[str, Lookup] = {}
@@ -159,7 +179,7 @@ def _print_lookups(
     Returns
     -------
     list of str
-        Names of the equations whose bands were told.
+        Names of the equations whose bands were printed.
     """
     from regression.end_reactions import END_MOMENTS
     from regression.response_kinds import ANGLE_LAWS
@@ -202,7 +222,7 @@ def _print_lookup(name: str, answer: "Lookup", shared: list[str], units: "Output
 
 
 def _print_bands(model: "ComplianceModel", names: list[str]) -> None:
-    """Say from which errors the bands are made, and what is not known of them."""
+    """State the errors included in the bands, and those unknown."""
     from regression.fits.statistics import COVERAGE
     from regression.models.error_band import FEWEST, equation_error, percent
 

@@ -118,7 +118,7 @@ def mechanism(
 
 
 def _rod_models(given: list[str] | None) -> list[RodModelName]:
-    """Return the one model of the rods' mass, or the two that are held against each other."""
+    """Return the one model of the rods' mass, or the two to be compared."""
     models = given or ["rigid"]
     for model in models:
         check_choice("--model", model, ROD_MODELS, "these are the models of a rod's mass")

@@ -1,4 +1,4 @@
-"""Arguments and options that several commands share, and those that say how every command answers."""
+"""Arguments and options common to several commands, and those for the output of every command."""
 
 import inspect
 from collections.abc import Callable
@@ -17,7 +17,7 @@ Command = Callable[..., None]
 
 
 def _set_replacement_rules(command: typer.Context, force: bool) -> bool:
-    """Set by which rules the command that begins writes its files."""
+    """Set the rules by which the command writes its files."""
     command.with_resource(replacing_files(force))
     return force
 
@@ -118,7 +118,7 @@ WorkersOption = Annotated[int, typer.Option(help="Worker processes of the study.
 
 @dataclass(frozen=True)
 class Output:
-    """How a command answers: in which units it prints, or as JSON, whether without notes or with force."""
+    """Output of a command: units, JSON, notes, replacing of files."""
 
     units: OutputUnits
     json: bool
@@ -127,7 +127,7 @@ class Output:
 
 
 def with_output(*, units: bool = False, files: bool = False) -> Callable[[Command], Command]:
-    """Give a command --json and --quiet behind its own options; it gets all of them as `out`.
+    """Add --json and --quiet to a command behind its own options; it gets all of them as `out`.
 
     Parameters
     ----------

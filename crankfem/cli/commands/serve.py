@@ -62,7 +62,7 @@ def serve(
 
 
 def _tell(settings: "Settings", address: str, out: Output) -> None:
-    """Say where the service is, and whom it answers."""
+    """State the address of the service, and who may use it."""
     if out.json:
         print_json({"address": address, "folder": str(settings.folder), "who": settings.who})
         sys.stdout.flush()  # who reads it waits for no end

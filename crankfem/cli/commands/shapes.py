@@ -155,6 +155,6 @@ def draw(
 
 
 def _title(content: "TomlFile") -> str:
-    """Return the engine's name, or its file's where that says none."""
+    """Return the engine's name, or its file's if it has none."""
     name = content.sections.get("engine", {}).get("name")
     return name if isinstance(name, str) and name.strip() else content.path.stem

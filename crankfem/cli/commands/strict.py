@@ -1,4 +1,4 @@
-"""How --strict ends: by the verdict of the assessment."""
+"""The exit codes of --strict, by the verdict of the assessment."""
 
 from typing import TYPE_CHECKING, Any
 
@@ -18,7 +18,7 @@ def check_has_limits(engine: "EngineFile") -> None:
     Raises
     ------
     InputError
-        If its file gives no gas pressure: nothing is forced then, nor held against limits.
+        If its file gives no gas pressure: then nothing is forced, nor compared with limits.
     """
     if engine.gas is None and engine.gas_map is None:
         raise InputError(
@@ -39,7 +39,7 @@ def exit_unless_acceptable(vibration: dict[str, Any]) -> None:
     Raises
     ------
     SystemExit
-        With code 4 if the verdict is "not acceptable" whatever is assumed, with 5 if it is undecided.
+        With code 4 if the verdict is "not acceptable" for all assumptions, with 5 if it is undecided.
     """
     assessment = vibration["assessment"]
     decision = assessment["decision"]

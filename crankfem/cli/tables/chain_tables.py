@@ -13,7 +13,7 @@ MODES_SHOWN, LEAST_SHARE = 10, 0.01
 
 
 def chain_record(read: ChainFile) -> Record:
-    """Return nodes, elements, modes and what takes part in them, in SI units."""
+    """Return nodes, elements, modes and energy shares, in SI units."""
     chain, modes = read.chain, read.chain.modes()
     return {
         "name": read.name,
@@ -45,7 +45,7 @@ def chain_record(read: ChainFile) -> Record:
 
 
 def print_chain(record: Record, units: OutputUnits = SI) -> None:
-    """Print the modes of a chain, with what takes most part in them."""
+    """Print the modes of a chain, with their largest energy shares."""
     print_table(
         Table.of_records(
             f"{record['name']}: {record['kind']} modes",

@@ -22,7 +22,7 @@ KINDS = {
 
 
 def print_check(record: Record, units: OutputUnits = SI) -> None:
-    """Print what a file was understood as."""
+    """Print how a file is understood."""
     inputs = record["inputs"]
     assumed = sum(one["assumed"] for one in inputs)
     verb = "is" if assumed == 1 else "are"
@@ -108,7 +108,7 @@ def _cylinders(count: int) -> str:
 
 
 def _digits(unit: OutputUnit) -> int:
-    """Digits of a length that was given: all of them, and five where it was converted."""
+    """Digits of a given length: all of them, and five if it was converted."""
     return 5 if unit.wished else 6
 
 

@@ -1,4 +1,4 @@
-"""What a study would compute, as a table for people and as a record for machines."""
+"""The designs of a study, as a table and as a record."""
 
 import re
 from collections import defaultdict
@@ -49,7 +49,7 @@ def plan_record(planned: PlannedStudy) -> dict[str, Any]:
 
 
 def print_plan(planned: PlannedStudy) -> None:
-    """Print the designs of a study, what they are called, and which were excluded and why."""
+    """Print the designs of a study, their names, and which were excluded and why."""
     plan = planned.plan
     held_out = sum(design.role == HELD_OUT for design in planned.designs)
     print_line(
@@ -83,7 +83,7 @@ def _quality(planned: PlannedStudy) -> DesignQuality:
 
 
 def _quality_lines(quality: DesignQuality) -> Iterator[str]:
-    """Say how well the runs fill the box, ranges taken as 0 to 1."""
+    """State how well the runs fill the box, with ranges scaled to 0 to 1."""
     distance = "" if quality.distance is None else f"nearest runs {quality.distance:.3g} apart, "
     yield (
         f"Runs in the unit cube: {distance}discrepancy {quality.discrepancy:.2g} (random points: "
@@ -99,7 +99,7 @@ def _quality_lines(quality: DesignQuality) -> Iterator[str]:
 
 
 def _print_excluded(planned: PlannedStudy) -> None:
-    """Say which designs are excluded and why; of those for the same reason only the first."""
+    """State which designs are excluded and why; of those for the same reason only the first."""
     if not planned.excluded:
         return
     factors = planned.plan.factors

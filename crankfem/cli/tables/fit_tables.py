@@ -1,4 +1,4 @@
-"""The tables of `crankfem fit`: all responses, and the forms of one with all that is known of them."""
+"""The tables of `crankfem fit`: all responses, and the forms of one with all results."""
 
 from collections.abc import Mapping
 
@@ -24,9 +24,9 @@ def print_fits(
     fits : mapping
         Response name to its record (`crankfem.analyses.study.fit_records.fits_record`).
     response : str, optional
-        Which one in detail; the axial compliance, or the first, otherwise.
+        Response to print in detail; by default the axial compliance, or the first.
     form : str, optional
-        Whose equation and coefficients are printed, or its twin's; the chosen one's otherwise.
+        Form whose equation and coefficients are printed, or its equivalent; by default the chosen one.
     """
     detailed = response or (MAIN_RESPONSE if MAIN_RESPONSE in fits else next(iter(fits)))
     _print_overview(fits, form)
@@ -59,7 +59,7 @@ def print_fits(
 
 
 def _selected_form(record: Record, form: str | None) -> Record:
-    """Return the form that goes into the model: the given one or its twin, else the chosen one."""
+    """Return the form for the model: the given one or its equivalent, else the chosen one."""
     wanted = record["chosen"] if form is None else record["twins"].get(form, form)
     found: Record = next(f for f in record["forms"] if f["form"] == wanted)
     return found
@@ -75,7 +75,7 @@ def print_main_fits(fits: Mapping[str, Record]) -> None:
 
 
 def print_comparisons(records: list[Record]) -> None:
-    """Print imported measured values beside the equations; nothing if there are none."""
+    """Print imported measured values and those of the equations; nothing if there are none."""
     if not records:
         return
     print_table(

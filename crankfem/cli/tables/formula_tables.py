@@ -46,7 +46,7 @@ def print_one_throw(
     constants: Mapping[str, float] | None = None,
     units: OutputUnits = SI,
 ) -> None:
-    """Print the formulas for one throw, beside finite elements if they are among the records."""
+    """Print the formulas for one throw, with finite elements if they are among the records."""
     fe = records.get("fe")
     for kind, support in (("axial", f"neighbors at {gamma_deg:g} deg"), ("torsional", "pinned")):
         angle = f", gamma = {angle_text(gamma_deg)}{_given(constants)}" if kind == "axial" else ""
@@ -163,7 +163,7 @@ def print_spread(
 
 
 def print_published(values: Sequence[PublishedValue]) -> None:
-    """Print the survey's table in its own units, repaired values marked, with its doubts."""
+    """Print the survey's table in its own units, repaired values marked, with remarks on doubtful ones."""
     names = [
         name for name in dict.fromkeys(value.formula for value in values) if name != FINITE_ELEMENTS
     ]
@@ -196,7 +196,7 @@ def print_published(values: Sequence[PublishedValue]) -> None:
 
 
 def _wide_table(columns: Sequence[str]) -> RichTable:
-    """Return a table without lines, so that a dozen columns go on 80 characters."""
+    """Return a table without lines, so that a dozen columns fit into 80 characters."""
     table = RichTable(header_style="bold", box=None, padding=(0, 0, 0, 1), pad_edge=False)
     for place, column in enumerate(columns):
         table.add_column(
@@ -235,7 +235,7 @@ def _published(value: PublishedValue | None) -> str:
 
 
 def _add_rows(table: RichTable, rows: Sequence[Sequence[str]], section: int | None = None) -> None:
-    """Add rows so that digits stand below digits in columns where some cells have a mark."""
+    """Add rows so that digits are aligned in columns with marks in some cells."""
     marked = [any(cell.endswith(MARKS) for cell in column) for column in zip(*rows, strict=True)]
     for place, row in enumerate(rows):
         if place == section:

@@ -1,4 +1,4 @@
-"""What the command harmonics tells of a torque table or an engine: records, tables, files."""
+"""Output of the command harmonics for a torque table or an engine: records, tables, files."""
 
 import math
 from pathlib import Path
@@ -108,9 +108,9 @@ def print_engine(record: Record, units: OutputUnits = SI) -> None:
 
 
 def print_table_harmonics(record: Record, usual: float, units: OutputUnits = SI) -> None:
-    """Print the harmonics of a torque table, and the torque of the cylinders if it is told how they fire.
+    """Print the harmonics of a torque table, and the torque of the cylinders if firing is given.
 
-    Orders above the usual ones are printed only where they are all that was asked for.
+    Orders above the usual ones are printed only if all requested orders are above.
     """
     kept = sum(order <= usual * (1.0 + 1e-9) for order in record["orders"])
     record = record | {name: record[name][:kept] for name in (*COLUMNS, *RESIDUALS)}
@@ -142,7 +142,7 @@ def print_table_harmonics(record: Record, usual: float, units: OutputUnits = SI)
 
 
 def print_stars(record: Record, units: OutputUnits, *, hinged: bool) -> None:
-    """Print the stars of a `stars_record`; with hinged rods, that they are not all there is."""
+    """Print the stars of a `stars_record`; with hinged rods, with the remark that they are incomplete."""
     like = {order: group for group in record["same_stars"] for order in group}
     print_table(
         Table.of_records(
@@ -231,6 +231,6 @@ def _what(record: Record) -> str:
 
 
 def write_table(path: Path, record: Record) -> None:
-    """Write harmonics as CSV; the first line names what they are of, the row of order 0 is the mean."""
+    """Write harmonics as CSV; the first line names their quantity, the row of order 0 is the mean."""
     names = ["of", "unit", "order", *COLUMNS[1:]]
     write_rows(path, names, table_rows(record), _what(record))

@@ -1,4 +1,4 @@
-"""What the command line prints of a crank mechanism: its forces and its balance."""
+"""Tables of a crank mechanism on the command line: its forces and its balance."""
 
 from crankbase.tables.output_units import SI, OutputUnits
 from crankbase.units.units import RPM
@@ -60,7 +60,7 @@ def print_mechanism(record: Record, units: OutputUnits = SI) -> None:
 
 
 def _print_power(record: Record, units: OutputUnits) -> None:
-    """Print how the rated power fits the gas, where the file gives it."""
+    """Print whether the rated power is consistent with the gas, if the file gives it."""
     rated = record["rated"]
     if rated is not None and rated["rated_power"] is not None:
         sentence = rated["sentence"]
@@ -106,7 +106,7 @@ def print_hinged_rods(
 
 
 def _print_remarks(remarks: list[str], units: OutputUnits) -> None:
-    """Print remarks but for the assumed values of the gas cycle, which the list of all of them has."""
+    """Print remarks except assumed values of the gas cycle, which are in the list of assumptions."""
     for remark in remarks:
         if not remark.startswith(ASSUMED):
             print_line(units.text(f"Note: {remark.rstrip('.')}."))

@@ -14,7 +14,7 @@ from regression.models.reaction_lookup import ReactionLookup
 def reaction_record(
     react: Callable[..., ReactionLookup], force: Sequence[float], gamma: float | None
 ) -> Record:
-    """Look reactions up under each support that can be told, as plain JSON content.
+    """Look reactions up under each possible support, as plain JSON content.
 
     Parameters
     ----------
@@ -23,12 +23,12 @@ def reaction_record(
     force : (3,) sequence of float
         On the pin [N].
     gamma : float or None
-        Angle to equal neighbors, one more support [deg].
+        Angle to equal neighbors, for one more support [deg].
 
     Raises
     ------
     InputError
-        If none can be told.
+        If there is none.
     """
     supports: dict[str, Support] = {"pinned": "pinned", "guided": "guided"}
     if gamma is not None:
@@ -59,7 +59,7 @@ def reaction_record(
 
 
 def print_reactions(record: Record, units: OutputUnits) -> None:
-    """Print reactions as those of a throw by finite elements, and how far they may be off."""
+    """Print reactions as those of a throw by finite elements, with their bands."""
     print_table(reaction_table(record, units), units)
     kilonewtons = units.of("kN")
     for name, own in record["supports"].items():

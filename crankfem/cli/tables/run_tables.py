@@ -1,4 +1,4 @@
-"""What `crankfem run` prints: the verdict, what follows from it, limits and the worst critical speeds."""
+"""Output of `crankfem run`: the verdict, its consequences, limits and the worst critical speeds."""
 
 from collections.abc import Mapping
 from typing import Any
@@ -17,7 +17,7 @@ SPEEDS_SHOWN = 2
 
 
 def print_conclusions(results: Mapping[str, Any], units: OutputUnits = SI) -> None:
-    """Print the verdict of a run, and what it rests on and leads to.
+    """Print the verdict of a run, its basis and its consequences.
 
     Parameters
     ----------
@@ -36,7 +36,7 @@ def print_engine(results: Mapping[str, Any], units: OutputUnits = SI) -> None:
 
 
 def print_worst(results: Mapping[str, Any], units: OutputUnits = SI) -> None:
-    """Print limits, each at its worst place, and the worst critical speeds.
+    """Print limits, each at its worst location, and the worst critical speeds.
 
     Parameters
     ----------

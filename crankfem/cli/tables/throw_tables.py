@@ -1,4 +1,4 @@
-"""What the command line prints of a throw and of the stresses at its fillets, from plain records."""
+"""Tables of a throw and of the stresses at its fillets on the command line, from plain records."""
 
 import math
 
@@ -58,7 +58,7 @@ def print_free_modes(modes: list[Record], units: OutputUnits = SI) -> None:
 
 
 def print_profile(seconds: dict[str, float]) -> None:
-    """Print where the time of an analysis went."""
+    """Print the time of each step of an analysis."""
     total = sum(seconds.values())
     print_table(
         Table(
@@ -70,7 +70,7 @@ def print_profile(seconds: dict[str, float]) -> None:
 
 
 def print_shape(record: Record, units: OutputUnits = SI, name: str = "Throw") -> None:
-    """Print what the dimensions make."""
+    """Print the quantities that follow from the dimensions."""
     length, volume = units.of("mm"), units.of("dm^3")
     pins = "one pin" if record["pins"] == 1 else f"{record['pins']} pins"
     print_line(
@@ -89,7 +89,7 @@ _PARTS = {
 
 
 def print_stresses(record: Record, units: OutputUnits = SI) -> None:
-    """Print a table for each load, and what there is to say besides."""
+    """Print a table for each load, and the remarks."""
     for table in stress_tables(record, units):
         print_table(table, units)
     for sentence in _sentences(record):
@@ -97,17 +97,17 @@ def print_stresses(record: Record, units: OutputUnits = SI) -> None:
 
 
 def _up(value: float, decimals: int) -> str:
-    """Return a number rounded up, so that what is above its limit never looks as if it met it."""
+    """Return a number rounded up, so that a value above its limit never appears to meet it."""
     return f"{math.ceil(round(value * 10**decimals, 6)) / 10**decimals:.{decimals}f}"
 
 
 def _down(value: float, decimals: int) -> str:
-    """Return a number rounded down, so that what is below its limit never looks as if it met it."""
+    """Return a number rounded down, so that a value below its limit never appears to meet it."""
     return f"{math.floor(round(value * 10**decimals, 6)) / 10**decimals:.{decimals}f}"
 
 
 def _rule_sentences(record: Record) -> list[str]:
-    """What UR M53, Appendix III, asks of mesh and stresses, and what was reached."""
+    """The requirements of UR M53, Appendix III, on mesh and stresses, and the values reached."""
     meshings = record["meshings"]
     layers = [max(one["layers"][k] for one in meshings) for k in range(len(LAYERS))]
     read = [
@@ -136,7 +136,7 @@ def _rule_sentences(record: Record) -> list[str]:
 
 
 def _sentences(record: Record) -> list[str]:
-    """What the tables leave unsaid."""
+    """Remarks that the tables do not contain."""
     found = [
         f"Ends pinned, end sections {record['end_sections']}. Principal: the largest in magnitude, at the "
         "location given; Mises: the largest equivalent stress by von Mises; factor: size of the principal "

@@ -1,4 +1,4 @@
-"""What the command two-mass prints, from its plain record."""
+"""Output of the command two-mass, from its plain record."""
 
 from crankbase.tables.output_units import SI, OutputUnits
 from crankbase.tables.table import Column, Table
@@ -12,7 +12,7 @@ LEAST_SHARE = 1e-9
 
 
 def print_two_masses(record: Record, units: OutputUnits = SI) -> None:
-    """Print the natural frequency, resonances, what excites them and the torque in the shaft."""
+    """Print the natural frequency, resonances, their excitation and the torque in the shaft."""
     print_line(
         units.text(
             f"Two masses on one shaft of {record['stiffness'] / 1e3:.4g} kN m/rad: natural frequency "

@@ -1,4 +1,4 @@
-"""What the command line prints of an engine's vibration, from the plain records of a run."""
+"""Tables of an engine's vibration on the command line, from the plain records of a run."""
 
 from crankbase.tables.output_units import SI, OutputUnits
 from crankfem.analyses.record import Record
@@ -80,7 +80,7 @@ def print_run_up(record: Record, units: OutputUnits = SI) -> None:
 
 
 def print_load(record: Record, units: OutputUnits = SI) -> None:
-    """Print power, how the load goes with the speed, and the load of some speeds if it does."""
+    """Print power, the load as a function of the speed, and the load at some speeds if it varies."""
     for text in (record["rated"]["sentence"], record["sentence"]):
         print_line(units.text(f"{text[0].upper()}{text[1:]}."))
     if record["law"] != "constant":

@@ -61,8 +61,8 @@ def chain_of(section: Section, material: Material) -> Chain:
     Raises
     ------
     InputError
-        If lists and tables stand side by side, a node is named twice, or the chain cannot be; with a
-        sentence for each element, dashpot, gear and damper whose nodes are unknown or that is not one.
+        If lists and tables are mixed, a node is named twice, or the chain is impossible; with a
+        sentence for each element, dashpot, gear and damper with unknown nodes or impossible values.
     """
     nodes = _nodes(section)
     given = tuple(nodes)

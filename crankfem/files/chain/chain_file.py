@@ -38,7 +38,7 @@ class ChainFile:
     kind : {"torsional", "axial"}
     chain : Chain
     records : tuple of InputRecord
-        Every value with its source; empty for plain text, whose comments tell it.
+        Every value with its source; empty for plain text, whose comments state it.
     sources : dict
         Short name to full citation.
     """
@@ -58,7 +58,7 @@ def load_chain(path: str | Path | TomlFile) -> ChainFile:
     ----------
     path : path
         A TOML file, any other file as plain text, or the name of a shipped one; or the sections of a
-        TOML file, read already.
+        TOML file, if already read.
 
     Raises
     ------
@@ -66,8 +66,10 @@ def load_chain(path: str | Path | TomlFile) -> ChainFile:
         With a sentence for each wrong field, which names what was given and what is allowed.
     """
     found = path.path if isinstance(path, TomlFile) else input_path(path, "chain")
-    if found.suffix.lower() != ".toml":
-        text = read_text(found, "the text of a chain", "a text file")
+    if not isinstance(path, TomlFile) and found.suffix.lower() != ".toml":
+        text = read_text(
+            found, "the text of a chain", "an input file (TOML) or the text of a chain"
+        )
         read = read_chain_text(text, found.name)
         _check_sizes(found.name, read.chain)
         return ChainFile(found, read.name or found.stem, read.kind, read.chain, (), {})
@@ -96,7 +98,7 @@ def load_chain(path: str | Path | TomlFile) -> ChainFile:
 
 
 def _check_sizes(file: str, chain: Chain) -> None:
-    """Refuse numbers so small or large that their squares are none.
+    """Refuse numbers so small or large that their squares underflow or overflow.
 
     Raises
     ------

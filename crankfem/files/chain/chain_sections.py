@@ -1,6 +1,6 @@
 """The sections of chain files: every field with its unit, range and meaning, declared once.
 
-Torsional and axial chains have the same fields in other units; where the unit differs a field is
+Torsional and axial chains have the same fields in other units; a field whose unit differs is
 declared for both.
 """
 
@@ -146,7 +146,7 @@ class AxialDashpot(InputModel):
 
 
 class _ChainSection(InputModel):
-    """What torsional and axial chains have alike."""
+    """Common fields of torsional and axial chains."""
 
     section: ClassVar[str] = "chain"
 

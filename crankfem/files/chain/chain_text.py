@@ -1,7 +1,7 @@
 """Chains as plain text: one line for each node and element, in order.
 
-The first line tells the kind, "torsional" or "axial", and after a colon a name. A node has a line of
-its own, that of an element is indented. Two or more spaces separate what stands on a line:
+The first line states the kind, "torsional" or "axial", and after a colon a name. A node has a line of
+its own, that of an element is indented. Two or more spaces separate the items of a line:
 
     torsional: two disks
     flywheel  211.4 kg m^2
@@ -49,7 +49,7 @@ class ChainText:
 
 @dataclass
 class _Link:
-    """What one indented line says."""
+    """Content of one indented line."""
 
     line: str
     left: str | None
@@ -63,9 +63,9 @@ def read_chain_text(text: str, source: str = "text") -> ChainText:
     Parameters
     ----------
     text : str
-        As the head of this module shows.
+        In the format described at the head of this module.
     source : str, optional
-        What to call the text in messages, such as a file's name.
+        Name of the text in messages, such as a file's name.
 
     Raises
     ------
@@ -238,7 +238,7 @@ def write_chain_text(chain: Chain, kind: Motion, name: str = "") -> str:
     Raises
     ------
     InputError
-        If the kind is unknown, or a name cannot stand in the text.
+        If the kind is unknown, or a name cannot be written in the text.
     """
     if kind not in UNITS:
         raise InputError(

@@ -1,4 +1,4 @@
-"""The chains of what follows the flywheel of an engine, from the files that its section names."""
+"""The chains of the shaft line behind the flywheel, from the files that its section names."""
 
 from collections.abc import Sequence
 from dataclasses import replace
@@ -17,12 +17,12 @@ PLANT = "plant"
 def read_shaft_lines(content: TomlFile) -> dict[str, Chain]:
     """Read the chains that the section [shaft_line] of an engine file names, by their kind.
 
-    Their values are noted beside those of the engine file.
+    Their values are listed with those of the engine file.
 
     Raises
     ------
     InputError
-        Also if one is of the other kind.
+        Also if one is of the wrong kind.
     """
     given = content.model("shaft_line", ShaftLineFiles)
     found: dict[str, Chain] = {}
@@ -52,12 +52,12 @@ def plant_chain(plant: Chain, cylinders: Sequence[int]) -> EngineChain:
     ----------
     plant : Chain
     cylinders : sequence of int
-        How many cylinders work on each throw, from the free end.
+        Number of cylinders on each throw, from the free end.
 
     Raises
     ------
     InputError
-        If cranks are missing, or the crankshaft is no row from the first node to behind the last crank.
+        If cranks are missing, or the crankshaft is not a row from the first node to behind the last crank.
     """
     wanted = throw_names(cylinders, len(cylinders))
     missing = [name for name in wanted if name not in plant.names]

@@ -1,1 +1,1 @@
-"""Engine files: what their sections say of each other; the mechanism and the throws in them."""
+"""Engine files: checks between their sections; the mechanism and the throws in them."""

@@ -1,4 +1,4 @@
-"""What sections of an engine file say of each other: each is refused with one sentence."""
+"""Checks between sections of an engine file: each is refused with one sentence."""
 
 from collections import Counter
 from collections.abc import Mapping, Sequence
@@ -22,7 +22,7 @@ from regression.plans.plan import StudyPlan
 
 
 def check_misfire(misfire: Misfire | None, gas: Gas | None, engine: Engine) -> None:
-    """Refuse cylinders that are not there, and failing ones without a pressure.
+    """Refuse cylinders that do not exist, and failing ones without a pressure.
 
     Raises
     ------
@@ -58,7 +58,7 @@ def check_gas_map(gas_map: GasMap | None, engine: Engine) -> None:
 def check_load(
     load: LoadSection | None, gas: Gas | None, gas_map: GasMap | None, engine: Engine
 ) -> None:
-    """Refuse a load that nothing tells the pressure of, and one that does not cover the running range.
+    """Refuse a load without a known pressure, and one that does not cover the running range.
 
     Raises
     ------
@@ -126,11 +126,11 @@ def check_sources(vibration: VibrationSettings, study: StudyPlan | None) -> None
 
 
 class WithPlant(Protocol):
-    """What a plant's chain stands in place of; an engine file has it."""
+    """The values that a plant's chain replaces; an engine file has them."""
 
     @property
     def shaft_lines(self) -> Mapping[str, Chain]:
-        """Chains by what they are of."""
+        """Chains by their kind."""
 
     @property
     def throws(self) -> tuple[int, ...]:
@@ -154,7 +154,7 @@ class WithPlant(Protocol):
 
 
 def check_plant(engine: WithPlant) -> None:
-    """Refuse a plant's chain that lacks cranks, and what it would leave without effect.
+    """Refuse a plant's chain that lacks cranks, and sections that it would make ineffective.
 
     Raises
     ------
@@ -180,7 +180,7 @@ def check_plant(engine: WithPlant) -> None:
 
 
 def check_highest_order(vibration: VibrationSettings, engine: Engine) -> None:
-    """Refuse a highest order that the engine's cycle has not.
+    """Refuse a highest order that the engine's cycle does not have.
 
     Raises
     ------
@@ -195,7 +195,7 @@ def check_highest_order(vibration: VibrationSettings, engine: Engine) -> None:
 
 
 def check_thrust_bearing(thrust: ThrustBearing, throws: int) -> None:
-    """Refuse a thrust bearing at a main bearing that is not there.
+    """Refuse a thrust bearing at a main bearing that does not exist.
 
     Raises
     ------
@@ -213,7 +213,7 @@ def check_strength(
     throws: Sequence[CrankThrow],
     gas: Gas | GasMap | None,
 ) -> None:
-    """Refuse strength without forces, or of throws that the rule does not know.
+    """Refuse strength without forces, or for throws that the rule does not cover.
 
     Raises
     ------

@@ -1,4 +1,4 @@
-"""Read engine files, and check what their sections say of each other."""
+"""Read engine files, and check their sections against each other."""
 
 import math
 from collections.abc import Collection, Mapping
@@ -77,7 +77,7 @@ from regression.plans.plan import StudyPlan
 
 @dataclass(frozen=True)
 class EngineSection:
-    """A section: its model; for what it is needed; whether a whole engine needs it."""
+    """A section: its model; where it is needed; whether a whole engine needs it."""
 
     model: type[InputModel]
     need: str = "optional"
@@ -135,14 +135,14 @@ class EngineFile:
     engine, throw, shaft_ends, material, rod, piston, flywheel, thrust_bearing, vibration
         Its sections; of several throws by name, the one at the free end.
     shaft_lines : dict
-        Kind, "torsional" or "axial", to the chain of what follows the flywheel, where given.
+        Kind, "torsional" or "axial", to the chain of the shaft line behind the flywheel, if given.
     shaft, hinged_rods, free_end, damping, torsional_damper, axial_damper, driven, bearings, gas, \
 load, gas_map, misfire, propeller_forces, limits, ranges, strength, torque_table, two_mass, study
         Optional sections; None where the file lacks them.
     records : tuple of InputRecord
         Every value with its source.
     provenance : dict
-        Field to its source and whether it is assumed, where the file says so.
+        Field to its source and whether it is assumed, if the file states it.
     sources : dict
         Short name to full citation.
     throws_by_name : dict
@@ -151,7 +151,7 @@ load, gas_map, misfire, propeller_forces, limits, ranges, strength, torque_table
     Raises
     ------
     InputError
-        If sections do not fit each other, when made by `dataclasses.replace` or `changed` as well.
+        If sections contradict each other, also when made by `dataclasses.replace` or `changed`.
     """
 
     path: Path
@@ -221,7 +221,7 @@ load, gas_map, misfire, propeller_forces, limits, ranges, strength, torque_table
 
     @property
     def named_throws(self) -> dict[str, CrankThrow]:
-        """The distinct throws by name; the one of a plain file has the name "throw"."""
+        """The distinct throws by name; that of a plain file has the name "throw"."""
         return dict(self.throws_by_name) or {PLAIN: self.throw}
 
     @property
@@ -247,26 +247,26 @@ load, gas_map, misfire, propeller_forces, limits, ranges, strength, torque_table
         return pins_of(self.engine, self.throw, self.throws, self.hinged_rods)
 
     def changed(self, **sections: InputModel | Mapping[str, Any] | None) -> "EngineFile":
-        """Return the engine with some sections changed, checked like a file; the file stays as it is.
+        """Return the engine with some sections changed, checked like a file; the file itself is unchanged.
 
         Parameters
         ----------
         **sections
             By the section's name: the fields that change with their new values in SI units, such as
             ``throw={"web_thickness": 0.046}``; or the whole section, such as ``throw=another``; or None,
-            which takes an optional one away. A section that the file lacks is made of its fields.
-            Throws by name are changed so by their names, such as ``throws={"b": {"web_thickness": 0.05}}``.
+            which removes an optional one. A section that the file lacks is made from its fields.
+            Named throws are changed by their names, such as ``throws={"b": {"web_thickness": 0.05}}``.
 
         Returns
         -------
         EngineFile
-            With `path` of the same file, beside which tables are looked for. Changed values have the
+            With `path` of the same file, in whose folder tables are searched. Changed values have the
             source "changed in Python"; a study is one of the changed throw and material.
 
         Raises
         ------
         InputError
-            If a section or field is unknown, or the values do not fit each other.
+            If a section or field is unknown, or the values contradict each other.
 
         Examples
         --------
@@ -303,7 +303,7 @@ load, gas_map, misfire, propeller_forces, limits, ranges, strength, torque_table
     def _study_of(
         self, throws: Mapping[str, CrankThrow], made: Mapping[str, Any]
     ) -> StudyPlan | None:
-        """The study with its throw and material as changed; without its throw there is none."""
+        """The study with the changed throw and material; None without its throw."""
         study = self.study
         if study is None:
             return None
@@ -317,13 +317,13 @@ load, gas_map, misfire, propeller_forces, limits, ranges, strength, torque_table
 
 
 def check_sections(content: TomlFile, needed: Collection[str] | None = None) -> None:
-    """Refuse unknown and missing sections; [throws.NAME] may stand in place of [throw].
+    """Refuse unknown and missing sections; [throws.NAME] may replace [throw].
 
     Parameters
     ----------
     content : TomlFile
     needed : collection of str, optional
-        Sections that must be there; those of a whole engine by default.
+        Required sections; those of a whole engine by default.
 
     Raises
     ------
@@ -347,7 +347,7 @@ def load_engine(path: str | Path | TomlFile) -> EngineFile:
     Parameters
     ----------
     path : path
-        The file, or the name of a shipped engine; or its sections, where they have been read already.
+        The file, or the name of a shipped engine; or its sections, if already read.
 
     Raises
     ------

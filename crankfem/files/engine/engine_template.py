@@ -1,4 +1,4 @@
-"""A file to start one's own engine from: every section explained, what is optional in comments."""
+"""A template for one's own engine file: every section explained, optional parts in comments."""
 
 import math
 from importlib.resources import files
@@ -33,7 +33,7 @@ FIRING_ORDERS: dict[int, dict[int, tuple[int, ...]]] = {
 
 
 def engine_template(file: str = "mine.toml", cylinders: int = 6, strokes: int = 4) -> str:
-    """Return the text of an engine file that can be run as it is.
+    """Return the text of an engine file that can be run unchanged.
 
     Parameters
     ----------
@@ -77,7 +77,7 @@ def engine_template(file: str = "mine.toml", cylinders: int = 6, strokes: int = 
 def crank_angles_deg(firing_order: tuple[int, ...], strokes: int) -> list[float]:
     """Return the angle of each crank from the first in the sense of rotation [deg].
 
-    With these the cylinders fire evenly.
+    With these the firing intervals are even.
 
     Examples
     --------

@@ -1,4 +1,4 @@
-"""What each field of an engine file means, from its declaration: for the docs and the command line."""
+"""Meaning of each field of an engine file, from its declaration: for the docs and the command line."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -27,7 +27,7 @@ TITLES = {"throws": "[throws.NAME]"}
 
 @dataclass(frozen=True)
 class FieldRow:
-    """One field: its name, the unit it is shown in, what is allowed, and its meaning."""
+    """One field: its name, the unit it is shown in, its allowed values, and its meaning."""
 
     name: str
     unit: str
@@ -37,7 +37,7 @@ class FieldRow:
 
 @dataclass(frozen=True)
 class SectionTable:
-    """One section, or a table within it: its title in brackets, whether it is needed, its fields."""
+    """One section, or a table within it: its title in brackets, whether it is required, its fields."""
 
     title: str
     need: str
@@ -45,7 +45,7 @@ class SectionTable:
 
 
 def section_tables(section: str | None = None) -> list[SectionTable]:
-    """Tables of one section, with the tables in it, or of all.
+    """Tables of one section, with nested tables, or of all.
 
     Raises
     ------
@@ -55,6 +55,12 @@ def section_tables(section: str | None = None) -> list[SectionTable]:
     if section == CHAIN:
         return chain_tables()
     if section is not None and section not in SECTIONS:
+        name = section.rpartition(".")[2]
+        having = [own for own, one in SECTIONS.items() if name in one.model.model_fields]
+        if having:
+            raise InputError(
+                f"section: given {section!r}; {name} is a field of {', '.join(having)}: allowed are sections."
+            )
         raise InputError(
             f"section: given {section!r}; {allowed_names(section, (*SECTIONS, CHAIN))}."
         )
@@ -67,7 +73,7 @@ def section_tables(section: str | None = None) -> list[SectionTable]:
 
 
 def chain_tables() -> list[SectionTable]:
-    """Tables of a chain file: a section [chain] for each kind of chain, and the tables in it."""
+    """Tables of a chain file: a section [chain] for each kind of chain, and its nested tables."""
     return [
         *(
             table
@@ -123,7 +129,7 @@ def _allowed(info: FieldInfo) -> str:
 
 
 def _limit(value: float, unit: str) -> str:
-    """Write a limit; a pure number without exponent as long as it can be read so."""
+    """Write a limit; a pure number without exponent as long as it is readable."""
     if not unit and float(value).is_integer() and abs(value) < WRITTEN_OUT:
         return f"{value:.0f}"
     return format_quantity(value, unit)

@@ -1,10 +1,12 @@
-"""What a file of quantities describes, from its sections: a throw, a mechanism, an engine; its torques."""
+"""The kind of a file of quantities, from its sections: a throw, a mechanism, an engine; its torques."""
 
+import re
 from dataclasses import replace
 from pathlib import Path
 from typing import Literal
 
 from crankbase.errors import InputError
+from crankbase.wrong_files import LOOKED_AT
 from crankfem.files.reading.data_files import InputKind, find_table, input_path, shipped_names
 from crankfem.files.reading.toml_file import TomlFile, read_toml
 from crankfem.files.sections.engine_sections import TorqueTable
@@ -15,11 +17,14 @@ ENGINE_SECTIONS = {"rod", "piston", "flywheel", "thrust_bearing"}
 # Sections that only hinge files have.
 HINGE_SECTIONS = {"sliding", "hinge", "operation"}
 
+# A section that files of input have, at the beginning of a line.
+SECTION = re.compile(r"^\s*\[(?:engine|throw|throws\.\w+|chain|sliding|hinge)\]", re.MULTILINE)
+
 
 def file_kind(content: TomlFile) -> FileKind:
-    """Tell what a file describes, from its sections.
+    """Return the kind of a file, from its sections.
 
-    A throw has nothing of an engine around it; a mechanism has cranks, rods and pistons, but no flywheel
+    A throw has no engine around it; a mechanism has cranks, rods and pistons, but no flywheel
     or thrust bearing for the chains.
     """
     sections = set(content.sections)
@@ -40,8 +45,8 @@ def engine_sections(source: str | Path | TomlFile) -> TomlFile:
     Parameters
     ----------
     source : path or TomlFile
-        Sections that have been read already are not read again: what a command takes from them is then of
-        one state of the file. Their records begin anew.
+        Sections that have been read already are not read again, so that a command uses them in
+        one state of the file. Their records start anew.
 
     Raises
     ------
@@ -55,20 +60,27 @@ def engine_sections(source: str | Path | TomlFile) -> TomlFile:
 
 
 def any_sections(given: str) -> TomlFile | None:
-    """Return the sections of any file of input, or of a shipped one; None if it is not TOML.
-
-    Only chains are written in anything but TOML.
+    """Return the sections of any file of input, or of a shipped one; None if it is the text of a chain.
 
     Raises
     ------
     InputError
-        If there is no such file, it cannot be read, or is not TOML though it is called so.
+        If there is no such file, it cannot be read, or has the ending of TOML but is not.
     """
     name = Path(given).name.removesuffix(".toml")
     others: tuple[InputKind, ...] = ("hinge", "chain")
     kinds = [kind for kind in others if name in shipped_names(kind)]
     path = input_path(given, *kinds[:1])
-    return read_toml(path) if path.suffix.lower() == ".toml" else None
+    return read_toml(path) if path.suffix.lower() == ".toml" or _has_sections(path) else None
+
+
+def _has_sections(path: Path) -> bool:
+    """Whether a file has sections of input, whatever its ending; False where it cannot be read."""
+    try:
+        with path.open(encoding="utf-8-sig") as file:
+            return SECTION.search(file.read(LOOKED_AT)) is not None
+    except (OSError, UnicodeDecodeError):
+        return False
 
 
 def torque_table_path(content: TomlFile) -> Path | None:

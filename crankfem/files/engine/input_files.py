@@ -1,4 +1,4 @@
-"""The files that a command reads, which nothing may be written over."""
+"""The input files of a command, which must not be overwritten."""
 
 from pathlib import Path
 

@@ -1,4 +1,4 @@
-"""The cylinders of an engine file at their places: cranks, banks, throws, rods."""
+"""The cylinders of an engine file: positions, cranks, banks, throws, rods."""
 
 import math
 from collections.abc import Sequence
@@ -35,7 +35,7 @@ def angles_of_throws(
     Raises
     ------
     InputError
-        If the section [shaft] has not one for each throw.
+        If the section [shaft] does not have one for each throw.
     """
     count = max(throws) + 1
     if layout is None or layout.throw_angles is None:
@@ -53,8 +53,8 @@ def pins_of(
 ) -> tuple[int, ...]:
     """Return the pin that each cylinder works on, from 0, counted along the shaft.
 
-    Hinged rods work on the pin of their main rod, rods side by side on one pin. All throws have as many
-    pins as the one given.
+    Hinged rods work on the pin of their main rod, rods side by side on one pin. All throws have the same
+    number of pins as the one given.
     """
     main_of, count = _main_cylinders(engine, hinged), len(throw.parts.pins)
     pins = [0] * len(throws)
@@ -79,12 +79,12 @@ def engine_cylinders(
 ) -> tuple[EngineCylinder, ...]:
     """Return the cylinders with pistons and rods, angles in the sense of rotation.
 
-    Crank by crank are given the throws and their angles; cylinder by cylinder the crank it works on.
+    Throws and their angles are given by crank, the crank that it works on by cylinder.
 
     Raises
     ------
     InputError
-        If cranks, throws and pins do not fit each other, or a rod is impossible.
+        If cranks, throws and pins contradict each other, or a rod is impossible.
     """
     sense = engine.turning_sense
     banks = [sense * angle for angle in engine.bank_angles or (0.0,) * engine.cylinders]
@@ -121,7 +121,7 @@ def engine_cylinders(
 def check_sizes(
     engine: Engine, throw: CrankThrow, rod: Rod, piston: Piston, section: str = "throw"
 ) -> None:
-    """Refuse cranks, rods and pin offsets that do not go together; the section is what to call the throw.
+    """Refuse cranks, rods and pin offsets that contradict each other; the section names the throw.
 
     Raises
     ------
@@ -132,7 +132,8 @@ def check_sizes(
         raise InputError(
             f"{section}.crank_radius: given {format_quantity(radius, 'm')}; allowed is half "
             "of engine.stroke, "
-            f"{format_quantity(engine.stroke / 2.0, 'm')}."
+            f"{format_quantity(engine.stroke / 2.0, 'm')}, because the piston moves by two crank radii; "
+            f"correct it, or engine.stroke, given {format_quantity(engine.stroke, 'm')}."
         )
     if rod.length <= 1.5 * radius:
         raise InputError(
@@ -148,7 +149,7 @@ def check_sizes(
 
 
 def inertia_remarks(*rods: Rod | HingedRods | None) -> list[str]:
-    """Say of each rod whose inertia is not given, or unusual, what that means."""
+    """State the consequence for each rod whose inertia is not given, or unusual."""
     remarks = []
     for rod in rods:
         if rod is None:
@@ -168,7 +169,7 @@ def inertia_remarks(*rods: Rod | HingedRods | None) -> list[str]:
 
 
 def side_by_side(throw: CrankThrow, throws: Sequence[int], hinged: HingedRods | None) -> bool:
-    """Tell whether several rods share a pin."""
+    """Return whether several rods share a pin."""
     carried = set() if hinged is None else {number - 1 for number in hinged.cylinders}
     on_pins = [own for place, own in enumerate(throws) if place not in carried]
     return len(throw.parts.pins) == 1 and len(on_pins) > len(set(on_pins))
@@ -191,7 +192,7 @@ def _main_cylinders(engine: Engine, hinged: HingedRods | None) -> dict[int, int]
 
 
 def _rod(section: Rod | HingedRods) -> ConnectingRod:
-    """Return the rod with its center of mass where its shares place it."""
+    """Return the rod with its center of mass at the position given by its shares."""
     distance = section.length * (1.0 - section.rotating_mass / section.mass)
     # Without an inertia the rod is as the two masses at its pins.
     inertia = section.mass * distance * (section.length - distance)
@@ -211,12 +212,12 @@ def _positions(
     throw_angles: Sequence[float],
     main_of: dict[int, int],
 ) -> list[float]:
-    """Place of each cylinder along the shaft: on its throw's pin, or side by side on it.
+    """Position of each cylinder along the shaft: on its throw's pin, or side by side on it.
 
     Raises
     ------
     InputError
-        If the pins do not suffice, or are not where the cranks are.
+        If there are too few pins, or they are not where the cranks are.
     """
     positions = [0.0] * len(throws)
     for number, start in zip(range(max(throws) + 1), throw_starts(crank_throws), strict=False):

@@ -70,12 +70,12 @@ class MechanismFile:
     name : str
         Of the engine.
     layout : EngineLayout
-        Cylinders and rods alone, without the throws' unbalance and any inertia of the shaft: these
-        come from the throw's solid, by `with_throws`.
+        Cylinders and rods alone, without the throws' unbalance and any inertia of the shaft, which
+        `with_throws` adds from the throws' solids.
     pressure : tuple of GasPressure
         Cylinder by cylinder, at full load; empty if the file has no section [gas].
     power : EnginePower or None
-        Indicated power at rated speed beside the rated power; None without gas pressure.
+        Indicated power at rated speed and the rated power; None without gas pressure.
     rated_speed : float
         [rad/s]
     throw, material
@@ -92,9 +92,9 @@ class MechanismFile:
     gas : Gas or None
         Section of the file.
     load : LoadSection or None
-        Section of the file: how the load goes with the speed; None for full load at all speeds.
+        Section of the file: the load as a function of the speed; None for full load at all speeds.
     attached_inertia : float
-        Of flywheel and free end, where given [kg m^2].
+        Of flywheel and free end, if given [kg m^2].
     remarks : tuple of str
         What was assumed beyond the values of the file.
     warnings : tuple of str
@@ -137,9 +137,9 @@ def load_mechanism(path: str | Path | TomlFile) -> MechanismFile:
     Parameters
     ----------
     path : path
-        The file, or the name of a shipped engine; or its sections, read already. It needs
+        The file, or the name of a shipped engine; or its sections, if already read. It needs
         the sections [engine], [throw] (or several [throws.NAME]), [rod] and [piston]; [gas], [load],
-        [hinged_rods] and [shaft] are read where given.
+        [hinged_rods] and [shaft] are read if given.
 
     Raises
     ------
@@ -186,7 +186,7 @@ def _read_mechanism(content: TomlFile) -> MechanismFile:
 
 @dataclass(frozen=True)
 class MechanismSections:
-    """The sections of a file that describe a mechanism, called as those of an `EngineFile`."""
+    """The sections of a file that describe a mechanism, named as those of an `EngineFile`."""
 
     path: Path
     engine: Engine
@@ -217,12 +217,12 @@ class MechanismSections:
 
 
 def mechanism_of(file: EngineFile | MechanismSections) -> MechanismFile:
-    """Return the crank mechanism of an engine as it is, with what was changed after reading.
+    """Return the crank mechanism of an engine in its present state, with changes made after reading.
 
     Raises
     ------
     InputError
-        If cranks, throws and pins do not fit each other, or the gas pressure cannot be reached.
+        If cranks, throws and pins contradict each other, or the gas pressure cannot be reached.
     """
     engine, layout, gas = file.engine, layout_of(file), file.gas
     pressure = () if gas is None else cylinder_pressures(gas, layout, file.path)
@@ -253,12 +253,12 @@ def mechanism_of(file: EngineFile | MechanismSections) -> MechanismFile:
 
 
 def layout_of(file: EngineFile | MechanismSections) -> EngineLayout:
-    """Return the cylinders and rods of an engine as it is, without throws and gas pressure.
+    """Return the cylinders and rods of an engine in its present state, without throws and gas pressure.
 
     Raises
     ------
     InputError
-        If cranks, throws and pins do not fit each other.
+        If cranks, throws and pins contradict each other.
     """
     engine = file.engine
     cylinders = engine_cylinders(
@@ -278,7 +278,10 @@ def _warnings(file: EngineFile | MechanismSections, power: EnginePower | None) -
     thrust = file.thrust_bearing if isinstance(file, EngineFile) else None
     material = () if file.material.remark is None else (file.material.remark,)
     firing = firing_evenness(file.engine).warnings
-    return (*firing, *material, *engine_warnings(file, power, thrust))
+    rated: tuple[str, ...] = ()
+    if power is not None and not power.consistent:
+        rated = (f"engine.rated_power: {power.sentence[0].lower()}{power.sentence[1:]}",)
+    return (*firing, *material, *rated, *engine_warnings(file, power, thrust))
 
 
 def _remarks(file: EngineFile | MechanismSections) -> tuple[str, ...]:
@@ -295,7 +298,7 @@ def _remarks(file: EngineFile | MechanismSections) -> tuple[str, ...]:
 
 
 def load_any(path: str | Path | TomlFile) -> EngineFile | MechanismFile | ThrowFile:
-    """Read and check a file as what it describes: a whole engine, a mechanism, or a throw.
+    """Read and check a file of any kind: a whole engine, a mechanism, or a throw.
 
     Raises
     ------
@@ -313,20 +316,20 @@ def with_throws(
 ) -> EngineLayout:
     """Return the layout with the throws' unbalance and inertia, from their solids.
 
-    Each throw stands as two masses in the planes of its ends, which have its static and dynamic
+    Each throw is represented by two masses in the planes of its ends, with its static and dynamic
     unbalance. The inertia is that of the throws, flywheel and free end.
 
     Parameters
     ----------
     mechanism : MechanismFile
     masses : MassProperties or sequence of such, optional
-        Of the one throw that all cranks are, or of each crank's, from the free end, where they are known
-        already.
+        Of the one throw that all cranks have, or of each crank's, from the free end, if
+        known.
 
     Raises
     ------
     InputError
-        If there are not masses for each crank.
+        If there is not one for each crank.
     MeshError
         If a throw's solid cannot be built.
     """

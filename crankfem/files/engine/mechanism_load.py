@@ -17,17 +17,17 @@ from dynamics.gas.pressure import GasPressure
 
 
 def full_load_only(mechanism: MechanismFile) -> bool:
-    """Tell whether the cylinders give full load at all speeds, as without a section [load]."""
+    """Return whether the load is full load at all speeds, as without a section [load]."""
     return mechanism.gas is None or mechanism.load is None or mechanism.load.law == "constant"
 
 
 def curve_at(mechanism: MechanismFile, speeds: FloatArray) -> LoadCurve:
-    """Return what the cycles reach at speeds [rad/s].
+    """Return the pressures that the cycles reach at speeds [rad/s].
 
     Raises
     ------
     InputError
-        If a speed lies beyond the points of the load.
+        If a speed is beyond the points of the load.
     """
     assert mechanism.gas is not None
     assert mechanism.load is not None
@@ -70,7 +70,7 @@ def pressures_at(
     Raises
     ------
     InputError
-        If a speed lies beyond the points of the load, or a cycle cannot reach it.
+        If a speed is beyond the points of the load, or a cycle cannot reach it.
     """
     assert mechanism.gas is not None
     curve = curve_at(mechanism, np.asarray(speeds, dtype=np.float64))

@@ -1,4 +1,4 @@
-"""Indicated power of an engine at rated speed, and whether its rated power fits it."""
+"""Indicated power of an engine at rated speed, and whether its rated power is consistent."""
 
 import math
 from collections.abc import Sequence
@@ -40,7 +40,7 @@ class EnginePower:
     mean_indicated_pressure : float
         Work of the gas per swept volume, mean of all cylinders [Pa].
     rated : float or None
-        Power at the flywheel [W]; None where the file does not give it.
+        Power at the flywheel [W]; None if the file does not give it.
     """
 
     speed: float
@@ -50,20 +50,20 @@ class EnginePower:
 
     @property
     def mechanical_efficiency(self) -> float | None:
-        """Rated over indicated power; None without a rated power, or where the gas does no work."""
+        """Rated over indicated power; None without a rated power, or if the gas does no work."""
         if self.rated is None or self.indicated <= 0.0:
             return None
         return self.rated / self.indicated
 
     @property
     def mean_effective_pressure(self) -> float | None:
-        """That of the rated power [Pa]; None where the file does not give it."""
+        """Mean effective pressure of the rated power [Pa]; None if the file does not give it."""
         efficiency = self.mechanical_efficiency
         return None if efficiency is None else efficiency * self.mean_indicated_pressure
 
     @property
     def friction_pressure(self) -> float:
-        """Mean pressure that friction takes [Pa]; zero where the rated power is not known or does not fit."""
+        """Friction mean pressure [Pa]; zero if the rated power is unknown or inconsistent."""
         if self.mean_effective_pressure is None or not self.consistent:
             return 0.0
         return self.mean_indicated_pressure - self.mean_effective_pressure
@@ -78,7 +78,7 @@ class EnginePower:
 
     @property
     def sentence(self) -> str:
-        """Indicated power and how the rated power fits it."""
+        """Indicated power and its ratio to the rated power."""
         speed = format_quantity(self.speed, "rad/s", 5)
         indicated = (
             f"indicated power {_kilowatts(self.indicated)} at {speed}, mean indicated pressure "

@@ -1,4 +1,4 @@
-"""What is shipped: engines, hinges and chains, each with its kind and a line about it."""
+"""The shipped files: engines, hinges and chains, each with its kind and a line about it."""
 
 from dataclasses import dataclass
 from pathlib import Path

@@ -1,4 +1,4 @@
-"""Read what a file says of throws alone: one throw, a whole crankshaft, the plan of a study."""
+"""Read only the throws of a file: one throw, a whole crankshaft, the plan of a study."""
 
 from dataclasses import dataclass
 from pathlib import Path
@@ -155,7 +155,7 @@ def load_study(path: str | Path | TomlFile) -> StudyPlan:
 
 
 def _throws(path: str | Path | TomlFile, *needed: str) -> tuple[TomlFile, dict[str, CrankThrow]]:
-    """Sections of a file that has a throw and other sections that are needed, and its throws by name."""
+    """Sections of a file with a throw and other required sections, and its throws by name."""
     content = engine_sections(path)
     with content.all_errors({"throw": CrankThrow, "material": Material}, {"throws": read_throws}):
         check_sections(content, ["throw", *needed])
@@ -163,6 +163,6 @@ def _throws(path: str | Path | TomlFile, *needed: str) -> tuple[TomlFile, dict[s
 
 
 def _first(content: TomlFile, throws: Throws) -> str:
-    """Name of the throw at the free end; the section [shaft] of a plain file is not looked at."""
+    """Name of the throw at the free end; the section [shaft] of a plain file is ignored."""
     layout = None if PLAIN in throws else content.model("shaft", ShaftLayout)
     return free_end_throw_name(throws, layout)

@@ -1,4 +1,4 @@
-"""Read hinge files: a crosshead engine, its running points, and its elastic hinge."""
+"""Read hinge files: a crosshead engine, its operating points, and its elastic hinge."""
 
 import math
 from dataclasses import dataclass, replace
@@ -45,7 +45,7 @@ class HingeFile:
     spring : GasSpring
     start_radius, roller_radius, design_speed : float
     cycle : Cycle or None
-        None where tables give the gas force of all running points.
+        None if tables give the gas force of all operating points.
     operation : Operation
     comparison : Comparison or None
     records : tuple of InputRecord
@@ -69,16 +69,16 @@ class HingeFile:
 
     @property
     def speeds(self) -> tuple[float, ...]:
-        """Speeds of the running points [rad/s]."""
+        """Speeds of the operating points [rad/s]."""
         return tuple(point.speed for point in self.operation.points)
 
     def moment(self, speed: float | None = None, kinematics: Kinematics = "exact") -> HingeMoment:
-        """Return the hinge moment of a running point, by its speed [rad/s]; the design's by default.
+        """Return the hinge moment at an operating point, by its speed [rad/s]; the design's by default.
 
         Raises
         ------
         InputError
-            If there is no running point of that speed, or its cycle cannot be.
+            If there is no operating point of that speed, or its cycle is impossible.
         """
         point = self.point_at("speed", self.design_speed if speed is None else speed)
         return hinge_moment(self.engine, self._gas_force(point), point.speed, kinematics=kinematics)
@@ -93,7 +93,7 @@ class HingeFile:
         )
 
     def _gas_force(self, point: RunningPoint) -> GasForce:
-        """Gas force of a running point, by its table or by the cycle model."""
+        """Gas force of an operating point, by its table or by the cycle model."""
         if point.pressures is None or self.cycle is None:
             name = point.gas_force_table or ""
             return read_gas_force(find_table("operation.points.gas_force_table", self.path, name))
@@ -124,7 +124,7 @@ class HingeFile:
         )
 
     def compared(self, moment: HingeMoment) -> list[tuple[GasSpring, float, HingeProfile | str]]:
-        """Return spring, start radius, and guides or why there are none, of all sizes and pressures."""
+        """Return spring, initial radius, and guides or why there are none, of all sizes and pressures."""
         found: list[tuple[GasSpring, float, HingeProfile | str]] = []
         if self.comparison is None:
             return found
@@ -141,7 +141,7 @@ class HingeFile:
         return found
 
     def point_at(self, field: str, speed: float) -> RunningPoint:
-        """Return the running point of a speed [rad/s]; `field` names it in the message.
+        """Return the operating point of a speed [rad/s]; `field` names it in the message.
 
         Raises
         ------
@@ -172,7 +172,7 @@ def load_hinge(path: str | Path | TomlFile = "crosshead-30-100") -> HingeFile:
     Parameters
     ----------
     path : path, optional
-        The file, or the name of a shipped one; or its sections, read already.
+        The file, or the name of a shipped one; or its sections, if already read.
 
     Raises
     ------
@@ -180,6 +180,14 @@ def load_hinge(path: str | Path | TomlFile = "crosshead-30-100") -> HingeFile:
         With a sentence for each wrong field, which names it, what was given and what is allowed.
     """
     content = path if isinstance(path, TomlFile) else read_toml(input_path(path, "hinge"))
+    if (
+        not {"sliding", "hinge", "operation"} & set(content.sections)
+        and "throw" in content.sections
+    ):
+        raise InputError(
+            f"{content.path.name}: describes an engine or a throw, not an elastic hinge; copy a hinge file "
+            "by crankfem new mine.toml --from crosshead-30-100."
+        )
     with content.all_errors(KINDS):
         return _read_hinge(content)
 

@@ -91,7 +91,7 @@ class Hinge(InputModel):
 
 
 class Cycle(InputModel):
-    """What the cycles of all running points share; usual values where not given."""
+    """Common values of the cycles of all operating points; usual values by default."""
 
     section: ClassVar[str] = "cycle"
 
@@ -144,7 +144,7 @@ class RunningPoint(InputModel):
 
     @property
     def pressures(self) -> tuple[float, float, float] | None:
-        """Mean, peak and charge pressure [Pa]; None where a table gives the gas force."""
+        """Mean, peak and charge pressure [Pa]; None if a table gives the gas force."""
         mean, peak, charge = self.mean_pressure, self.peak_pressure, self.charge_pressure
         return None if mean is None or peak is None or charge is None else (mean, peak, charge)
 

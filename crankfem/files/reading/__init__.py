@@ -1,1 +1,1 @@
-"""Files as such: TOML with units and sources, shipped files, kinds of files, tables."""
+"""Reading of files: TOML with units and sources, shipped files, kinds of files, tables."""

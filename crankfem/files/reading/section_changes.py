@@ -1,4 +1,4 @@
-"""Sections of an engine file changed in Python, and what is said of their values then."""
+"""Sections of an engine file changed in Python, and the records of their values."""
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
@@ -20,9 +20,9 @@ Provenance = Mapping[str, tuple[str, bool]]
 
 @dataclass(frozen=True)
 class Change:
-    """A value that differs from before: its field, such as "throw.web_width", and what it is now.
+    """A value that differs from before: its field, such as "throw.web_width", and the new value.
 
-    `record` is None where there is no value any more.
+    `record` is None if the value was removed.
     """
 
     field: str
@@ -40,15 +40,15 @@ def section_kinds(owner: type) -> dict[str, tuple[type[InputModel], bool]]:
 
 
 def changed_section(owner: object, name: str, given: object) -> InputModel | None:
-    """Return a section of a file with what was given for it.
+    """Return a section of a file with its changes.
 
     Parameters
     ----------
     owner : object
-        The file as read; its annotations say which sections it has.
+        The file as read; its annotations define its sections.
     name : str
     given : InputModel, mapping or None
-        The whole section; the fields that change with their values [SI]; or nothing.
+        The whole section; the fields that change with their values [SI]; or None.
 
     Raises
     ------
@@ -77,14 +77,14 @@ def changed_section(owner: object, name: str, given: object) -> InputModel | Non
 
 
 def changed_throws(throws: Mapping[str, CrankThrow], given: object) -> dict[str, CrankThrow]:
-    """Return throws by name with what was given for some of them.
+    """Return named throws with changes to some of them.
 
     Parameters
     ----------
     throws : mapping
-        Empty where the file has one throw without a name.
+        Empty if the file has one throw without a name.
     given : mapping
-        Name to a throw, to fields that change [SI] (all fields of a new throw), or to None: taken away.
+        Name to a throw, to fields that change [SI] (all fields of a new throw), or to None: removed.
 
     Raises
     ------
@@ -115,7 +115,7 @@ def changed_throws(throws: Mapping[str, CrankThrow], given: object) -> dict[str,
 def changes(
     before: InputModel | None, after: InputModel | None, section: str | None = None
 ) -> tuple[Change, ...]:
-    """Return what differs between two records of one section, which may have a name of its own."""
+    """Return the differences between two records of one section, which may have a name of its own."""
     some = after or before
     return () if some is None else tuple(_changes(section or type(some).section, before, after))
 
@@ -123,7 +123,7 @@ def changes(
 def without_changed(
     records: Sequence[InputRecord], provenance: Provenance, told: Sequence[Change]
 ) -> tuple[tuple[InputRecord, ...], dict[str, tuple[str, bool]]]:
-    """Return records and provenance in which changed values have no more the sources they had."""
+    """Return records and provenance in which changed values no longer have their former sources."""
 
     def stale(name: str) -> bool:
         return any(

@@ -13,15 +13,17 @@ from crankbase.errors import InputError, InputErrors
 from crankbase.model import InputModel, field_extra, part_kind
 from crankbase.text_limits import LARGEST_TEXT_FILE, check_file_size
 from crankbase.units.quantity import format_quantity
+from crankbase.wrong_files import LOOKED_AT, wrong_kind
 from crankfem.files.reading.toml_errors import not_toml
 from crankfem.files.reading.toml_limits import check_content, check_keys, too_deep
+from crankfem.files.reading.toml_places import line_of
 
 Model = TypeVar("Model", bound=InputModel)
 
 
 @dataclass(frozen=True)
 class InputRecord:
-    """One value of an input file, as given, with where it comes from.
+    """One value of an input file, as given, with its source.
 
     Attributes
     ----------
@@ -30,13 +32,13 @@ class InputRecord:
     given : str
         The text in the file.
     meaning, symbol : str
-        What it is.
+        Its description.
     source : str
         Source of the value, or why it was assumed.
     assumed : bool
-        Whether it is a typical value that nobody gave.
+        Whether it is a typical value, not given by anybody.
     effect : str
-        Of an assumed value: what moves with it, and how much, where that is known.
+        For an assumed value: its effect on results, if known.
     """
 
     field: str
@@ -50,7 +52,7 @@ class InputRecord:
 
 @dataclass(frozen=True)
 class TomlFile:
-    """The sections of a TOML file, values and sources apart.
+    """The sections of a TOML file, with values and sources separated.
 
     Attributes
     ----------
@@ -63,6 +65,8 @@ class TomlFile:
         Short name to full citation.
     records : list
         Every value read through `model`, in order.
+    text : str
+        Of the file.
     """
 
     path: Path
@@ -70,6 +74,7 @@ class TomlFile:
     provenance: dict[str, tuple[str, bool]]
     sources: dict[str, str]
     records: list[InputRecord] = field(default_factory=list)
+    text: str = field(default="", repr=False, compare=False)
 
     def check_sections(self, allowed: Mapping[str, bool]) -> None:
         """Refuse unknown sections, and missing ones that are required.
@@ -77,7 +82,7 @@ class TomlFile:
         Raises
         ------
         InputError
-            With a sentence for each unknown one, else one for those missing: an unknown one may be a
+            With a sentence for each unknown one, else one for those missing: an unknown section may be a
             missing one with another name.
         """
         unknown = [
@@ -90,6 +95,11 @@ class TomlFile:
         missing = [f"[{name}]" for name in required if name not in self.sections]
         if unknown:
             raise InputError("\n".join(unknown))
+        if missing and not self.sections:
+            raise InputError(
+                f"{self.path.name}: has no sections; required are {', '.join(required)}, as in an example "
+                "that crankfem new writes."
+            )
         if missing:
             gone = "sections {} are" if len(missing) > 1 else "section {} is"
             raise InputError(
@@ -109,7 +119,7 @@ class TomlFile:
         return self.made(section, kind, self.sections[section])
 
     def made(self, section: str, kind: type[Model], values: Mapping[str, Any]) -> Model:
-        """Validate values as those of a section, and note them.
+        """Validate values as a section, and record them.
 
         Raises
         ------
@@ -125,14 +135,14 @@ class TomlFile:
         kinds: Mapping[str, type[InputModel]],
         others: Mapping[str, Callable[["TomlFile"], object]] | None = None,
     ) -> Iterator[None]:
-        """Tell, with the first error that ends a reading, those of all sections.
+        """Report, with the first error that ends a reading, those of all sections.
 
         Parameters
         ----------
         kinds : mapping
             Section to its model.
         others : mapping, optional
-            Section that is no model to what reads it.
+            Section without a model to its reader.
 
         Raises
         ------
@@ -150,10 +160,18 @@ class TomlFile:
                         others[name](self)
             told = {line for error in errors.found for line in error.sentences}
             alone = [] if told.issuperset(first.sentences) else [first]
-            raise InputError.of_all([*alone, *errors.found]) from None
+            every = InputError.of_all([*alone, *errors.found])
+            raise InputError("\n".join(map(self._with_line, every.sentences))) from None
+
+    def _with_line(self, sentence: str) -> str:
+        """Add to a sentence about a field in which line of the file it is."""
+        line = line_of(self.text, sentence.partition(":")[0])
+        if line is None:
+            return sentence
+        return f"{sentence.removesuffix('.')} ({self.path.name}, line {line})."
 
     def required(self, section: str, kind: type[Model]) -> Model:
-        """Validate one section that must be there.
+        """Validate one required section.
 
         Raises
         ------
@@ -165,7 +183,7 @@ class TomlFile:
         return made
 
     def _record(self, section: str, made: InputModel, values: Mapping[str, Any]) -> None:
-        """Note every value of a record, and of the records in it that the file gives."""
+        """Record every value of a record, and of the nested records that the file gives."""
         for name, info in type(made).model_fields.items():
             field_name, value = f"{section}.{name}", getattr(made, name)
             if part_kind(info) is not None:
@@ -231,11 +249,12 @@ def read_toml(path: Path) -> TomlFile:
                 "allowed are sections like [throw]."
             )
         sections[section] = _values_apart(section, values, sources, provenance)
-    return TomlFile(path, sections, provenance, {k: str(v) for k, v in sources.items()})
+    texts = {name: str(value) for name, value in sources.items()}
+    return TomlFile(path, sections, provenance, texts, text=text)
 
 
 def read_text(path: Path, what: str, allowed: str) -> str:
-    """Read a file of text; for messages, what it is meant to be, and what is allowed.
+    """Read a text file; its kind and the allowed content are for messages.
 
     Raises
     ------
@@ -244,10 +263,19 @@ def read_text(path: Path, what: str, allowed: str) -> str:
     """
     check_file_size(path, LARGEST_TEXT_FILE, what)
     try:
-        return path.read_text(encoding="utf-8-sig")
-    except (OSError, UnicodeDecodeError) as error:
+        content = path.read_bytes()
+    except OSError as error:
+        raise InputError(f"{path}: cannot be read ({error.strerror or error}).") from None
+    wrong = wrong_kind(content[:LOOKED_AT])
+    if wrong is not None:
+        raise InputError(f"{path}: {wrong}; allowed is {allowed}.")
+    try:
+        return content.decode("utf-8-sig").replace("\r\n", "\n").replace("\r", "\n")
+    except UnicodeDecodeError as error:
+        line = content.count(b"\n", 0, error.start) + 1
         raise InputError(
-            f"{path}: cannot be read as text ({error}); allowed is {allowed}."
+            f"{path}: cannot be read as text, because line {line} is not UTF-8; allowed is {allowed} in "
+            "UTF-8."
         ) from None
 
 
@@ -257,7 +285,7 @@ def _values_apart(
     sources: Mapping[str, str],
     provenance: dict[str, tuple[str, bool]],
 ) -> dict[str, Any]:
-    """Take the values of a table, and of the tables in it, out of their sources."""
+    """Separate the values of a table, and of nested tables, from their sources."""
     plain: dict[str, Any] = {}
     for name, value in values.items():
         field_name = f"{prefix}.{name}"
@@ -278,13 +306,14 @@ def _values_apart(
 def _split(
     field_name: str, value: Any, sources: Mapping[str, str]
 ) -> tuple[Any, tuple[str, bool] | None]:
-    """Take a value out of its table with source or assumption."""
+    """Separate a value from its source or assumption."""
     if not isinstance(value, dict) or "value" not in value:
         return value, None
     extra = set(value) - {"value", "source", "assumed"}
     if extra or {"source", "assumed"} <= set(value):
+        meant = "".join(did_you_mean(name, ("source", "assumed")) for name in sorted(extra))
         raise InputError(
-            f"{field_name}: given {value!r}; allowed with value is either source or assumed."
+            f"{field_name}: given {value!r}; {meant}allowed with value is either source or assumed."
         )
     if "assumed" in value:
         return value["value"], (_cite(str(value["assumed"]), sources), True)

@@ -7,7 +7,7 @@ from dynamics.torque_table import TorqueTable, read_torque_table
 
 
 def load_torque_table(path: str | Path, *, strokes: int | None = None) -> TorqueTable:
-    """Read the torque of one throw over a cycle; `read_torque_table` says how it is written.
+    """Read the torque of one throw over a cycle; `read_torque_table` describes the format.
 
     Parameters
     ----------

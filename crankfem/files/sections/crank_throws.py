@@ -1,4 +1,4 @@
-"""The throws of a file: one for all cranks, or named ones and which of them each crank is."""
+"""The throws of a file: one for all cranks, or named ones and the assignment to cranks."""
 
 import math
 import re
@@ -24,7 +24,7 @@ Throws = Mapping[str, CrankThrow]
 
 
 def read_throws(content: TomlFile) -> dict[str, CrankThrow]:
-    """Read the throws of a file by name, as they stand in it; that of the section [throw] is "throw".
+    """Read the throws of a file by name; that of the section [throw] is "throw".
 
     Raises
     ------
@@ -53,12 +53,12 @@ def throw_names(throws: Throws, layout: ShaftLayout | None, count: int) -> tuple
         From `read_throws`.
     layout : ShaftLayout or None
     count : int
-        Of cranks.
+        Number of cranks.
 
     Raises
     ------
     InputError
-        If names are missing, unknown or left over.
+        If names are missing, unknown or unused.
     """
     names = None if layout is None else layout.throws
     if PLAIN in throws:
@@ -94,13 +94,13 @@ def throw_names(throws: Throws, layout: ShaftLayout | None, count: int) -> tuple
 
 
 def free_end_throw_name(throws: Throws, layout: ShaftLayout | None) -> str:
-    """Return the name of the throw at the free end; where the file has no shaft, of its first throw."""
+    """Return the name of the throw at the free end; if the file has no shaft, of its first throw."""
     names = () if layout is None else layout.throws or ()
     return next((name for name in names if name in throws), next(iter(throws)))
 
 
 def throw_of_name(throws: Throws, name: object, field: str, default: str) -> CrankThrow:
-    """Return the throw that a field or option asks for, or the one taken by default.
+    """Return the throw of a field or option, or the default one.
 
     Raises
     ------
@@ -123,7 +123,7 @@ def throw_of_name(throws: Throws, name: object, field: str, default: str) -> Cra
 
 
 def check_compatible_throws(throws: Throws) -> None:
-    """Refuse throws by name that cannot be cranks of one shaft.
+    """Refuse named throws that cannot be cranks of one shaft.
 
     Raises
     ------
@@ -150,7 +150,7 @@ def check_compatible_throws(throws: Throws) -> None:
 def throws_along_shaft(
     throws: Throws, names: Sequence[str], angles_deg: ArrayLike
 ) -> tuple[CrankThrow, ...]:
-    """Return the throw of each crank, those by name checked to make a shaft.
+    """Return the throw of each crank, named throws checked to form a shaft.
 
     Parameters
     ----------
@@ -175,7 +175,7 @@ def throws_along_shaft(
 
 
 def _named(content: TomlFile, name: str, given: Mapping[str, Any]) -> CrankThrow:
-    """Read a throw by name, with the fields of the one that it is like."""
+    """Read a named throw, with the fields of the throw that it is like."""
     section, values = f"throws.{name}", given[name]
     if not isinstance(values, Mapping):
         raise InputError(
@@ -222,7 +222,7 @@ def _named(content: TomlFile, name: str, given: Mapping[str, Any]) -> CrankThrow
 
 
 def _sentences(values: Mapping[str, Any], section: str) -> list[str]:
-    """What is wrong with the fields of a throw."""
+    """The errors in the fields of a throw."""
     try:
         CrankThrow.from_text(
             {name: own for name, own in values.items() if name not in NamedThrow.model_fields},
@@ -240,7 +240,7 @@ def _with_missing_fields(
     other_section: str,
     other: Mapping[str, Any],
 ) -> dict[str, Any]:
-    """Return the fields of a table with those of another that it lacks, which keep their sources."""
+    """Return the fields of a table with those of another that it lacks, with their sources."""
     merged = dict(own)
     for key, value in other.items():
         place, origin = f"{section}.{key}", f"{other_section}.{key}"

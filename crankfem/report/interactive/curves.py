@@ -25,7 +25,7 @@ WIDER = 1.2
 def figure_of(curves: Curves, title: str) -> Figure:
     """Return the traces and the layout of described curves.
 
-    Orders come last in the legend, and behind them what is no main curve and waits to be asked for.
+    Orders come last in the legend, and behind them what is no main curve and waits to be requested.
     """
     along, (x_unit, y_unit) = curves.x, curves.units
     top = curves.top

@@ -1,4 +1,4 @@
-"""Single panels of an elastic hinge's diagrams, each drawn on the axes it is given."""
+"""Single panels of an elastic hinge's diagrams, each drawn on given axes."""
 
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
@@ -22,7 +22,7 @@ DASHES = ("-", "--", ":", "-.")
 
 
 def draw_gas_force(axes: "Axes", points: Sequence[HingeMoment]) -> None:
-    """Draw the gas force on the piston at running points."""
+    """Draw the gas force on the piston at operating points."""
     _draw_points(axes, [(point, point.gas) for point in points])
     write_title(axes, "Gas force on the piston")
     axes.set_ylabel("force [kN]")
@@ -35,15 +35,15 @@ def draw_moments(
     points: Sequence[HingeMoment],
     given: Sequence[tuple[FloatArray, float] | None],
 ) -> None:
-    """Draw the hinge moment for constant speed at running points, and what the guides give.
+    """Draw the hinge moment for constant speed at operating points, and that of the guides.
 
     Parameters
     ----------
     axes : matplotlib.axes.Axes
     points : sequence of HingeMoment
     given : sequence
-        For each point the moment of the guides [N m] at a pressure [Pa]; None where the moment is what
-        they are made for.
+        For each point the moment of the guides [N m] at a pressure [Pa]; None where the guides are designed
+        for the moment.
     """
     _draw_points(axes, [(point, point.moment) for point in points])
     for place, (point, guides) in enumerate(zip(points, given, strict=True)):
@@ -65,7 +65,7 @@ def draw_moments(
 
 
 def _draw_points(axes: "Axes", curves: Sequence[tuple[HingeMoment, FloatArray]]) -> None:
-    """Draw values in thousands over the turn of each running point, which its speed names."""
+    """Draw values in thousands over a revolution for each operating point, labeled with its speed."""
     for place, (point, values) in enumerate(curves):
         label = format_quantity(point.speed, "rad/s", 5)
         color = COLORS[place % len(COLORS)]
@@ -75,7 +75,7 @@ def _draw_points(axes: "Axes", curves: Sequence[tuple[HingeMoment, FloatArray]])
 def draw_guides(
     axes: "Axes", height: float, start: float, compared: Sequence[tuple[float, HingeProfile | str]]
 ) -> None:
-    """Draw the rollers' path for springs of one height from one start radius [m], by pressure [Pa]."""
+    """Draw the rollers' path for springs of one height from one initial radius [m], by pressure [Pa]."""
     circle = np.exp(1j * np.linspace(0.0, 2.0 * np.pi, 361)) * start
     axes.plot(circle.real, circle.imag, color=GRAY, linewidth=0.8, label="start radius")
     for place, (pressure, guides) in enumerate(compared):
@@ -105,7 +105,7 @@ def draw_speeds(
     flywheel: float,
     from_speed: float,
 ) -> None:
-    """Draw the speed over a turn with the hinge, with a flywheel, and without either.
+    """Draw the speed over a revolution with the hinge, with a flywheel, and without either.
 
     Parameters
     ----------

@@ -31,9 +31,9 @@ MOST_IN_A_ROW = 4
 
 
 def plot_balance(path: Path, found: Balance, *, title: str = "") -> None:
-    """Plot the forces and moments that are left over, a curve for each order that is not balanced.
+    """Plot the residual forces and moments, a curve for each order that is not balanced.
 
-    Where all forces are balanced, or all moments, they have no panel.
+    If all forces are balanced, or all moments, they have no panel.
 
     Parameters
     ----------
@@ -97,7 +97,7 @@ def plot_accelerations(
     *,
     title: str = "",
 ) -> None:
-    """Plot pistons' accelerations over the crank angle: whole, by order, what is left, what differs.
+    """Plot pistons' accelerations over the crank angle: total, by order, remainder, differences.
 
     Parameters
     ----------

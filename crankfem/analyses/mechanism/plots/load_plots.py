@@ -32,13 +32,13 @@ def plot_polar_loads(
     diagrams : sequence of LoadDiagram
         Of one bearing with several models or at several operating points, to compare.
     labels : sequence of str, optional
-        For the legend; the diagrams' names otherwise.
+        For the legend; by default the diagrams' names.
     frame : str, optional
-        "crank": turning with the crank, which stands upright, tangential force to the right, radial
-        force (towards the shaft) down. "engine": at rest, y up, seen from the free end, where the
+        "crank": turning with the crank, which is upright, tangential force to the right, radial
+        force (towards the shaft) down. "engine": fixed, y up, seen from the free end, where the
         shaft turns clockwise and x points to the left.
     mark_step_deg : float, optional
-        A dot on the first curve at every such step of shaft angle [deg], with its angle where there
+        Interval of the dots on the first curve in shaft angle [deg], labeled with the angle where there
         is room.
     title : str, optional
 
@@ -66,7 +66,7 @@ def plot_polar_loads(
 
 
 def plot_model_difference(path: Path, found: ModelDifference, *, title: str = "") -> None:
-    """Plot the crankpin load by two rod models, and how far they are apart over the shaft angle.
+    """Plot the crankpin load by two rod models, and their difference over the shaft angle.
 
     Parameters
     ----------

@@ -39,7 +39,7 @@ def picture_torque(
 
 
 def plot_engine_torque(path: Path, torque: EngineTorque, *, title: str = "") -> None:
-    """Plot the torque of the whole engine and of one throw, apart by cause, over the cycle."""
+    """Plot the torque of the whole engine and of one throw, separated by cause, over the cycle."""
     with figure(path, 2, width=9.6, height=3.6) as (left, right):
         torque.plot(left)
         torque.plot(right, throw=1)
@@ -66,7 +66,7 @@ def plot_amplitudes(
 
 
 def plot_stars(path: Path, stars: Sequence[Star], *, title: str = "") -> None:
-    """Draw the star of each group of orders that look alike, with its resultant."""
+    """Draw the star of each group of orders of equal shape, with its resultant."""
     groups = same_stars(stars)
     columns = min(STARS_A_ROW, len(groups))
     rows = math.ceil(len(groups) / columns)
@@ -105,7 +105,7 @@ def picture_torque_table(
 
 
 def table_files(stars: Sequence[Star]) -> list[str]:
-    """Name the files that `picture_torque_table` writes."""
+    """Return the names of the files that `picture_torque_table` writes."""
     return [
         "torque.svg",
         "harmonics.svg",
@@ -126,12 +126,12 @@ def plot_torque(path: Path, samples: FloatArray, found: Harmonics) -> None:
 
 
 def _uncancelled(found: Harmonics) -> NDArray[np.bool_]:
-    """Return which harmonics are more than the round-off that orders leave where all cylinders cancel."""
+    """Return which harmonics exceed the round-off of orders in which all cylinders cancel."""
     return found.amplitude >= CANCELLED * max(float(np.max(found.amplitude)), abs(found.mean))
 
 
 def plot_single_harmonics(path: Path, found: Harmonics, *, title: str = "") -> None:
-    """Plot harmonics of a torque, each in a panel of its own, the lowest where there are too many.
+    """Plot harmonics of a torque, each in its own panel, the lowest if there are too many.
 
     Orders that cancel in the sum of several cylinders are left out.
     """

@@ -26,7 +26,7 @@ def plot_shaft_modes(
     radius : float
         Crank radius: rotation about the shaft is shown as the displacement there [m].
     count : int
-        How many modes.
+        Number of modes.
 
     Raises
     ------

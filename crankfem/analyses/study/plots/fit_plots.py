@@ -1,4 +1,4 @@
-"""Diagrams of a study's equations, each from a study's table and the fits of one response to one file."""
+"""Files with diagrams of a study's equations, from its table and the fits of one response."""
 
 import math
 from collections.abc import Iterator
@@ -31,7 +31,7 @@ DIAGRAMS = ("response", "parity", "effects", "sensitivities")
 def plot_fits(
     folder: Path, table: StudyTable, found: ResponseFits, form: str | None = None
 ) -> list[Path]:
-    """Write all diagrams of one response into a folder, which is made if it is not there.
+    """Write all diagrams of one response into a folder, which is created if necessary.
 
     Parameters
     ----------
@@ -39,7 +39,7 @@ def plot_fits(
     table : StudyTable
     found : ResponseFits
     form : str, optional
-        Whose effects are drawn; the chosen one's otherwise.
+        Form whose effects are drawn; by default the chosen one.
 
     Returns
     -------
@@ -66,7 +66,7 @@ def fit_plot_files(response: str) -> list[str]:
 
 
 def plot_response(path: Path, table: StudyTable, found: ResponseFits) -> None:
-    """Plot the chosen equation, and others beside it, over each factor in turn; see `draw_over_factor`."""
+    """Plot the chosen equation, and others for comparison, over each factor; see `draw_over_factor`."""
     factors = table.plan.factors
     with _grid(path, len(factors)) as panels:
         for place, panel in enumerate(panels):
@@ -109,7 +109,7 @@ def plot_sensitivities(path: Path, table: StudyTable, found: ResponseFits) -> No
 
 @contextmanager
 def _grid(path: Path, panels: int, per_row: int = PANELS_PER_ROW) -> Iterator[Any]:
-    """Yield the axes of a figure of several rows, as many as asked for."""
+    """Yield the axes of a figure of several rows, as many as requested."""
     columns = min(panels, per_row)
     rows = math.ceil(panels / columns)
     with figure(path, width=2.6 * columns + 0.6, height=2.5 * rows + 0.3) as axes:

@@ -1,6 +1,6 @@
 """A dimensioned drawing of a crank throw to scale: side view, and view from its left end.
 
-The views stand as in first-angle projection: the view from the left to the right of the side view,
+The views are arranged as in first-angle projection: the view from the left to the right of the side view,
 at the same heights. Seen from the left, +x points to the left.
 """
 
@@ -54,8 +54,8 @@ def draw_throw(throw: CrankThrow, title: str = "") -> "Figure":
     Returns
     -------
     matplotlib.figure.Figure
-        Its first axes hold the side view over (z, y), its second the view from the left end over
-        (-x, y), both in meters. At its own size it is drawn to the scale that it names.
+        Its first axes have the side view over (z, y), its second the view from the left end over
+        (-x, y), both in meters. At its own size it is drawn to the scale stated on it.
 
     Examples
     --------
@@ -101,12 +101,12 @@ def write_drawing(throw: CrankThrow, path: str | Path, title: str = "") -> Path:
     Returns
     -------
     Path
-        The file; the same bit for bit for the same throw.
+        The file; identical bit for bit for the same throw.
 
     Raises
     ------
     InputError
-        If the ending is another, or the file cannot be written.
+        If the ending is unknown, or the file cannot be written.
     """
     import matplotlib as mpl
 
@@ -118,12 +118,12 @@ def write_drawing(throw: CrankThrow, path: str | Path, title: str = "") -> Path:
 
 
 def check_drawing_ending(path: Path) -> str:
-    """Return the ending of a file name in small letters.
+    """Return the ending of a file name in lower case.
 
     Raises
     ------
     InputError
-        If no drawing can be written with it.
+        If drawings cannot be written with it.
     """
     ending = path.suffix.lower()
     if ending not in ENDINGS:
@@ -147,7 +147,7 @@ def _scale(parts: ThrowParts) -> float:
 def _lay_out(
     figure: "Figure", views: Sequence[View], texts: tuple[str, str, str], scale: float
 ) -> None:
-    """Give the figure its size and the views their places, all at one scale and at the same heights."""
+    """Set the size of the figure and the positions of the views, at one scale and the same heights."""
     point = views[0].point
     low = min(view.low[1] for view in views)
     high = max(view.high[1] for view in views)

@@ -1,7 +1,7 @@
-"""Render off-screen in a process of its own.
+"""Render off-screen in a separate process.
 
-VTK ends its process where no OpenGL library can be loaded; in a process of its own that costs the
-pictures and nothing else.
+VTK ends its process if no OpenGL library can be loaded; in a separate process this costs only the
+pictures.
 """
 
 import re
@@ -36,7 +36,7 @@ class OffscreenProcess:
     folder : Path
         A scratch folder, for what the function writes.
     *arguments
-        What is drawn.
+        Passed to the function.
 
     Raises
     ------
@@ -79,12 +79,12 @@ class OffscreenProcess:
 
 
 def render_failure(reason: str, said: str = "") -> MissingLibraryError | RenderError:
-    """Return the error that says why there are no pictures.
+    """Return the error with the reason why there are no pictures.
 
     Parameters
     ----------
     reason : str
-        What has happened to the process, or the error of its function.
+        End of the process, or the error of its function.
     said : str
         What it wrote to standard error.
     """

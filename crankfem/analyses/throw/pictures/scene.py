@@ -1,4 +1,4 @@
-"""A solid as an eye far away sees it, lit from three sides and with its edges drawn, on white."""
+"""A solid in parallel projection, lit from three sides and with its edges drawn, on white."""
 
 import math
 from typing import Any, NamedTuple
@@ -31,7 +31,7 @@ class Eye(NamedTuple):
 
     @property
     def plane(self) -> Array:
-        """What takes points (n, 3) to their places (n, 2) on a picture, to the right and up."""
+        """Matrix from points (n, 3) to their positions (n, 2) on a picture, to the right and up."""
         return np.column_stack([self.right, self.up])
 
 
@@ -58,7 +58,7 @@ class Scene:
     Attributes
     ----------
     longer : float
-        The longer side of what is seen, in the unit of the points.
+        The longer side of the visible area, in the unit of the points.
     """
 
     def __init__(self, points: Array, view: Array, pixels: int) -> None:

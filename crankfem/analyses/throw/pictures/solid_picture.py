@@ -61,7 +61,7 @@ def picture_throw(throw: Throw, path: str | Path) -> Path:
     Raises
     ------
     InputError
-        If the ending is another, or the file cannot be written.
+        If the ending is unknown, or the file cannot be written.
     MeshError
         If the throw cannot be meshed.
     MissingLibraryError, RenderError
@@ -97,7 +97,7 @@ def picture_shaft(shaft: Crankshaft, path: str | Path) -> Path:
 
 
 def check_picture_ending(path: Path) -> None:
-    """Refuse a file name that is no PNG's.
+    """Refuse a file name that does not end in .png.
 
     Raises
     ------
@@ -132,7 +132,7 @@ def render(surface: SolidSurface, view: Array, pixels: int, folder: Path) -> Non
     pixels : int
         Of the picture's longer side.
     folder : Path
-        Where the file `PICTURE` is written.
+        Folder for the file `PICTURE`.
     """
     import pyvista
     from matplotlib.image import imsave

@@ -44,7 +44,7 @@ class SolidSurface:
     Attributes
     ----------
     points : (n, 3) array
-        [m]; neighboring triangles have points of their own in the same place.
+        [m]; neighboring triangles have separate points at the same position.
     triangles : (t, 3) array
     kinds : (t,) array
         Kind of each triangle, `MACHINED` and so on.
@@ -61,7 +61,7 @@ class SolidSurface:
         return replace(self, points=self.points @ turn.T + np.array([0.0, 0.0, shift]))
 
     def without_ends(self, z: Sequence[float]) -> "SolidSurface":
-        """Leave out the ends of throws that lie at some places along the shaft [m]."""
+        """Leave out the ends of throws at some positions along the shaft [m]."""
         places = self.points[self.triangles[:, 0], 2]
         tolerance = 1e-9 * float(np.ptp(self.points[:, 2]))
         inner = np.any(np.abs(places[:, None] - np.array(z)) < tolerance, axis=1)
@@ -70,13 +70,13 @@ class SolidSurface:
 
 
 def throw_surface(throw: Throw, fineness: int) -> SolidSurface:
-    """Surface of a whole throw, mirrored from the part that its symmetry leaves.
+    """Surface of a whole throw, mirrored from the meshed part.
 
     Parameters
     ----------
     throw : CrankThrow or ImportedThrow
     fineness : int
-        Each curved triangle of the mesh becomes the square of so many flat ones.
+        Each curved triangle of the mesh becomes the square of this number of flat ones.
 
     Raises
     ------

@@ -1,4 +1,4 @@
-"""Pictures of the stress all over a throw under each unit load; fillets and oil holes have marks."""
+"""Pictures of the stress on a throw under each unit load, with marks at fillets and oil holes."""
 
 from collections.abc import Sequence
 from pathlib import Path
@@ -33,7 +33,7 @@ def picture_stresses(stresses: FilletStresses, folder: str | Path) -> tuple[Path
     ----------
     stresses : FilletStresses
     folder : path
-        Where the files ``stress-axial.png`` and so on go; made if it is not there.
+        Folder for the files ``stress-axial.png`` and so on; created if necessary.
 
     Returns
     -------
@@ -69,7 +69,7 @@ def picture_name(load: UnitLoad) -> str:
 
 
 def picture_arrays(stresses: FilletStresses) -> dict[str, NDArray[Any]]:
-    """What is drawn: nodes and facets of the whole throw and of its half, stresses, texts."""
+    """Content of the pictures: nodes and facets of the whole throw and of its half, stresses, texts."""
     loaded = stresses.loaded
     mesh = loaded.mesh
     whole, surface = whole_nodes(mesh), stressed_surface(stresses)
@@ -104,7 +104,7 @@ def picture_arrays(stresses: FilletStresses) -> dict[str, NDArray[Any]]:
 
 
 def marked_peaks(stresses: FilletStresses, load: UnitLoad) -> list[FilletPeak | OilHolePeak]:
-    """Return the largest peak at a fillet and the one at an oil hole, as far as there are any."""
+    """Return the largest peak at a fillet and the one at an oil hole, if any."""
     fillets, holes = stresses.under(load), stresses.at_oil_holes(load)
     found: list[FilletPeak | OilHolePeak] = [largest_peak(fillets)] if fillets else []
     return [*found, largest_peak(holes)] if holes else found
@@ -117,12 +117,12 @@ def largest_peak(peaks: Sequence[Peak]) -> Peak:
 
 
 def load_title(load: UnitLoad) -> str:
-    """Say what is shown."""
+    """Describe the content."""
     return f"{load.name[0].upper()}{load.name[1:]}: 1 k{load.unit}, ends pinned"
 
 
 def _seen_place(peak: FilletPeak | OilHolePeak) -> Array:
-    """Where a peak is marked: one inside an oil hole on the rim above it."""
+    """Position of a peak's mark: of one inside an oil hole on the rim above it."""
     if isinstance(peak, FilletPeak):
         return peak.von_mises_place
     hole = peak.outlet.drilling
@@ -132,7 +132,7 @@ def _seen_place(peak: FilletPeak | OilHolePeak) -> Array:
 
 
 def _remark(peak: FilletPeak | OilHolePeak) -> str:
-    """Say where the largest stress at a fillet or oil hole is."""
+    """State where the largest stress at a fillet or oil hole is."""
     place = ", ".join(
         f"{axis} = {round(1e3 * value, 1) + 0.0:g} mm"
         for axis, value in zip("xyz", peak.von_mises_place, strict=True)

@@ -1,4 +1,4 @@
-"""Views of the stresses on a throw, a color bar and texts on one sheet, drawn in a process of its own."""
+"""Views of the stresses on a throw, a color bar and texts on one sheet, drawn in a separate process."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -34,7 +34,7 @@ HIDDEN_BY = 0.01  # what covers a mark is nearer to the eye by this share of the
 
 @dataclass(frozen=True)
 class _Solid:
-    """What one of the views shows: a surface with the stresses under all loads."""
+    """Content of one view: a surface with the stresses under all loads."""
 
     name: str
     eyes: tuple[tuple[float, float, float], ...]
@@ -48,7 +48,7 @@ class _Solid:
         arrays: Mapping[str, NDArray[Any]],
         facets: Integers,
     ) -> "_Solid":
-        """Subdivide curved facets into flat triangles close together."""
+        """Subdivide curved facets into flat triangles."""
         import pyvista
 
         cells = np.insert(facets, 0, 6, axis=1).ravel()
@@ -62,19 +62,19 @@ class _Solid:
         return cls(name, eyes, surface.triangulate().clean())
 
     def best_eye(self, places: Array) -> tuple[Array, Array | None]:
-        """Direction to the eye, and the first of some places that is seen from there, if any."""
+        """Direction to the eye, and the first of some positions that is visible from there, if any."""
         for eye in map(np.array, self.eyes):
             if (place := self.seen_from(eye, places)) is not None:
                 return eye, place
         return np.array(self.eyes[0]), None
 
     def seen_from(self, eye: Array, places: Array) -> Array | None:
-        """Return the first of some places that is seen from an eye, if any."""
+        """Return the first of some positions that is visible from an eye, if any."""
         towards = eye_at(eye).towards
         return next((place for place in places if not self._hidden(place, towards)), None)
 
     def _hidden(self, place: Array, towards: Array) -> bool:
-        """Whether the surface does not reach a place, or lies between it and the eye."""
+        """Whether the surface does not reach a position, or is between it and the eye."""
         points = np.asarray(self.surface.points)
         size = float(np.ptp(points, axis=0).max())
         if np.linalg.norm(points - place, axis=1).min() > HIDDEN_BY * size:
@@ -86,7 +86,7 @@ class _Solid:
 
 @dataclass(frozen=True)
 class _View:
-    """Pixels of a view, its name, and where on it each mark is, if it is seen."""
+    """Pixels of a view, its name, and the position of each mark on it, if visible."""
 
     pixels: NDArray[np.uint8]
     name: str
@@ -115,7 +115,7 @@ def render(arrays: Mapping[str, NDArray[Any]], folder: Path) -> None:
 
 
 def _render_views(solid: _Solid, places: Array) -> list[_View]:
-    """Render a view under each load; of each mark's places (loads, marks, images, 3) mark one."""
+    """Render a view under each load; of each mark's positions (loads, marks, images, 3) mark one."""
     views, scenes = [], dict[tuple[float, ...], Scene]()
     for number, of_load in enumerate(places):
         eye, _ = solid.best_eye(of_load[0])
@@ -196,7 +196,7 @@ def _compose(
 
 
 def _mark(axes: Any, place: tuple[float, float], symbol: str) -> None:
-    """Mark a place with a ring or square that hides nothing."""
+    """Mark a position with a ring or square that hides nothing."""
     for color, width in (("white", 4.0), ("#0b57d0", 1.8)):
         axes.plot(
             *place,

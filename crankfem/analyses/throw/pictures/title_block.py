@@ -1,4 +1,4 @@
-"""The sheet that the views of a drawing stand on: frame, title block, scale bar, projection sign."""
+"""The sheet of a drawing: frame, title block, scale bar, projection sign."""
 
 import math
 
@@ -14,7 +14,7 @@ BOLD = 1.2  # bold text is at most so much wider
 
 
 def block_texts(throw: CrankThrow, title: str, scale: float) -> tuple[str, str, str]:
-    """Texts of the title block: what it is, how it is drawn, what follows from the dimensions."""
+    """Texts of the title block: name, scale, quantities that follow from the dimensions."""
     ratio = f"1 : {scale:g}" if scale >= 1.0 else f"{1.0 / scale:g} : 1"
     drawn = f"lengths in mm\nscale {ratio}"
     overlap = f"overlap {millimeters(throw.overlap)} mm" if throw.overlap > 0.0 else "no overlap"
@@ -49,7 +49,7 @@ def draw_block(sheet: View, size: Point, texts: tuple[str, str, str], scale: flo
 
 
 def _draw_bar(sheet: View, right: float, middle: float, scale: float) -> float:
-    """Draw a bar that keeps its meaning when the picture is scaled; return its cell's left edge."""
+    """Draw a bar that stays valid when the picture is scaled; return its cell's left edge."""
     target = 80.0 * scale * POINT_ON_PAPER
     power = 10.0 ** math.floor(math.log10(target))
     length = max(step * power for step in (1.0, 2.0, 5.0) if step * power <= target)

@@ -33,13 +33,13 @@ def plot_response_campbell(
     speed_range : tuple of two floats
         Running range [rad/s].
     found : sequence of Meeting
-        Such as `Resonance`; dots grow with their severity.
+        For example `Resonance`; dots grow with their severity.
     title : str, optional
 
     Raises
     ------
     InputError
-        If the path is no SVG file in a folder that is there.
+        If the path is not an SVG file in an existing folder.
     """
     natural, lines = finite_array("frequencies", frequencies), finite_array("orders", orders)
     with figure(path, height=4.8) as axes:

@@ -30,7 +30,7 @@ def plot_transient(
     turns: int | None = None,
     title: str = "",
 ) -> None:
-    """Plot what one element or node does over time, its amplitude, and the speed below.
+    """Plot the motion or load of one element or node over time, its amplitude, and the speed below.
 
     Parameters
     ----------
@@ -45,7 +45,7 @@ def plot_transient(
     steady : (speeds [rad/s], amplitudes), optional
         Amplitudes at constant speeds, ascending, drawn where the run passes these speeds.
     turns : int, optional
-        Of the shaft for which one amplitude is taken; by default after which the run repeats.
+        Revolutions of the shaft for one amplitude; by default those after which the run repeats.
     title : str, optional
 
     Raises
@@ -69,7 +69,7 @@ def plot_transient(
 
 
 def picture_run_up(path: Path, run: EngineVibration, found: RunUp) -> None:
-    """Draw the torque in the most loaded spring, beside its amplitude at constant speeds."""
+    """Draw the torque in the spring with the largest one, and its amplitude at constant speeds."""
     forced = run.forced_torsional
     assert forced is not None
     elastic = forced.loads.elastic
@@ -99,7 +99,7 @@ def plot_transient_over_speed(
     speeds : array_like of shape (S,)
         [rad/s]
     amplitudes : mapping of str to array_like of shape (S,)
-        What each curve is called, and its values; infinite ones leave a gap.
+        Name of each curve, and its values; infinite ones leave a gap.
     label : str, optional
         Of the axis, with its unit.
     title : str, optional
