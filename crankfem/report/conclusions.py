@@ -279,7 +279,9 @@ def _other_models(vibration: Record) -> str:
     bearings = vibration.get("bearings") or {}
     found = [*vibration["assessment"].get("beside", ())]
     found += bearings.get("sentences", ()) if bearings.get("flips") else ()
-    return " ".join(dict.fromkeys(found))  # the range of the bearings stands in both
+    return with_three_digits(
+        " ".join(dict.fromkeys(found))
+    )  # the range of the bearings stands in both
 
 
 def _advice(results: Record) -> str:

@@ -241,7 +241,7 @@ def _barred(
         refusals.append(
             f"{most.limit.name} reaches {_used(most)} of its limit, which applies up to "
             f"{_speed(limit_end_speed(most.limit, running_range))}; the engine does not run there, so that "
-            "only less vibration or a higher critical speed helps"
+            "only less vibration or another critical speed helps"
         )
     elif not at_most(high, end):
         refusals.append(

@@ -257,7 +257,7 @@ def test_compliances_of_all_sources_stand_side_by_side(results):
     axial, torsional = (found["tables"][kind]["rows"] for kind in ("axial", "torsional"))
     assert [row["name"] for row in axial[:3]] == [
         "finite elements",
-        "finite elements, pinned in the shaft too",
+        "finite elements, pinned throughout",
         "regression of the study",
     ]
     assert axial[0]["beside"] == 1.0
@@ -515,7 +515,7 @@ AS_STORED = [
     ),
     (
         "formulas",
-        "finite elements 1.29 1.00 0.750 76.8 finite elements, pinned in the shaft too 1.29 1.00",
+        "finite elements 1.29 1.00 0.750 76.8 finite elements, pinned throughout 1.29 1.00",
     ),
     (
         "formulas",
@@ -523,7 +523,7 @@ AS_STORED = [
     ),
     (
         "formulas",
-        "finite elements 41.3 1.00 35.7 87.0 finite elements, pinned in the shaft too 41.3 1.00",
+        "finite elements 41.3 1.00 35.7 87.0 finite elements, pinned throughout 41.3 1.00",
     ),
     ("formulas", "its largest error at held-out designs is 1.5 %"),
     ("formulas", "e0 = 0.258e-9 m/N, e180 = 1.29e-9 m/N and ρ = 2.73,"),

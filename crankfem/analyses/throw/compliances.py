@@ -61,7 +61,7 @@ def compliance_tables(results: Mapping[str, Any]) -> Record:
 
         rows = [
             row("finite elements", fe, "fe", []),
-            row("finite elements, pinned in the shaft too", fe, "fe pinned", []),
+            row("finite elements, pinned throughout", fe, "fe pinned", []),
         ]
         regression = results["formulas"].get("regression")
         if regression is not None and regression.get(kind) is not None:
