@@ -145,12 +145,26 @@ def test_a_throw_alone_and_by_name(call, tmp_path):
     assert warning.startswith("throws.a.main_journal_length: given 500 mm, which is 2.27 times")
 
 
-def test_mechanism_and_vibration_warn_on_standard_error(call, tmp_path, six_cylinders, edit):
+@pytest.mark.parametrize(
+    ("command", "computes"),
+    [
+        ("mechanism", "analyses.mechanism.mechanism_run.run_mechanism"),
+        ("vibration", "analyses.vibration.run.engine_vibration"),
+        ("run", "jobs.pipeline._compute"),
+    ],
+)
+def test_warnings_come_before_anything_is_computed(
+    call, tmp_path, monkeypatch, six_cylinders, edit, command, computes
+):
+    def stopped(*_, **__):
+        raise InputError("Stopped.")
+
     text = edit(six_cylinders, {"piston.mass": '"300 kg"'})
     (tmp_path / "mine.toml").write_text(text, encoding="utf-8")
-    answer = call("mechanism", "mine.toml", "--json")
+    monkeypatch.setattr(f"crankfem.{computes}", stopped)
+    answer = call(command, "mine.toml", "--quiet")
     assert answer.err.startswith("Warning: piston.mass: given 300 kg")
-    assert answer.json()["engine"] == "6ChN 25/34"
+    assert answer.err.endswith("Error: Stopped.\n")
 
 
 def three_cylinders(**changes):
