@@ -114,18 +114,27 @@ SLIPS = {
 
 
 @pytest.mark.parametrize("field", SLIPS)
-def test_a_slip_is_warned_of_and_not_refused(call, tmp_path, six_cylinders, edit, field):
+def test_a_slip_is_warned_of_and_not_refused(tmp_path, six_cylinders, edit, field):
     value, said = SLIPS[field]
     (tmp_path / "mine.toml").write_text(edit(six_cylinders, {field: value}), encoding="utf-8")
+    told = [
+        one
+        for one in mechanism_of(load_any(tmp_path / "mine.toml")).warnings
+        if one.startswith(f"{field}: given")
+    ]
+    assert len(told) == 1
+    assert said in told[0]
+    assert told[0].endswith(("(range of the shipped engines)", "law's training throws)"))
+
+
+def test_check_prints_and_counts_warnings(call, tmp_path, six_cylinders, edit):
+    changes = {field: SLIPS[field][0] for field in ("piston.mass", "rod.length")}
+    (tmp_path / "mine.toml").write_text(edit(six_cylinders, changes), encoding="utf-8")
     answer = call("check", "mine.toml")
-    words = " ".join(answer.out.split())
     assert answer.code == 0
-    assert f"Warning: {field}: given" in words
-    assert said in words
-    assert "the shipped engines)." in words or "law's training throws)." in words
-    record = call("check", "mine.toml", "--json").json()
-    assert f"{len(record['warnings'])} warning" in words
-    assert any(one.startswith(field) for one in record["warnings"])
+    assert "values are assumed; 2 warnings." in " ".join(answer.out.split())
+    assert "\nWarning: rod.length: given 7200 mm, which is 42.4 times the crank" in answer.out
+    assert "\nWarning: piston.mass: given 300 kg, which is 18 kg/dm^3 of" in answer.out
 
 
 def test_the_throw_must_fit_the_bore():
@@ -145,12 +154,26 @@ def test_a_throw_alone_and_by_name(call, tmp_path):
     assert warning.startswith("throws.a.main_journal_length: given 500 mm, which is 2.27 times")
 
 
-def test_mechanism_and_vibration_warn_on_standard_error(call, tmp_path, six_cylinders, edit):
+@pytest.mark.parametrize(
+    ("command", "computes"),
+    [
+        ("mechanism", "analyses.mechanism.mechanism_run.run_mechanism"),
+        ("vibration", "analyses.vibration.run.engine_vibration"),
+        ("run", "jobs.pipeline._compute"),
+    ],
+)
+def test_warnings_come_before_anything_is_computed(
+    call, tmp_path, monkeypatch, six_cylinders, edit, command, computes
+):
+    def stopped(*_, **__):
+        raise InputError("Stopped.")
+
     text = edit(six_cylinders, {"piston.mass": '"300 kg"'})
     (tmp_path / "mine.toml").write_text(text, encoding="utf-8")
-    answer = call("mechanism", "mine.toml", "--json")
+    monkeypatch.setattr(f"crankfem.{computes}", stopped)
+    answer = call(command, "mine.toml", "--quiet")
     assert answer.err.startswith("Warning: piston.mass: given 300 kg")
-    assert answer.json()["engine"] == "6ChN 25/34"
+    assert answer.err.endswith("Error: Stopped.\n")
 
 
 def three_cylinders(**changes):

@@ -98,6 +98,6 @@ def test_missing_and_unreadable_files_are_named(tmp_path):
     with pytest.raises(InputError, match=r"absent\.csv: the torque table cannot be read"):
         read_torque_table(tmp_path / "absent.csv")
     path = tmp_path / "binary.csv"
-    path.write_bytes(b"\xff\xfe\x00\xd8")
+    path.write_bytes(b"\x80\xfe\x00\xd8")
     with pytest.raises(InputError, match=r"binary\.csv: .*not UTF-8 text"):
         read_torque_table(path)

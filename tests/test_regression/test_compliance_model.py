@@ -287,7 +287,7 @@ def test_unreadable_files(tmp_path):
     with pytest.raises(InputError, match="cannot be read"):
         ComplianceModel.load(tmp_path / "absent.json")
     binary = tmp_path / "binary.json"
-    binary.write_bytes(b"\xff\xfe\x00\x80")
+    binary.write_bytes(b"\x80\xfe\x00\x80")
     with pytest.raises(InputError, match="not text"):
         ComplianceModel.load(binary)
 
