@@ -9,14 +9,13 @@ from pydantic import BaseModel, ConfigDict, Field, ValidationError
 from pydantic.fields import FieldInfo
 
 from crankbase.checks.choices import allowed_names
-from crankbase.checks.scalars import is_number
 from crankbase.errors import InputError, InputErrors, named, quoted
-from crankbase.units.quantity import format_quantity, parse_quantity
-from crankbase.units.units import DISPLAY_UNITS
+from crankbase.model_sentences import field_extra as field_extra
+from crankbase.model_sentences import limits_of, range_text, sentence, sentences
+from crankbase.units.quantity import other_unit, parse_quantity
 
 if TYPE_CHECKING:
     from pydantic._internal._model_construction import ModelMetaclass
-    from pydantic_core import ErrorDetails
 else:
     ModelMetaclass = type(BaseModel)
 
@@ -119,8 +118,14 @@ class InputModel(BaseModel, metaclass=_ShowsFields):
     # Fields that choose how to calculate: their defaults assume nothing of what is calculated.
     choices: ClassVar[frozenset[str]] = frozenset()
 
-    def __init__(self, **values: Any) -> None:
+    def __init__(self, *unnamed: Any, **values: Any) -> None:
         """Take and check the values of the fields, by name, in SI units."""
+        if unnamed:
+            name = next(iter(type(self).model_fields))
+            raise InputError(
+                f"{type(self).__name__}: given values without names; allowed are fields by name, such as "
+                f"{name}=..., because positions say nothing of what a value is."
+            )
         for name, value in values.items():
             if not isinstance(value, str | bool):
                 continue
@@ -136,7 +141,7 @@ class InputModel(BaseModel, metaclass=_ShowsFields):
         try:
             super().__init__(**values)
         except ValidationError as error:
-            raise InputError("\n".join(_sentences(type(self), error))) from None
+            raise InputError("\n".join(sentences(type(self), error))) from None
 
     @classmethod
     def __pydantic_init_subclass__(cls, **_: Any) -> None:
@@ -152,6 +157,13 @@ class InputModel(BaseModel, metaclass=_ShowsFields):
                 )
                 for name, info in cls.model_fields.items()
             ]
+        )
+
+    def __setattr__(self, name: str, value: object) -> None:
+        """Refuse a new value: records stay as they were checked."""
+        raise InputError(
+            f"{type(self).__name__}.{name}: given a new value; allowed is another record, by "
+            f"changed({name}=...), because records stay as they were checked."
         )
 
     def __dir__(self) -> Iterable[str]:
@@ -251,7 +263,7 @@ def _field_errors(
     except ValidationError as error:
         own = f"{kind.section}." if kind.section else ""
         return [
-            InputError(prefix + _sentence(kind, one).removeprefix(own))
+            InputError(prefix + sentence(kind, one).removeprefix(own))
             for one in error.errors()
             if one["loc"] and one["loc"][0] not in unread
         ]
@@ -268,13 +280,18 @@ def _value_from_text(kind: type[InputModel], key: str, text: object, name: str) 
         return _parts_from_text(part, info, text, name)
     if unit is None:
         return text
-    limits = _limits(info)
+    limits = limits_of(info)
     if isinstance(text, list) and _holds_several(info):
         return tuple(
-            parse_quantity(item, unit, f"{name}[{number}]", _range(info), limits)
+            parse_quantity(item, unit, f"{name}[{number}]", range_text(info), limits)
             for number, item in enumerate(text)
         )
-    return parse_quantity(text, unit, name, _range(info), limits)
+    value = parse_quantity(text, unit, name, range_text(info), limits)
+    if meant := other_unit(text, unit, value, limits):
+        raise InputError(
+            f"{name}: given {text!r}; did you mean {meant}? allowed is {range_text(info)}."
+        )
+    return value
 
 
 def _holds_several(info: FieldInfo) -> bool:
@@ -298,98 +315,3 @@ def _parts_from_text(kind: type[InputModel], info: FieldInfo, value: object, nam
     if not isinstance(value, Mapping):
         raise InputError(f"{name}: given {quoted(value)}; allowed is a table [{name}].")
     return kind.from_text(value, name)
-
-
-def field_extra(info: FieldInfo, key: str) -> Any:
-    """Return one entry of a field's declaration (unit, symbol, range), or None."""
-    extra = info.json_schema_extra
-    return extra.get(key) if isinstance(extra, dict) else None
-
-
-def _sentences(model: type[InputModel], error: ValidationError) -> list[str]:
-    """Turn pydantic's errors into sentences, one for each field."""
-    found: dict[str, str] = {}
-    for one in error.errors():
-        found.setdefault(str(one["loc"][0]) if one["loc"] else "", _sentence(model, one))
-    return list(found.values())
-
-
-def _sentence(model: type[InputModel], first: "ErrorDetails") -> str:
-    """Turn one error of pydantic into a sentence."""
-    location = [str(part) for part in first["loc"]]
-    prefix = f"{model.section}." if model.section else ""
-    given = first.get("input")
-    if first["type"] == "value_error":
-        text = str(first["ctx"]["error"])
-        if not location:
-            return text if text.startswith(prefix) else prefix + text
-        return prefix + ".".join(location) + ": " + text
-    name = location[0] if location else ""
-    field = prefix + ".".join(map(named, location))
-    if first["type"] == "missing":
-        info = model.model_fields[name]
-        return f"{field}: missing; {_describe(info)} must be given{_allowed_range(info)}."
-    if first["type"] == "extra_forbidden":
-        return f"{field}: unknown field; {allowed_names(name, model.model_fields)}."
-    known = model.model_fields.get(name)
-    if known is None:
-        return f"{field}: given {quoted(given)}; {first['msg']}."
-    unit = field_extra(known, "unit")
-    shown = quoted(given)
-    if unit is not None and is_number(given):
-        shown = format_quantity(float(given), unit)
-    if first["type"] == "literal_error":
-        expected = str(first["ctx"]["expected"]).replace("'", "")
-        return f"{field}: given {quoted(given)}; allowed is {expected}."
-    allowed = _range(known) if unit is not None else ""
-    bound = _BOUNDS.get(first["type"])
-    if unit is None and bound is not None:
-        allowed = bound.format(**first.get("ctx", {}))
-    if first["type"] in _KINDS:
-        allowed = f"{_KINDS[first['type']]}, {allowed}".removesuffix(", ")
-    return f"{field}: given {shown}; allowed is {allowed} for {_describe(known)}."
-
-
-# What pydantic's findings about fields without a unit mean to people.
-_KINDS = {
-    "int_from_float": "a whole number",
-    "int_parsing": "a whole number",
-    "int_type": "a whole number",
-    "string_type": "text",
-    "tuple_type": "a list",
-    "dict_type": "a table",
-    "bool_type": "true or false",
-    "bool_parsing": "true or false",
-}
-# And about the numbers in them; a field with a unit tells its range.
-_BOUNDS = {
-    "finite_number": "a finite number",
-    "greater_than_equal": "a number of {ge:g} or more",
-    "less_than_equal": "a number of {le:g} or less",
-}
-
-
-def _describe(info: FieldInfo) -> str:
-    symbol = field_extra(info, "symbol")
-    meaning = info.description or "this value"
-    return f"{meaning} ({symbol})" if symbol else meaning
-
-
-def _allowed_range(info: FieldInfo) -> str:
-    return f", allowed is {_range(info)}" if field_extra(info, "unit") is not None else ""
-
-
-def _limits(info: FieldInfo) -> tuple[float | None, float | None]:
-    return field_extra(info, "minimum_si"), field_extra(info, "maximum_si")
-
-
-def _range(info: FieldInfo) -> str:
-    unit = field_extra(info, "unit")
-    low, high = _limits(info)
-    if low is not None and high is not None:
-        return f"{format_quantity(low, unit)} to {format_quantity(high, unit)}"
-    if low is not None:
-        return f"{format_quantity(low, unit)} or more"
-    if high is not None:
-        return f"{format_quantity(high, unit)} or less"
-    return f"any number in {DISPLAY_UNITS.get(unit, (unit,))[0]}" if unit else "any number"

@@ -42,6 +42,6 @@ def check_file_size(path: Path, most: int, what: str) -> None:
         return
     if size > most:
         raise InputError(
-            f"{path}: given a file of {size / 1e6:.3g} MB; allowed are {most / 1e6:g} MB, because {what} "
-            "has far less."
+            f"{path}: given a file of {size / 1e6:.3g} MB; allowed is {most / 1e6:g} MB at most, because "
+            f"{what} has far less."
         )

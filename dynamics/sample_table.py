@@ -10,6 +10,7 @@ import numpy as np
 from crankbase.checks.arrays import FloatArray
 from crankbase.errors import InputError, shortened
 from crankbase.text_limits import LARGEST_TABLE_FILE, check_file_size
+from crankbase.wrong_files import CSV, LOOKED_AT, wrong_kind
 from dynamics.cycle import checked_strokes, cycle_degrees, first_not_increasing, mean_step
 
 # Fewer samples show no cycle.
@@ -159,7 +160,11 @@ def read_sample_rows(path: Path, kind: TableKind) -> SampleRows:
     """
     check_file_size(path, LARGEST_TABLE_FILE, f"a {kind.name}")
     try:
-        text = path.read_text(encoding="utf-8-sig")
+        raw = path.read_bytes()
+        wrong = wrong_kind(raw[:LOOKED_AT])
+        if wrong is not None and wrong != CSV:
+            raise InputError(f"{path}: {wrong}; allowed is a {kind.name} (CSV).")
+        text = raw.decode("utf-8-sig")
     except (OSError, UnicodeDecodeError) as error:
         reason = getattr(error, "strerror", None) or "it is not UTF-8 text"
         raise InputError(f"{path}: the {kind.name} cannot be read, because {reason}.") from None

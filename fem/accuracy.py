@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy import sparse
 
-from crankbase.errors import InputError
+from crankbase.checks.choices import check_kind
 from crankbase.stopwatch import Stopwatch
 from fem.assembly import assemble_stiffness
 from fem.class_compliances import axial_motion, class_axial_compliances
@@ -273,10 +273,6 @@ def _mesh(
 
 
 def _check(throw: Throw, accuracy: float, material: Material) -> None:
-    if not isinstance(throw, Throw):
-        raise InputError(
-            f"throw: given {throw!r}; allowed is a CrankThrow, or what import_throw returns."
-        )
-    if not isinstance(material, Material):
-        raise InputError(f"material: given {material!r}; allowed is a Material, like STEEL.")
+    check_kind("throw", throw, Throw, "a CrankThrow, or what import_throw returns")
+    check_kind("material", material, Material, "a Material, like STEEL")
     COMPLIANCE_ACCURACY.checked("accuracy", accuracy)

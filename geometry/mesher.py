@@ -1,6 +1,7 @@
 """Mesh throws in a separate process, so that a crash of the mesher is contained."""
 
 from crankbase.calls import ProcessLostError
+from crankbase.checks.choices import check_kind
 from crankbase.errors import InputError
 from geometry.imported import ImportedThrow
 from geometry.imported_mesh import mesh_imported_throw, predict_imported_unknowns
@@ -43,6 +44,7 @@ def mesh_isolated(
     MeshError
         Also if gmsh crashes, or takes too long, with every strategy.
     """
+    check_kind("throw", throw, Throw, "a CrankThrow, or what import_throw returns")
     process = shared_process() if process is None else process
     if isinstance(throw, ImportedThrow) and part not in ("auto", "full"):
         raise InputError(

@@ -1,5 +1,7 @@
 """Angles given in degrees: checks, conversion to radians, refusal of evident radians."""
 
+from collections.abc import Iterable
+
 import numpy as np
 from numpy.typing import ArrayLike
 
@@ -39,6 +41,21 @@ def checked_degrees(field: str, angles_deg: ArrayLike, *, vector: bool = False) 
         if even and np.any(np.isclose(lengths, TURNS, rtol=SAME, atol=0.0)):
             raise _radians_error(field, given)
     return given
+
+
+def refuse_many_turns(field: str, angles: Iterable[float]) -> None:
+    """Refuse angles of more than two turns [rad], which are degrees: (0, 120, 240).
+
+    Raises
+    ------
+    InputError
+    """
+    largest = max(angles, key=abs, default=0.0)
+    if abs(largest) > TURNS[-1] * (1.0 + SAME):
+        raise InputError(
+            f"{field}: given {largest:g} rad, more than two turns; allowed is -4 pi to 4 pi, because angles "
+            "of records are radians: in Python write math.radians(...) around degrees."
+        )
 
 
 def radians_of(field: str, angles_deg: ArrayLike, *, vector: bool = False) -> FloatArray:

@@ -2,6 +2,7 @@
 
 from collections.abc import Iterable
 from difflib import get_close_matches
+from types import UnionType
 
 from crankbase.errors import InputError, quoted
 
@@ -19,6 +20,17 @@ def check_choice(option: str, given: object, allowed: Iterable[str], because: st
         raise InputError(
             f"{option}: given {quoted(given)}; allowed are {', '.join(words)}, because {because}."
         )
+
+
+def check_kind(field: str, given: object, kind: type | UnionType, allowed: str) -> None:
+    """Refuse an object of another kind; `allowed` names what it must be.
+
+    Raises
+    ------
+    InputError
+    """
+    if not isinstance(given, kind):
+        raise InputError(f"{field}: given {quoted(given)}; allowed is {allowed}.")
 
 
 def check_not_given(option: str, given: object, shown: str, because: str) -> None:

@@ -2,7 +2,10 @@
 
 import math
 import re
+from collections.abc import Sequence
+from contextlib import suppress
 from functools import cache
+from itertools import pairwise
 from typing import Any
 
 from crankbase.checks.scalars import is_number, is_whole
@@ -21,6 +24,8 @@ PLAIN_SIZES = {
 SMALLEST_UNIT = 1e-300
 # Units that large numbers are shown a thousandfold in.
 THOUSANDFOLD, KILO_FROM = ("N", "N m", "W"), 1e4
+# Nobody means so many of a usual unit.
+LARGEST_MEANT = 1e4
 # Numbers from here on get an exponent; smaller ones a person reads without one.
 WRITTEN_OUT = 1e7
 
@@ -172,6 +177,52 @@ def _is_within(value: float, limits: Limits) -> bool:
     return (low is None or value >= low) and (high is None or value <= high)
 
 
+def other_unit(text: object, unit: str, value: float, limits: Limits) -> str:
+    """Return the same number in another usual unit, where it is allowed in that one alone; else nothing.
+
+    Parameters
+    ----------
+    text : object
+        What is given, such as "68 m".
+    unit : str
+        SI unit of the field.
+    value : float
+        What is given [SI].
+    limits : tuple of float or None
+        The field's range [SI].
+
+    Examples
+    --------
+    >>> other_unit("68 m", "m", 68.0, (0.0002, 1.5))
+    '68 mm'
+    """
+    found = NUMBER_AND_UNIT.fullmatch(text) if isinstance(text, str) else None
+    if found is None or _is_within(value, limits):
+        return ""
+    for one in WRITTEN.get(unit, ()) if abs(float(found[1])) < LARGEST_MEANT else ():
+        if _is_within(float(found[1]) * float(unit_quantity(one).to(unit).magnitude), limits):
+            return f"{found[1]} {one}"
+    return ""
+
+
+def split_quantity(words: Sequence[str]) -> tuple[str, str] | None:
+    """Return a word that ends in a bare number and the unit that is the next word; None if there is none.
+
+    Examples
+    --------
+    >>> split_quantity(["web_width=300mm", "web_thickness=58", "mm"])
+    ('web_thickness=58', 'mm')
+    """
+    for word, following in pairwise(words):
+        number = NUMBER_AND_UNIT.fullmatch(word.rpartition("=")[2])
+        if number is None or number[2] or not following[:1].isalnum() or "=" in following:
+            continue
+        with suppress(NoUnitError):
+            if not unit_quantity(following).unitless:
+                return word, following
+    return None
+
+
 def _example(unit: str, limits: Limits, number: str = "") -> str:
     """Write a quantity that is allowed: the number that was given in a usual unit, else one in the range."""
     units = WRITTEN.get(unit, (unit,))
@@ -205,9 +256,11 @@ def _shortened_text(text: object) -> str:
 
 def _evaluate(text: str, unit: str, given: str, limits: Limits, told: str) -> float:
     if "," in text:
+        pointed = text.strip().replace(",", ".", 1)
+        example = pointed if NUMBER_AND_UNIT.fullmatch(pointed) else _example(unit, limits)
         raise InputError(
             f"{given}, in which the comma could mean two things; write a decimal point and no "
-            f'separators, like "{_example(unit, limits)}"{told}.'
+            f'separators, like "{example}"{told}.'
         )
     # A text that long is no quantity, and would take long to look at.
     found = NUMBER_AND_UNIT.fullmatch(text) if len(text) <= LONGEST_QUANTITY else None
@@ -252,6 +305,12 @@ def _names_an_angle(quantity: Any) -> bool:
 
 
 def _pure_number(text: object, given: str, limits: str) -> float:
+    if (
+        isinstance(text, str)
+        and NUMBER_AND_UNIT.fullmatch(text)
+        and not text.strip()[-1:].isalpha()
+    ):
+        raise InputError(f"{given}, a number in quotes; write it without quotes{limits}.")
     if not isinstance(text, float) and not is_whole(text):
         raise InputError(f"{given}; write a plain number without a unit{limits}.")
     if not is_number(text):  # also a whole number of hundreds of digits

@@ -203,7 +203,7 @@ def _throw(read: ThrowFile, content: TomlFile) -> CheckedFile:
 
 def _mechanism(read: MechanismFile, content: TomlFile) -> CheckedFile:
     study = ("doe",) if "study" in content.sections else ()
-    gas = (_without_gas(),) if read.power is None else (read.power.sentence,)
+    gas = (_without_gas(),) if read.power is None else _power(read)
     return CheckedFile(
         read.path,
         "mechanism",
@@ -235,8 +235,7 @@ def _engine(read: EngineFile, content: TomlFile) -> CheckedFile:
     refuse_what_cannot_run(read)
     study = ("doe",) if read.study is not None else ()
     mechanism = _checked_mechanism(read)
-    power = () if mechanism.power is None else (mechanism.power.sentence,)
-    remarks = [_thrust_bearing(read), *mechanism.remarks, *power]
+    remarks = [_thrust_bearing(read), *mechanism.remarks, *_power(mechanism)]
     if read.gas is None:
         remarks.append(_without_gas())
     if read.limits is None and read.gas is not None:
@@ -306,6 +305,12 @@ def _checked_mechanism(read: EngineFile) -> MechanismFile:
     if not full_load_only(mechanism):
         pressures_at(mechanism, [read.engine.lowest_speed, read.engine.highest_speed])
     return mechanism
+
+
+def _power(mechanism: MechanismFile) -> tuple[str, ...]:
+    """What is said of the power; one that does not fit is a warning of the mechanism already."""
+    power = mechanism.power
+    return () if power is None or not power.consistent else (power.sentence,)
 
 
 def _without_gas() -> str:

@@ -1,11 +1,13 @@
 """The command line: every command with examples, in groups by what it is for."""
 
+import sys
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Annotated, Any
 
 import typer
 
+from crankbase.units.quantity import split_quantity
 from crankfem.cli import console
 from crankfem.cli.commands.check import check
 from crankfem.cli.commands.class_document import class_
@@ -132,6 +134,13 @@ COMMANDS = (
     ),
 )
 
+# What typer says of a wrong option, in words for people.
+TYPERS_WORDS = {
+    "Input should be a valid integer, unable to parse string as an integer": "allowed is a whole number",
+    "Input should be a valid number, unable to parse string as a number": "allowed is a number",
+    "extra argument(s)": "extra argument",
+}
+
 EXIT_CODES = "; ".join(f"{code} {words}" for code, words in MEANINGS.items())
 
 app = typer.Typer(
@@ -196,5 +205,15 @@ def main() -> None:
 def _usage_error(error: Any) -> tuple[str, str]:
     """Return the sentence about a wrong option or argument, and where to read how it is right."""
     context = getattr(error, "ctx", None)
+    apart = split_quantity(sys.argv[1:])
+    told = str(error.format_message())
+    for typers, ours in TYPERS_WORDS.items():
+        told = told.replace(typers, ours)
     path = "crankfem" if context is None else context.command_path
-    return str(error.format_message()), f"{path} --help"
+    if apart is not None:
+        words = " ".join(apart)
+        return (
+            f'{words}: given as two words; write number and unit in quotes, "{words}"',
+            f"{path} --help",
+        )
+    return told, f"{path} --help"

@@ -19,6 +19,7 @@ from rich.table import Table as RichTable
 from crankbase.errors import InputError, with_short_quotes
 from crankbase.tables.output_units import SI, OutputUnits
 from crankbase.tables.table import Table
+from crankbase.units.quantity import split_quantity
 from crankfem.cli.interrupts import interrupted_sentence, interrupts_raise
 from crankfem.jobs.error_sentences import TRACEBACK, describe_error
 from crankfem.jobs.exit_codes import EXIT_INPUT, EXIT_INTERRUPTED, EXIT_PIPE
@@ -302,10 +303,18 @@ def parse_pairs(
     Raises
     ------
     InputError
-        If a pair has no equals sign or a name is given twice.
+        If a pair has no equals sign, a name is given twice, or a unit is apart from its number.
     """
     found: dict[str, Value] = {}
-    for pair in pairs:
+    given = list(pairs)
+    apart = split_quantity(given)
+    if apart is not None:
+        pair, unit = apart
+        raise InputError(
+            f"{pair.partition('=')[0]}: given {pair} and {unit} as two words; write number and unit as one, "
+            f'{pair}{unit}, or in quotes, "{pair} {unit}".'
+        )
+    for pair in given:
         name, equals, text = pair.partition("=")
         if not equals or not name.strip():
             raise InputError(f"{pair}: given without a value; write name=value, like {example}.")

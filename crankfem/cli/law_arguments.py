@@ -5,8 +5,9 @@ from typing import Any
 
 from crankbase.checks.choices import did_you_mean
 from crankbase.errors import InputError
+from crankbase.model_sentences import limits_of, range_text
+from crankbase.units.quantity import format_quantity, parse_quantity
 from crankfem.cli import console
-from crankfem.cli.model_arguments import parse_value
 from crankfem.cli.throw_choice import select_throw
 from fem.material import STEEL, Material
 from geometry.throw import CrankThrow
@@ -30,6 +31,16 @@ def law_throw(
     return throw.changed(**given), material
 
 
+def throw_text(throw: CrankThrow) -> list[str]:
+    """Write the dimensions of a throw as NAME = VALUE, those that are there."""
+    values = ((name, getattr(throw, name)) for name in type(throw).model_fields)
+    return [
+        f"{name} = {format_quantity(value, field_unit(name) or '')}"
+        for name, value in values
+        if isinstance(value, float) and value != 0.0
+    ]
+
+
 def _convert(name: str, text: str) -> Any:
     choices = [one for one in CrankThrow.model_fields if field_unit(one) is not None]
     if name == "web_outline":
@@ -39,4 +50,5 @@ def _convert(name: str, text: str) -> Any:
             f"{name}: unknown dimension; {did_you_mean(name, choices)}allowed are web_outline, "
             f"{', '.join(choices)}; parts of a throw come with --throw ENGINE.toml."
         )
-    return parse_value(name, text, field_unit(name) or "")
+    field = CrankThrow.model_fields[name]
+    return parse_quantity(text, field_unit(name) or "", name, range_text(field), limits_of(field))

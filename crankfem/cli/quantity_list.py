@@ -58,6 +58,11 @@ def parse_pin_force(text: str) -> list[float]:
     if any(UNIT.search(part) for part in parts):
         parts = [f"{part} N" if part.strip() == "0" else part for part in parts]
     found = parse_quantities(",".join(parts), "N", "--pin-force")
+    if len(found) == 2 and re.search(r"\d,\d", text):
+        raise InputError(
+            f"--pin-force: given {text!r}, two numbers; allowed is one, with a decimal point, like "
+            f'"{text.strip().replace(",", ".", 1)}", or three, x, y, z.'
+        )
     if len(found) not in (1, 3) or not max(map(abs, found)) <= LARGEST_LOAD:
         raise InputError(
             f'--pin-force: given {text!r}; allowed is one radial force, like "100 kN", or x, y, z, like '

@@ -178,6 +178,8 @@ def _engine_record(engine_file: EngineFile) -> Record:
         "reciprocating": engine_file.vibration.reciprocating,
         "crank_angles": list(engine.crank_angles),
         "firing_order": list(engine.firing_order),
+        "firing_intervals_deg": list(engine.firing_intervals_deg),
+        "mean_piston_speed": engine.mean_piston_speed(engine.rated_speed),
         "rated_speed_rpm": engine.rated_speed * RPM,
         "lowest_speed_rpm": engine.lowest_speed * RPM,
         "highest_speed_rpm": engine.highest_speed * RPM,

@@ -21,7 +21,7 @@ Record = Mapping[str, Any]
 RESONANT = ("at resonance", "near resonance")
 # Of what orders at resonance make together, the share from which a mode is named.
 LEAST_SHARE = 0.1
-NOT_JUDGED = "Not judged: no gas pressure is given"
+NOT_JUDGED, NOT_ACCEPTABLE = "Not judged: no gas pressure is given", "Not acceptable"
 DIGITS = 3
 
 
@@ -33,7 +33,18 @@ def headline(results: Record) -> str:
     results : mapping
         Content of results.json.
     """
-    vibration = results["vibration"]
+    said = _of_vibration(results["vibration"])
+    if too_weak(results) and said != NOT_ACCEPTABLE:
+        return f"{said}; the crankshaft is not strong enough by UR M53"
+    return said
+
+
+def too_weak(results: Record) -> bool:
+    """Whether the crankshaft's strength was judged, and is less than required."""
+    return (results.get("strength") or {}).get("passed") is False
+
+
+def _of_vibration(vibration: Record) -> str:
     assessment = vibration["assessment"]
     if assessment is None:
         return NOT_JUDGED
@@ -76,8 +87,13 @@ def verdict_line(results: Record) -> str:
         return f"Verdict: {NOT_JUDGED}."
     worst = assessment["checks"][0]
     used = "unbounded" if worst["used"] is None else f"{format_usage(worst['used'])} of its limit"
-    firing = ". With all cylinders firing" if misfiring_decides(results["vibration"]) else ""
-    return f"Verdict: {headline(results)}{firing}: {worst['limit']} {used}."
+    said = headline(results)
+    of = ""
+    if misfiring_decides(results["vibration"]):
+        of = ". With all cylinders firing"
+    elif too_weak(results) and said != NOT_ACCEPTABLE:
+        of = ". Vibration"
+    return f"Verdict: {said}{of}: {worst['limit']} {used}."
 
 
 def conclusions(results: Record) -> list[str]:
@@ -275,10 +291,7 @@ def _advice(assessment: Record) -> str:
     made = sum(one["contribution"] for one in resonant)
     left = {**worst, "value": worst["value"] - made}
     rest, permitted = reached_and_permitted(left)
-    without = (
-        f"Without the orders at or near resonance, at least {rest} remains there (the sum of all other "
-        f"orders, small ones included), "
-    )
+    without = f"All orders away from resonance leave at least {rest}, "
     if left["value"] > worst["permitted"]:
         return (
             f"{without}more than the permitted {permitted}: more damping alone is not sufficient. Reduce "
@@ -300,7 +313,7 @@ def _warned(results: Record) -> list[str]:
     if not fields:
         return []
     noun = "1 warning" if len(warnings) == 1 else f"{len(warnings)} warnings"
-    return [f"Check the input: {noun} about {', '.join(fields)}; see the report's inputs."]
+    return [f"Check the input: {noun} about {', '.join(fields)} (report: Inputs and assumptions)."]
 
 
 def _without_forces(results: Record) -> list[str]:

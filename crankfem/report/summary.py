@@ -1,13 +1,15 @@
 """The first screen of a report: the verdict, what follows, the limits, and the key figures."""
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
 from crankbase.units.number_formats import compact, nano, significant
 from crankfem.analyses.record import Record
 from crankfem.analyses.throw.throw_tables import error_words
 from crankfem.analyses.vibration.tables import factor_range
-from crankfem.report.conclusions import conclusions, failed_checks, headline, undecided
+from crankfem.report.conclusions import conclusions, failed_checks, headline, too_weak, undecided
+from crankfem.report.text_filters import quantity
+from dynamics.engine.firing import repeating_intervals
 
 KINDS = ("axial", "torsional")
 
@@ -23,8 +25,9 @@ def summary(results: Mapping[str, Any]) -> Record:
     Returns
     -------
     dict
-        "status" ("fine", "barred", "bad" or "open"), "headline", "sentences" (the conclusions),
-        "failed_checks" (a sentence), "limits", "figures", "uncertain" (a sentence by kind).
+        "facts" (of the engine), "status" ("fine", "barred", "bad" or "open"), "headline", "sentences"
+        (the conclusions), "failed_checks" (a sentence), "limits", "figures", "uncertain" (a sentence by
+        kind).
     """
     vibration = results["vibration"]
     assessment = vibration["assessment"]
@@ -32,7 +35,10 @@ def summary(results: Mapping[str, Any]) -> Record:
     status = "open" if assessment is None else known.get(assessment["status"], "barred")
     if assessment is not None and undecided(assessment):
         status = "barred"
+    if too_weak(results):
+        status = "bad"
     return {
+        "facts": engine_facts(results),
         "status": status,
         "headline": headline(results),
         "sentences": conclusions(results),
@@ -46,6 +52,51 @@ def summary(results: Mapping[str, Any]) -> Record:
         if assessment is None
         else {kind: uncertain_sentence(vibration, kind) for kind in KINDS},
     }
+
+
+def engine_facts(results: Mapping[str, Any]) -> list[str]:
+    """Say what the engine is, a phrase each: its layout, size, speeds, pressure and firing order.
+
+    Parameters
+    ----------
+    results : mapping
+        Content of results.json; those of earlier releases know neither piston speed nor intervals.
+    """
+    engine, mechanism = results["engine"], results.get("mechanism")
+    count = engine["cylinders"]
+    arranged = "in V" if engine["v_engine"] else "in line"
+    lowest, highest, rated = (
+        f"{engine[f'{which}_speed_rpm']:.4g}" for which in ("lowest", "highest", "rated")
+    )
+    piston = engine.get("mean_piston_speed")
+    mean = "" if piston is None else f" (mean piston speed {significant(piston, 3)} m/s)"
+    facts = [
+        f"{count} cylinder{'' if count == 1 else 's'} {arranged}, {engine['strokes']}-stroke",
+        f"bore {quantity(engine['bore'], 'm', 6)}, stroke {quantity(engine['stroke'], 'm', 6)}",
+        f"{lowest} to {highest} 1/min, rated speed {rated} 1/min{mean}",
+    ]
+    if mechanism is not None and "mean_indicated_pressure" in mechanism:
+        facts.append(
+            f"indicated power {quantity(mechanism['power'], 'W', 3)}, mean indicated pressure "
+            f"{quantity(mechanism['mean_indicated_pressure'], 'Pa', 3)}"
+        )
+    if count > 1:
+        order = f"firing order {'-'.join(map(str, engine['firing_order']))}"
+        facts.append(order + _firing(engine.get("firing_intervals_deg")))
+    return facts
+
+
+def _firing(intervals: Sequence[float] | None) -> str:
+    """Say at which intervals an engine fires; nothing where that is not known."""
+    if intervals is None:
+        return ""
+    steps = repeating_intervals(intervals)
+    told = ", ".join(f"{step:.4g}" for step in steps)
+    if len(steps) == 1:
+        return f", evenly every {told} deg"
+    return (
+        f", unevenly, at intervals of {told} deg{' in turn' if len(steps) < len(intervals) else ''}"
+    )
 
 
 def uncertain_sentence(vibration: Record, kind: str) -> str:
@@ -125,7 +176,7 @@ def _use(found: Mapping[str, Any]) -> float:
 def _compliance(results: Mapping[str, Any]) -> Record:
     throw, named = results["throw"], results.get("throws")
     which = f"throw {next(iter(named))}" if named else "a throw"
-    exact = " of the exact solution, for 95 % of throws"
+    exact = " of the exact solution, as 95 of 100 test throws"
     return {
         "label": f"Axial compliance of {which},",
         "symbol": ("e", "n"),
@@ -151,11 +202,12 @@ def _frequency(vibration: Mapping[str, Any], kind: str) -> Record:
         bounds = assessment["uncertainty"][kind]["frequencies"][shown["number"] - 1]
         details[0] = f"uncertainty range of the chain {_bounds(bounds)}"
     if whole is not None and whole["chains"].get(kind, {}).get("modes"):
-        shaft = whole["chains"][kind]["modes"][0]["shaft_frequency"]
+        mode = whole["chains"][kind]["modes"][0]
+        alike = (mode["shaft_frequency"], mode.get("further_frequency"))
+        shaft = " and ".join(_hertz(one) for one in sorted(filter(None, alike)))
+        shaft = f"{shaft} Hz" if shaft else "no mode like it"
         swept = _swept(vibration, kind)
-        details.append(
-            f"whole crankshaft in its bearings: {_hertz(shaft)} Hz{f' ({swept})' if swept else ''}"
-        )
+        details.append(f"whole crankshaft in its bearings: {shaft}{f' ({swept})' if swept else ''}")
     beside = elastic.index(shown) if shown is not None else len(elastic)
     if beside:
         lower = ", ".join(_hertz(mode["frequency"]) for mode in elastic[:beside])

@@ -191,8 +191,9 @@ def table_cells(table: Table) -> list[list[str]]:
 def range_sentence(found: Record) -> str:
     """Write whether a range of speeds may be barred or passed, and why not; without its full stop."""
     # Results of earlier releases have only the reasons.
-    reasons = "; ".join(found["refusals"]) or "accepted"
-    return with_three_digits(found.get("sentence") or f"{found['shown']}: {reasons}")
+    reasons = "; ".join(found["refusals"])
+    older = f"{found['shown']}, {f'not accepted: {reasons}' if reasons else 'accepted'}"
+    return with_three_digits(found.get("sentence") or older)
 
 
 def with_three_digits(text: str) -> str:

@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 
 from crankfem.analyses.record import Record, attributes
-from crankfem.analyses.throw.law_record import end_answers, neighbor_answers
+from crankfem.analyses.throw.law_record import LAW_BANDS, end_answers, neighbor_answers
 from fem.material import Material
 from fem.supports import Support
 from geometry.throw import CrankThrow
@@ -47,10 +47,7 @@ def law_answer(
     if gamma_deg is not None:
         for name, own in neighbor_answers(axial, gamma_deg).items():
             values[f"{name}_neighbors"] = own
-    remarks = [
-        "A band contains the true value for 95 % of throws with rigid end sections. The ratio closest to a "
-        f"limit of the law: {axial.nearest_limit}."
-    ]
+    remarks = [f"{LAW_BANDS} The ratio closest to a limit of the law: {axial.nearest_limit}."]
     reactions = None
     if pin_force is not None and not throw.parts.mirrored:
         remarks.append("No reactions: the law has those of throws with equal webs only.")

@@ -116,7 +116,7 @@ def model_routes(models: Models, bounds: Bounds) -> APIRouter:
         rows = max(counts, default=None)
         if rows is not None and rows > bounds.rows:
             raise InputError(
-                f"dimensions: given {rows} throws; allowed are {bounds.rows} in one request."
+                f"dimensions: given {rows} throws; allowed is {bounds.rows} at most in one request."
             )
         if rows is None or rows < MANY:
             return answer(_lookups(model, asked, rows))

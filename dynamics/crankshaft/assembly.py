@@ -60,6 +60,11 @@ class AssembledShaft:
         Throw of each pin.
     names : tuple of str
         Of `sections`, `pins` and `added`, row by row.
+    momenta : (n + 1, u) array
+        Angular momentum about the shaft axis of all that lies between the free end and each section, per
+        velocity of the unknowns.
+    moments : (n + 1, 3 p) array
+        Moment about the shaft axis of unit forces along the motions of `pins` that lie there [m].
     """
 
     mass: FloatArray
@@ -78,6 +83,8 @@ class AssembledShaft:
     positions: FloatArray
     pin_throws: tuple[int, ...]
     names: tuple[str, ...]
+    momenta: FloatArray = field(repr=False)
+    moments: FloatArray = field(repr=False)
 
     @property
     def expand(self) -> FloatArray:
@@ -143,6 +150,8 @@ def assemble_crankshaft(
     size = first_shape + sum(throw.shapes for throw in throws) + len(rings)
     mass, stiffness, damping, loss = np.zeros((4, size, size))
     pin_rows, pin_slices, pin_frames = [], [], []
+    # Each throw turned by itself about the shaft axis, and what that moves.
+    about, momenta = np.zeros((2, len(throws), size))
     place = first_shape
     for number, throw in enumerate(throws):
         beyond = 6 * count + bending * number
@@ -154,6 +163,8 @@ def assemble_crankshaft(
         place += throw.shapes
         turn = throw.turn
         mass[np.ix_(own, own)] += turn @ throw.mass @ turn.T
+        about[number, [6 * number + RZ, 6 * number + 6 + RZ]] = 1.0
+        momenta[number, own] = turn @ throw.mass @ turn.T @ about[number, own]
         stiffness[np.ix_(own, own)] += turn @ throw.stiffness @ turn.T
         for pin, center in zip(throw.pin_loads, throw.pins, strict=True):
             motion = np.zeros((6, size))
@@ -166,11 +177,16 @@ def assemble_crankshaft(
     masses = one_for_each(
         "pin_masses", pin_masses, len(pin_rows), "pins", "kg", "rods add to the shaft's inertia"
     )
-    for value, rows in zip(masses.tolist(), pin_frames, strict=True):
+    pin_throws = [number for number, throw in enumerate(throws) for _ in throw.pins]
+    for value, rows, number in zip(masses.tolist(), pin_frames, pin_throws, strict=True):
         mass += value * rows.T @ rows
+        momenta[number] += value * rows.T @ (rows @ about[number])
+    beyond_first = np.zeros(size)
     for body, section, outward in around.bodies(count):
         own = np.r_[6 * section : 6 * section + 6]
         mass[np.ix_(own, own)] += body.mass_matrix(outward)
+        if outward < 0.0:
+            beyond_first[own] += body.mass_matrix(outward)[RZ]
 
     unit = np.eye(size)
     held, dashpots = [], []
@@ -192,6 +208,7 @@ def assemble_crankshaft(
     for number, (_, ring, section) in enumerate(rings):
         row = size - len(rings) + number
         mass[row, row] += ring.inertia
+        beyond_first[row] += ring.inertia if section == 0 else 0.0
         twist = unit[row] - unit[6 * section + RZ]
         join(twist, ring.stiffness, ring.damping, ring.loss_factor)
         added_springs[number] = math.sqrt(ring.stiffness) * twist
@@ -222,11 +239,20 @@ def assemble_crankshaft(
         added_springs=added_springs[:, kept],
         dashpots=np.array(dashpots).reshape(-1, size)[:, kept],
         positions=starts,
-        pin_throws=tuple(
-            number for number, throw in enumerate(throws) for _ in range(len(throw.pins))
-        ),
+        pin_throws=tuple(pin_throws),
         names=(*section_names, *pin_names, *(name for name, _, _ in rings)),
+        momenta=np.cumsum(np.vstack((beyond_first, momenta)), axis=0)[:, kept],
+        moments=_pin_moments(np.vstack(pin_rows), about[pin_throws], pin_throws, count),
     )
+
+
+def _pin_moments(
+    pins: FloatArray, about: FloatArray, throws: Sequence[int], count: int
+) -> FloatArray:
+    """Return the moments about the shaft axis of unit forces on pins before each section, (n + 1, 3 p)."""
+    levers = np.einsum("pku,pu->pk", pins.reshape(len(throws), 3, -1), about)
+    before = np.arange(count)[:, np.newaxis] > np.array(throws)
+    return np.asarray((before[:, :, np.newaxis] * levers).reshape(count, -1))
 
 
 def _supports(around: ShaftSurroundings, count: int) -> list[tuple[int, float, float]]:

@@ -223,6 +223,13 @@ def chain_verdict(
         if match.shaft_frequency is None:
             reasons.append(f"The whole shaft has no mode like the {name}.")
             continue
+        if match.divided:
+            modes_told = " and ".join(
+                f"{frequency:.1f} Hz ({100.0 * share:.0f} % {kind})"
+                for frequency, share in match.divided
+            )
+            reasons.append(f"The whole shaft has two modes like the {name}: {modes_told}.")
+            continue
         if abs(match.difference) > FREQUENCY_LIMIT:
             reasons.append(
                 f"The {name} differs from that of the whole shaft, at {match.shaft_frequency:.1f} Hz, by "
@@ -231,7 +238,7 @@ def chain_verdict(
         if match.share < SHARE_LIMIT:
             reasons.append(
                 f"The whole shaft's mode at {match.shaft_frequency:.1f} Hz is only "
-                f"{100.0 * match.share:.0f} % {kind}, less than {100.0 * SHARE_LIMIT:.0f} %."
+                f"{100.0 * match.share:.3g} % {kind}, less than {100.0 * SHARE_LIMIT:.0f} %."
             )
     if response is not None and abs(response.difference) > RESPONSE_LIMIT:
         reasons.append(

@@ -23,6 +23,7 @@ from dynamics.plots.coordinates import infinite_where_unbounded, name_axis, orde
 from dynamics.plots.quantities import SPEED_LABEL, in_unit
 from dynamics.response.forced import ForcedResponse, forced_response
 from dynamics.response.linear_system import DEFAULT_MAGNIFIER
+from dynamics.response.series import OrderSeries
 from dynamics.response.synthesis import synthesis
 
 
@@ -81,6 +82,24 @@ class CoupledResponse:
         if point not in self._splits:
             self._splits[point] = self._split(point)
         return self._splits[point]
+
+    @cached_property
+    def torque(self) -> OrderSeries:
+        """Alternating torque in the shaft at each main bearing, under both kinds of force [N m].
+
+        It balances what lies between the free end and the bearing: minus its angular momentum's rate of
+        change and the moment of its pins' forces. The small part of modal damping there is left out.
+        """
+        shaft = self.crankshaft.shaft
+        first = 6 * shaft.section_count
+        pins = slice(first, first + len(shaft.pins))
+        acting = self.tangential.excitation.forces + self.radial.excitation.forces
+        moved = (self.tangential.unknowns + self.radial.unknowns) @ self.crankshaft.momenta.T
+        squared = (self.orders[:, np.newaxis] * self.speeds) ** 2
+        values = -squared[:, :, np.newaxis] * moved - acting[:, :, pins] @ shaft.moments.T
+        names = tuple(f"main bearing {place}" for place in range(1, shaft.section_count + 1))
+        values = np.where(self.unbounded[:, :, np.newaxis], 0.0, values)
+        return OrderSeries(self.orders, self.speeds, values, self.unbounded, names)
 
     @cached_property
     def _splits(self) -> "dict[str, SplitMotion]":

@@ -24,6 +24,8 @@ from dynamics.crankshaft.stations import CLASSES
 
 # A mode of the shaft is looked for within this factor of the chain's frequency.
 SEARCHED = 2.0
+# A second mode shares the chain's mode where share times likeness is at least this.
+DIVIDED = 0.25
 
 
 @summarized(
@@ -49,7 +51,12 @@ class ModeMatch:
     likeness : float
         Squared cosine, weighted by the chain's inertias, between both shapes; 1 for the same.
     chain_rigid, shaft_rigid : int
-        Number of rigid modes of each; tables count elastic modes from 1.
+        Number of rigid modes of either; tables count elastic modes from 1.
+    further_frequency : float or None
+        Of the shaft's second mode alike [Hz], where coupling divides the chain's mode between two: of the
+        energy of its motion, at least a quarter is that of the chain's mode. None where there is none.
+    further_share : float
+        Of that mode's energy that is of this kind.
     """
 
     kind: Kind
@@ -61,6 +68,19 @@ class ModeMatch:
     likeness: float
     chain_rigid: int = 0
     shaft_rigid: int = 0
+    further_frequency: float | None = None
+    further_share: float = 0.0
+
+    @property
+    def divided(self) -> tuple[tuple[float, float], ...]:
+        """Frequencies [Hz] and shares of the two modes that a chain's mode is divided between, or none."""
+        if self.shaft_frequency is None or self.further_frequency is None:
+            return ()
+        both = (
+            (self.shaft_frequency, self.share),
+            (self.further_frequency, self.further_share),
+        )
+        return tuple(sorted(both))
 
     @property
     def difference(self) -> float:
@@ -171,7 +191,11 @@ def match_modes(
         if score[best] > 0.0:
             here = float(modes.frequencies[best])
             match = (best, here, float(share[best]), float(likeness[best]))
-        found.append(ModeMatch(chain.kind, number, frequency, *match, *rigid))
+        second = int(np.argmax(np.where(np.arange(score.size) == best, 0.0, score)))
+        further: tuple[float | None, float] = (None, 0.0)
+        if score[second] >= DIVIDED:
+            further = (float(modes.frequencies[second]), float(share[second]))
+        found.append(ModeMatch(chain.kind, number, frequency, *match, *rigid, *further))
     return tuple(found)
 
 

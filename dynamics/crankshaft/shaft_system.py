@@ -1,6 +1,6 @@
 """The linear system of a whole crankshaft: its lower modes, and the static effect of the others."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -34,7 +34,9 @@ class CrankshaftSystem:
     corrections : int
         Static shapes that replace the modes left out.
     highest_frequency : float or None
-        Highest frequency of the modes kept [Hz]; None for all.
+        Up to which modes were kept [Hz]; None for all.
+    momenta : (n + 1, q) array
+        `AssembledShaft.momenta` per unknown of the system.
     """
 
     shaft: AssembledShaft
@@ -43,6 +45,7 @@ class CrankshaftSystem:
     kept: int
     corrections: int
     highest_frequency: float | None
+    momenta: FloatArray = field(repr=False)
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -119,6 +122,7 @@ def crankshaft_system(
         kept=cut - rigid,
         corrections=corrections.shape[1],
         highest_frequency=highest_frequency,
+        momenta=shaft.momenta @ basis,
     )
 
 

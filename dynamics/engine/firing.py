@@ -178,7 +178,8 @@ def even_firing_order(firing_angles: Sequence[float], strokes: int) -> tuple[int
     Returns
     -------
     tuple of int or None
-        Cylinder numbers, beginning with the one that fires first now; None if no order is even.
+        Cylinder numbers, beginning with the one that fires first now, the lowest number of several; None
+        if no order is even.
 
     Examples
     --------

@@ -205,7 +205,7 @@ def transient_motion(
     count, each = sum(piece.steps for piece in pieces), len(space.matrix) + 3 * len(space.inputs)
     if count * each > MOST_NUMBERS:
         raise InputError(
-            f"speed: given a curve that takes {count} steps; allowed are {int(MOST_NUMBERS / each)}, "
+            f"speed: given a curve that takes {count} steps; allowed is {int(MOST_NUMBERS / each)} at most, "
             "because the results of all steps are kept in memory."
         )
     state = np.zeros(len(space.matrix))

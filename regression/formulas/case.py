@@ -4,6 +4,7 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 
+from crankbase.checks.choices import check_kind
 from geometry.throw import CrankThrow
 
 
@@ -30,6 +31,9 @@ class ThrowCase:
     shear_modulus: float
     constants: Mapping[str, float]
     given_constants: frozenset[str]
+
+    def __post_init__(self) -> None:
+        check_kind("throw", self.throw, CrankThrow, "a CrankThrow")
 
     @property
     def cosine(self) -> float:

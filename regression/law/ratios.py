@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from crankbase.checks.choices import check_kind
 from crankbase.errors import InputError
 from geometry.throw import CrankThrow
 from geometry.throw_dimensions import Web, web_dimension
@@ -100,10 +101,11 @@ def throw_dimensions(throw: CrankThrow) -> dict[str, Any]:
     InputError
         If the throw has features outside the law: further pins, oil holes, webs of unequal outline.
     """
+    check_kind("throw", throw, CrankThrow, "a CrankThrow")
     for name in ("further_pins", "oil_holes"):
         if given := getattr(throw, name):
             raise InputError(
-                f"throw.{name}: given {len(given)}; allowed for the law are none, because its training "
+                f"throw.{name}: given {len(given)}; allowed for the law is none, because its training "
                 "throws have none."
             )
     found = {name: getattr(throw, name) for name in (*PLAIN_FIELDS, *MORE_FIELDS)}

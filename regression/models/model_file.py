@@ -10,6 +10,7 @@ from typing import Any
 from crankbase.errors import InputError
 from crankbase.outputs import write_text
 from crankbase.text_limits import LARGEST_TABLE_FILE, check_file_size
+from crankbase.wrong_files import JSON, LOOKED_AT, wrong_kind
 from regression.fits.terms import polynomial_terms
 from regression.response_kinds import TOO_SMALL
 
@@ -75,7 +76,11 @@ def read_model(path: str | os.PathLike[str]) -> dict[str, Any]:
     shown = os.fspath(path)
     check_file_size(Path(path), LARGEST_TABLE_FILE, "a compliance model")
     try:
-        text = Path(path).read_text(encoding="utf-8")
+        raw = Path(path).read_bytes()
+        wrong = wrong_kind(raw[:LOOKED_AT])
+        if wrong is not None and not raw.lstrip().startswith(JSON):
+            raise InputError(f"{shown}: {wrong}; {_WANTED}.")
+        text = raw.decode("utf-8")
     except OSError as error:
         raise InputError(
             f"{shown}: cannot be read ({error.strerror}); give the path of a compliance model file."
@@ -85,9 +90,9 @@ def read_model(path: str | os.PathLike[str]) -> dict[str, Any]:
     try:
         record = json.loads(text)
     except (json.JSONDecodeError, RecursionError) as error:
-        raise InputError(
-            f"{shown}: given a file that is not complete JSON ({error}); {_WANTED}."
-        ) from None
+        toml = Path(path).suffix.lower() == ".toml"
+        fault = "is a TOML file" if toml else f"given a file that is not complete JSON ({error})"
+        raise InputError(f"{shown}: {fault}; {_WANTED}.") from None
     except ValueError:  # Python reads no integers of thousands of digits
         raise InputError(f"{shown}: given a number of thousands of digits; {_WANTED}.") from None
     if not isinstance(record, dict) or record.get("format") != FILE_FORMAT:

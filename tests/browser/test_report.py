@@ -117,6 +117,23 @@ def test_every_interactive_plot_is_drawn_in_place_of_its_picture(report, open_pa
     assert page.complaints == []
 
 
+@pytest.mark.parametrize("width", [1400, 1200, 900, 400])
+def test_legends_show_every_curve_that_is_drawn(report, open_page, width):
+    page = open_page(report, width)
+    scroll_through(page)
+    # What is switched off is pale and may wait below.
+    cut = page.locator("div.interactive .legend").evaluate_all(
+        """legends => legends.flatMap(legend => {
+            const seen = legend.querySelector(".bg").getBoundingClientRect();
+            return [...legend.querySelectorAll(".traces")]
+                .filter(one => Number(one.style.opacity) === 1)
+                .filter(one => one.getBoundingClientRect().bottom > seen.bottom + 1)
+                .map(one => one.textContent);
+        })"""
+    )
+    assert cut == []
+
+
 @pytest.mark.parametrize("width", [1200, 400])
 def test_the_throw_turns_in_the_browser(report, open_page, width):
     page = open_page(report, width)

@@ -350,5 +350,5 @@ def test_files_that_are_not_there():
 def test_text_that_is_too_large_is_no_chain(tmp_path):
     path = tmp_path / "chain.txt"
     path.write_text("torsional\n" + "# remark\n" * 200_000, encoding="utf-8")
-    with pytest.raises(InputError, match=r"given a file of 1\.8 MB; allowed are 1 MB"):
+    with pytest.raises(InputError, match=r"given a file of 1\.8 MB; allowed is 1 MB at most"):
         load_chain(path)

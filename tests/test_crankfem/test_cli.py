@@ -136,7 +136,8 @@ def test_strict_ends_by_the_verdict(call, monkeypatch, status, option):
     decision = {"status": status, "sentence": "give this"}
     judged = {"sentence": "The verdict.", "decision": decision}
     monkeypatch.setattr("crankfem.analyses.vibration.run.engine_vibration", lambda *_, **__: None)
-    for name in ("analyses.vibration.records.run_record", "cli.tables.vibration_tables.print_run"):
+    tables = ("vibration_tables.print_run", "run_tables.print_verdict")
+    for name in ("analyses.vibration.records.run_record", *(f"cli.tables.{one}" for one in tables)):
         made = {"assessment": judged}
         monkeypatch.setattr(f"crankfem.{name}", lambda *_, made=made, **__: made)
     answer = call("vibration", "6chn25-34", "--strict", option)

@@ -17,13 +17,13 @@ from crankfem.cli.commands.run import _print
 from crankfem.cli.tables.run_tables import print_verdict
 from crankfem.report.conclusions import conclusions, failed_checks, headline, verdict_line
 from crankfem.report.engine_schematic import engine_schematic
-from crankfem.report.summary import summary, uncertain_sentence, worst_of_each
+from crankfem.report.summary import engine_facts, summary, uncertain_sentence, worst_of_each
 from crankfem.report.text_filters import loaded_most
 from dynamics.plots.mode_shapes import chain_places, crosses_on_axis
 
 STORED = Path(__file__).with_name("report_results.json")
 NUMBER = re.compile(r"(?<![\w.-])\d+(?:\.\d+)?(?:e-?\d+)?")
-MOST_LINES = 30
+MOST_LINES = 32
 # Scales in which sentences write SI values: themselves, MPa, mrad, um, per cent.
 SCALES = (1.0, 1e-6, 1e3, 1e6, 100.0)
 
@@ -131,7 +131,7 @@ def test_damping_is_advised_only_where_it_can_help(results):
         copy.deepcopy(results), part(3.0, 15e6, "forced"), part(6.0, 10e6, "at resonance")
     )
     text = " ".join(conclusions(help_))
-    assert "at least 15 MPa remains" in text
+    assert "leave at least 15 MPa" in text
     assert "less than the permitted 20 MPa" in text
     assert "more damping, or another frequency of torsional mode 1, may be sufficient" in text
     # Here 22 MPa are left whatever the damping.
@@ -139,10 +139,10 @@ def test_damping_is_advised_only_where_it_can_help(results):
         copy.deepcopy(results), part(1.5, 22e6, "forced"), part(6.0, 3e6, "near resonance", 2)
     )
     text = " ".join(conclusions(none))
-    assert "at least 22 MPa remains" in text
+    assert "leave at least 22 MPa" in text
     assert "more damping alone is not sufficient" in text
     fine = with_parts(copy.deepcopy(results), part(6.0, 10e6, "at resonance"))
-    assert "remains" not in " ".join(conclusions(fine))
+    assert "away from resonance" not in " ".join(conclusions(fine))
 
 
 def test_checks_that_fail_are_named(results):
@@ -192,6 +192,18 @@ def test_misfiring_that_fails_is_in_the_headline(results):
     results["vibration"]["assessment"] |= {"status": "fine", "sentence": "Fine: all"}
     assert headline(results).startswith("Fine with all cylinders firing; limits are exceeded")
     assert ". With all cylinders firing: torsional stress of crankshaft" in verdict_line(results)
+
+
+def test_a_crankshaft_too_weak_is_in_the_headline(results):
+    results["strength"] = {"passed": False, "sentence": "Q = 1.06, 1.15 is required."}
+    assert headline(results) == "Not acceptable"
+    results["vibration"]["assessment"] |= {"status": "fine", "sentence": "Fine: all"}
+    assert headline(results).endswith("; the crankshaft is not strong enough by UR M53")
+    assert summary(results)["status"] == "bad"
+    assert ". Vibration: torsional stress of crankshaft" in verdict_line(results)
+    results["strength"]["passed"] = True
+    assert "UR M53" not in headline(results)
+    assert summary(results)["status"] == "fine"
 
 
 def test_a_steel_that_keeps_the_limits_of_normal_firing_is_not_said_to_keep_those_of_misfiring(
@@ -464,3 +476,21 @@ def test_axial_vibration_without_a_limit_is_told_with_its_size(results):
         assert any(said in one for one in conclusions(results))
     results["vibration"]["assessment"]["limits"][0]["name"] = "axial amplitude"
     assert not any("not judged" in one for one in conclusions(results))
+
+
+def test_the_engine_is_told_in_a_line(results):
+    # 0.34 m of stroke at 500 1/min: two strokes in 0.12 s.
+    results["engine"] |= {
+        "firing_intervals_deg": [120.0] * 6,
+        "mean_piston_speed": 2.0 * 0.34 * 500.0 / 60.0,
+    }
+    text = "; ".join(engine_facts(results))
+    assert "6 cylinders in line, 4-stroke; bore 250 mm, stroke 340 mm" in text
+    assert "rated speed 500 1/min (mean piston speed 5.67 m/s)" in text
+    assert "firing order 1-5-3-6-2-4, evenly every 120 deg" in text
+    results["engine"]["firing_intervals_deg"] = [90.0, 150.0] * 3
+    assert "unevenly, at intervals of 90, 150 deg in turn" in engine_facts(results)[-1]
+    # Results of earlier releases.
+    for name in ("firing_intervals_deg", "mean_piston_speed"):
+        del results["engine"][name]
+    assert "firing order 1-5-3-6-2-4" in engine_facts(results)[-1]

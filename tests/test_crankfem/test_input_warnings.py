@@ -6,6 +6,8 @@ import numpy as np
 import pytest
 
 from comparing import close
+from crankbase.errors import InputError
+from crankfem.analyses.mechanism.mechanism_run import run_mechanism
 from crankfem.files.engine import usual_sizes
 from crankfem.files.engine.engine_file import EngineFile
 from crankfem.files.engine.firing_evenness import FiringEvenness, firing_evenness
@@ -14,6 +16,13 @@ from crankfem.files.engine.throw_file import ThrowFile
 from crankfem.files.engine.usual_sizes import UsualRange, throw_warnings
 from crankfem.files.reading.data_files import input_path, shipped_names
 from crankfem.files.sections.engine_sections import Engine
+from crankfem.files.sections.mechanism_sections import Piston
+from fem.material import STEEL, Material
+from geometry.mesher import mesh_isolated
+from geometry.throw import CrankThrow
+from geometry.throw_dimensions import Counterweight
+from regression.formulas.axial_formulas import axial_formulas
+from regression.law.throw_law import torsional_law
 
 
 @pytest.fixture(scope="module")
@@ -205,3 +214,138 @@ def test_engines_built_uneven_get_a_note(cylinders, angles, banks):
     found = firing_evenness(engine)
     assert not found.warnings
     assert "no firing order is even with these crank" in found.notes[0]
+
+
+@pytest.mark.parametrize(
+    ("field", "value", "said"),
+    [
+        (
+            "throw.web_thickness",
+            '"68 m"',
+            "given '68 m'; did you mean 68 mm? allowed is 0.2 mm to 1500 mm",
+        ),
+        ("material.youngs_modulus", '"210 MPa"', "did you mean 210 GPa?"),
+        ("throw.web_thickness", '"68,5 mm"', 'no separators, like "68.5 mm"'),
+        ("engine.stroke", '"430 mm"', "crank radii; correct it, or engine.stroke, given 430 mm"),
+        ("engine.strokes", '"4"', "given '4', a number in quotes; write it without quotes"),
+        ("engine.firing_order", "[1, 2, 3, 4, 5, 6]", "within one cycle, such as 1-"),
+    ],
+)
+def test_a_sentence_names_cause_and_line(call, tmp_path, six_cylinders, edit, field, value, said):
+    text = edit(six_cylinders, {field: value})
+    (tmp_path / "mine.toml").write_text(text, encoding="utf-8")
+    answer = call("check", "mine.toml")
+    assert answer.code == 2
+    assert said in answer.err
+    field = "throw.crank_radius" if field == "engine.stroke" else field
+    assert answer.err.startswith(f"Error: {field}: given")
+    line = int(answer.err.rpartition("(mine.toml, line ")[2].removesuffix(").\n"))
+    assert text.splitlines()[line - 1].startswith(field.partition(".")[2])
+
+
+def test_a_file_without_the_usual_ending_is_read(call, tmp_path, six_cylinders):
+    (tmp_path / "двигатель").write_text(six_cylinders.replace("\n", "\r\n"), encoding="utf-8-sig")
+    assert call("check", "двигатель").code == 0
+
+
+@pytest.mark.parametrize(
+    ("arguments", "said"),
+    [
+        (
+            ("lookup", "law", "web_width=300mm", "web_thickness=58", "mm"),
+            'in quotes, "web_thickness=58 mm"',
+        ),
+        (("mechanism", "vw-tdi", "--speed", "1500", "1/min"), 'in quotes, "1500 1/min"; see'),
+        (("run", "vw-tdi", "--workers", "two"), "'--workers': allowed is a whole number; see"),
+        (("lookup", "laww"), "laww: does not exist; allowed are law and the path of a model file."),
+        (("check", "6chn25-43"), "6chn25-43: does not exist; did you mean 6chn25-34? give"),
+        (
+            ("hinge", "vw-tdi"),
+            "vw-tdi: is an engine, not a hinge file; give the path of a hinge file",
+        ),
+    ],
+)
+def test_slips_on_the_command_line(call, arguments, said):
+    answer = call(*arguments)
+    assert answer.code == 2
+    assert said in answer.err
+
+
+def test_an_engine_is_no_hinge_and_no_model(call, tmp_path, six_cylinders):
+    (tmp_path / "mine.toml").write_text(six_cylinders, encoding="utf-8")
+    answer = call("hinge", "mine.toml")
+    assert answer.err.startswith(
+        "Error: mine.toml: describes an engine or a throw, not an elastic hinge"
+    )
+    answer = call("lookup", "mine.toml")
+    assert answer.err.startswith(
+        "Error: mine.toml: is a TOML file; allowed is a compliance model file"
+    )
+    (tmp_path / "results.json").write_text('{"about": {}}', encoding="utf-8")
+    answer = call("harmonics", "results.json")
+    assert "is a JSON file, such as the results of a run or a saved model; allowed is" in answer.err
+
+
+def test_lookup_lists_the_dimensions_of_the_file(call):
+    answer = call("lookup", "law", "--throw", "6chn25-34", "web_thickness=58mm")
+    assert answer.out.startswith(
+        "Throw of 6chn25-34 with web_thickness as given: crank_radius = 170 mm,"
+    )
+    assert "web_thickness = 58 mm" in " ".join(answer.out.split())
+    assert "pinned ones tilt freely, guided ones do not" in answer.out
+
+
+@pytest.mark.parametrize(
+    ("make", "said"),
+    [
+        (
+            lambda: CrankThrow(0.17, 0.22),
+            "CrankThrow: given values without names; allowed are fields by",
+        ),
+        (lambda: Piston(mass=np.array([1.0, 2.0])), "allowed is a number, "),
+        (lambda: Piston(mass=None), "piston.mass: given None; allowed is a number, "),
+        (
+            lambda: Counterweight(outer_radius=285, angle=1.0),
+            "285000 mm; did you mean 285 mm? allowed",
+        ),
+        (
+            lambda: Counterweight(outer_radius=0.3, angle=90),
+            "did you mean 90 deg? allowed is 10 deg to",
+        ),
+        (
+            lambda: setattr(STEEL, "density", 7800.0),
+            "allowed is another record, by changed(density=...)",
+        ),
+        (
+            lambda: three_cylinders(crank_angles=(0.0, 120.0, 240.0)),
+            "engine.crank_angles: given 240 rad, more than two turns; allowed is -4 pi to 4 pi",
+        ),
+        (lambda: Material(youngs_modulus=210, density=7850), "did you mean 210 GPa? allowed"),
+        (lambda: torsional_law("vw-tdi"), "throw: given 'vw-tdi'; allowed is a CrankThrow."),
+        (lambda: axial_formulas(None), "throw: given None; allowed is a CrankThrow."),
+        (lambda: mesh_isolated("vw-tdi"), "allowed is a CrankThrow, or what import_throw returns."),
+        (lambda: run_mechanism("vw-tdi"), "allowed is what load_engine or load_mechanism returns."),
+        (lambda: load_any(None), "file: given None; allowed is the path of an engine file"),
+        (lambda: load_any(["vw-tdi"]), "file: given ['vw-tdi']; allowed is the path"),
+    ],
+)
+def test_slips_in_python(make, said):
+    with pytest.raises(InputError) as raised:
+        make()
+    assert said in str(raised.value)
+
+
+def test_a_rated_power_that_does_not_fit_is_a_warning(call, tmp_path, six_cylinders, edit):
+    text = edit(six_cylinders, {"engine.rated_power": '"6 MW"'})
+    (tmp_path / "mine.toml").write_text(text, encoding="utf-8")
+    record = call("check", "mine.toml", "--json").json()
+    (warning,) = record["warnings"]
+    assert warning.startswith("engine.rated_power: the file is inconsistent: rated power 6000 kW")
+    assert not any("inconsistent" in remark for remark in record["remarks"])
+
+
+def test_a_peak_beyond_any_engine_is_refused(call, tmp_path, six_cylinders, edit):
+    text = edit(six_cylinders, {"gas.peak_pressure": '"85 MPa"'})
+    (tmp_path / "mine.toml").write_text(text, encoding="utf-8")
+    answer = call("check", "mine.toml")
+    assert "given 85 MPa above ambient; allowed is 50 MPa absolute at most" in answer.err

@@ -10,7 +10,13 @@ from crankbase.errors import InputError
 from crankfem.analyses.shaft.law_source import law_values, refuse_law
 from crankfem.analyses.shaft.source_errors import source_spread
 from crankfem.analyses.shaft.sources import axial_sources, compliances_in_shaft, torsional_sources
-from crankfem.analyses.throw.law_record import law_answers, law_lookups, law_record, law_sentence
+from crankfem.analyses.throw.law_record import (
+    LAW_BANDS,
+    law_answers,
+    law_lookups,
+    law_record,
+    law_sentence,
+)
 from crankfem.cli.law_arguments import law_throw
 from crankfem.files.engine.engine_file import load_engine
 from crankfem.files.engine.throw_file import load_throw
@@ -120,7 +126,7 @@ def test_a_throw_of_pairs_or_of_an_engine_that_they_change():
 
 def test_lookup_law(call):
     out = call("lookup", "law", *PAIRS, "--gamma", "120 deg", "--pin-force", "0, -100 kN, 0").out
-    assert "A band contains the true value for 95 % of throws with rigid end sections." in out
+    assert LAW_BANDS in out
     assert "Axial reaction neighbors 120 deg: within" in out
     found = call("lookup", "law", *PAIRS, "--json").json()
     assert (

@@ -102,7 +102,7 @@ def test_values_with_bands(run, path):
         f"axial compliance: 1.3e-9 m/N (pinned), {lower:.4g}e-9 m/N to {upper:.4g}e-9 m/N, "
         "inside the range"
     )
-    assert len(lines) == len(SIZES) + 1
+    assert len(lines) == len(SIZES) + 2
     assert lines[-1] == (
         "Bands: error not exceeded by 95 % of throws at designs not used in the fit (0.5 %) and the "
         "finite elements' own estimate (1 %); --json lists them by response."
@@ -168,7 +168,7 @@ def test_what_depends_on_gamma_stands_first(run, path):
     assert lines[0].startswith("axial compliance: ")
     assert lines[1] == "Independent of --gamma:"
     assert lines[2].startswith("mass: ")
-    assert len(lines) == len(SIZES) + 2
+    assert len(lines) == len(SIZES) + 3
 
 
 def test_bands_tell_what_is_not_known(run, path):

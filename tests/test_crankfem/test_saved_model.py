@@ -88,7 +88,7 @@ WRONG = {
         {"vibration.model": '"nowhere.json"'},
         "vibration.model: nowhere.json: cannot",
     ),
-    "no model": ({"vibration.model": '"mine.toml"'}, "not complete JSON"),
+    "no model": ({"vibration.model": '"mine.toml"'}, "is a TOML file"),
     "another throw": (
         {"throw.pin_length": '"150 mm"'},
         "given 'regression', which does not apply to this throw: pin_length: given 150 mm",

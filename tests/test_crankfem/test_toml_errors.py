@@ -4,6 +4,7 @@ import pytest
 
 from crankbase.errors import InputError
 from crankfem.files.reading.toml_file import read_toml
+from crankfem.files.reading.toml_places import line_of
 
 
 @pytest.mark.parametrize(
@@ -20,7 +21,14 @@ from crankfem.files.reading.toml_file import read_toml
             r'line 7, x = "3 mm": given twice, in line 5',
         ),
         ("[a]\nx = 1\n[b]\n[a]\n", r"line 4, \[a\]: given twice, in line 1"),
-        ('[a]\nx = "1 mm\n', r"line 2, x = .*: is not TOML \(.*\); allowed is a TOML file"),
+        ('[a]\nx = "1 mm\n', "line 2, x = .*: given an opening quote without a closing one"),
+        ("[a]\nx = '1 mm\n", "line 2, x = .*: given an opening quote without a closing one"),
+        ("[a]\nx = \u201c1 mm\u201d\n", "line 2, x = .*: given typographic quotes"),
+        ('[a]\nx = { value = 0,5, source = "b" }\n', "line 2, .*: given a decimal comma"),
+        ("[имя]\nx = 1\n", r"line 1, \[имя\]: given a name with other letters than A to Z"),
+        ("[a]\nимя = 1\n", "line 2, имя = 1: given a name with other letters than A to Z"),
+        ("[a\nx = 1\n", r"line 1, \[a: given a section without its closing bracket"),
+        ("[a]\nx y z\n", r"line 2, x y z: is not TOML \(.*\); allowed is a TOML file"),
     ],
 )
 def test_what_is_no_toml_is_told_with_its_line(tmp_path, text, message):
@@ -53,7 +61,7 @@ def test_misspelled_section_is_told(tmp_path):
         ('[a]\nx = "' + "a" * 500_000 + '"', r"a\.x: given .* of 500000 characters"),
         ("[a]\n" + "k" * 20_000 + " = 1", "of 20000 characters"),
         ('[a]\nx = "' + "a" * 10**7 + '"', "given a file of 10 MB"),
-        ("[" + " " * 200_000, "is not TOML"),
+        ("[" + " " * 200_000, "without its closing bracket"),
     ],
 )
 def test_what_is_too_long_is_refused_in_a_short_sentence(tmp_path, text, message):
@@ -68,3 +76,30 @@ def test_the_smallest_integer_of_toml_is_read(tmp_path):
     path = tmp_path / "mine.toml"
     path.write_text(f"[a]\nx = {-(2**63)}\n", encoding="utf-8")
     assert read_toml(path).sections["a"]["x"] == -(2**63)
+
+
+@pytest.mark.parametrize(
+    ("content", "said"),
+    [
+        (b"SQLite format 3\0" + bytes(100), "is the store of a study"),
+        (b'\n{"about": 1}', "is a JSON file, such as the results of a run"),
+        (b"<!DOCTYPE html>", "is a web page"),
+        (b"speed,twist\n1,2\n", r"is a table \(CSV\)"),
+        (b"PK\x03\x04", "is a packed file"),
+        ("[engine]".encode("utf-16"), "is text in UTF-16; save it as UTF-8"),
+        ("# ok\nname = 'Двигатель'".encode("cp1251"), "because line 2 is not UTF-8"),
+    ],
+)
+def test_other_files_are_named(tmp_path, content, said):
+    for name in ("mine.toml", "mine.txt"):
+        (tmp_path / name).write_bytes(content)
+        with pytest.raises(InputError, match=said):
+            read_toml(tmp_path / name)
+
+
+def test_the_line_of_a_field_is_found():
+    text = '[a]\nx = "1"\n[[a.parts]]\nx = 2\n[[a.parts]]\nx = 3\n[a.inner]\nlist = [1, 2]\n'
+    found = {field: line_of(text, field) for field in ("a.x", "a.parts[1].x", "a.inner.list[1]")}
+    assert found == {"a.x": 2, "a.parts[1].x": 6, "a.inner.list[1]": 8}
+    assert line_of(text, "a.y") is None
+    assert line_of(text, "The file") is None

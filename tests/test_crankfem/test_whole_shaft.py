@@ -114,6 +114,14 @@ def test_whole_shaft_of_an_engine(engine, coupled_vibration, tmp_path):
     assert split.both_sum.max() > 1e-6
     # Torsion shows in axial motion: tangential forces alone move the free end along the shaft.
     assert split.tangential_sum.max() > 0.1 * split.both_sum.max()
+    # Torque by equilibrium is near that of the chain's elements, whose modes are near the shaft's.
+    by_chain = coupled_vibration(engine_file.path.stem).forced_torsional.crank_elements
+    whole_torque = found.coupled.torque.synthesis.amplitude
+    chain_torque = by_chain.synthesis.amplitude[:, -whole_torque.shape[1] :]
+    slow = (
+        by_chain.speeds < 1.1 * by_chain.speeds[0]
+    )  # below resonances that differ by some per cent
+    assert np.max(whole_torque[slow]) == close(np.max(chain_torque[slow]), rel=0.1)
     for verdict in (found.axial, found.torsional):
         assert verdict.suffices == (not verdict.reasons)
         assert verdict.response is not None
@@ -239,5 +247,9 @@ def test_difference_of_the_whole_shaft_is_told_beside_the_verdict():
     mixed = verdict("torsional", 1e-2, 1e-2, share=0.48)
     (said,) = whole_shaft_remark(ShaftComparison(None, other, mixed))
     assert "Hz is only 48 % torsional; axial mode 1 at 115.0 instead of" in said
+    (match,) = other.modes
+    two = replace(match, further_frequency=80.0, further_share=0.4)
+    (said,) = whole_shaft_remark(ShaftComparison(None, chain_verdict([two])))
+    assert said.endswith("two modes at 80.0 and 115.0 Hz instead of axial mode 1 at 105.6 Hz.")
     (said,) = whole_shaft_remark(ShaftComparison(None, verdict("axial", 1.266e-3, np.inf)))
     assert "over all speeds calculated, unbounded instead of 1266 um at 191 1/min" in said

@@ -5,6 +5,8 @@ what both ends carry there. So it is known what every force does.
 """
 
 import math
+import sys
+from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
@@ -124,6 +126,30 @@ def test_coupling_makes_chains_insufficient():
     )
 
 
+def test_a_mode_that_coupling_divides_is_told_by_both(monkeypatch):
+    """Equal chains with coupled springs: each mode becomes two, at sqrt(1 - c) and sqrt(1 + c) of it."""
+    monkeypatch.setattr(sys.modules[__name__], "TWIST", AXIAL * INERTIA / MASS)
+    around = replace(
+        AROUND,
+        axial_supports=(AxialSupport(3, 1.0),),
+        flywheel=EndBody(400.0, 400.0 * INERTIA / MASS),
+    )
+    throws = [spring_throw(angle, 0.3) for angle in ANGLES]
+    shaft = crankshaft_system(assemble_crankshaft(throws, around))
+    chain = axial_chain([1.0 / AXIAL] * 3, [MASS] * 3, 400.0, 3, 1.0)
+    match = matching_modes(shaft, chain, 1e4)[1]
+    own = match.chain_frequency
+    assert match.divided == tuple(
+        (close(own * math.sqrt(1.0 + sign * 0.3)), close(0.5)) for sign in (-1.0, 1.0)
+    )
+    (reason,) = chain_verdict([match]).reasons
+    assert reason == (
+        f"The whole shaft has two modes like the axial mode of the chain at {own:.1f} Hz: "
+        f"{own * math.sqrt(0.7):.1f} Hz (50 % axial) and {own * math.sqrt(1.3):.1f} Hz (50 % axial)."
+    )
+    assert matching_modes(straight(), chains()[0], 1e4)[0].divided == ()
+
+
 def test_tangential_forces_move_the_free_end_only_where_torsion_is_coupled(forces):
     """The torque of a straight shaft stays in torsion; with a coupled spring it shows at the end."""
     plain = coupled_response(straight(), forces)
@@ -219,3 +245,27 @@ def test_pins_of_cylinders():
     for arguments in (((0, 0), (0, 0)), ((0, 1), (0, 2)), ((0, 1), (0, 1), (0,))):
         with pytest.raises(InputError, match=r"^pins: given .*; allowed .*because"):
             pins_of_cylinders(*arguments)
+
+
+def test_torque_at_the_last_bearing_is_what_turns_the_flywheel(forces):
+    free_end = EndBody(20.0, 2.0)
+    around = replace(AROUND, free_end=free_end, pin_masses=(12.0, 8.0, 5.0))
+    throws = [spring_throw(angle, 0.3) for angle in ANGLES]
+    for sense in (1, -1):
+        shaft = crankshaft_system(assemble_crankshaft(throws, around, turning_sense=sense))
+        found = coupled_response(shaft, forces, magnifier=1e9)
+        torque = found.torque.values
+        w = (forces.orders[:, np.newaxis] * forces.speeds) ** 2
+        turned = w * found.motion("main bearing 4 rz")
+        largest = np.max(np.abs(torque))
+        assert torque[:, :, -1] == close(50.0 * turned, abs=1e-6 * largest)
+        # Beyond the first bearing there is the free end alone.
+        first = -w * free_end.polar_inertia * found.motion("main bearing 1 rz")
+        assert torque[:, :, 0] == close(first, abs=1e-6 * largest)
+        # Between two bearings torque changes by the forces on the pin, and by what turns there.
+        pins = forces.tangential[:, :, 1] * sense * RADIUS
+        turning = sum(0.5 * INERTIA * w * found.motion(f"main bearing {n} rz") for n in (2, 3))
+        rod = 8.0 * RADIUS * w * sense * found.motion("pin 2 tangential")
+        assert torque[:, :, 2] - torque[:, :, 1] == close(
+            -(pins + turning + rod), abs=1e-6 * largest
+        )

@@ -5,8 +5,8 @@ throws of the samples plain-test and real-test, used neither for training nor fo
 shipped engines' throws by corrected finite elements at 1 %, end sections rigid.
 
 Tolerances: plain throws' e_n pinned 0.2 % rms and 1 % at most, their other compliances 0.5 % rms; real throws
-as docs/law.md states, and most shipped engines' 2 %. A band for 95 of 100 true values must hold 90 of 100 of
-a sample of some hundred.
+as docs/law.md states, and most shipped engines' 2 %. A band for 95 of 100 true values must hold 95 of
+100 of either sample, and the others must be near it.
 """
 
 import csv
@@ -125,7 +125,9 @@ def test_shipped_engines():
 @pytest.mark.parametrize("sample", ["plain-test", "real-test"])
 def test_bands_hold_the_true_values(throws, sample):
     found, widths = errors(throws, sample)
-    assert np.all(np.mean(np.abs(found) <= widths, axis=1) >= 0.90)
+    # As `LAW_BANDS` promises who looks a throw up.
+    assert np.all(np.mean(np.abs(found) <= widths, axis=1) >= 0.95)
+    assert np.all(np.abs(found) <= 2.5 * widths)
     # Wide bands would hold them too.
     assert np.all(np.mean(np.abs(found) <= 0.25 * widths, axis=1) < 0.75)
 

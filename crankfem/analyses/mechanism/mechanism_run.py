@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any, Literal, get_args
 
 import numpy as np
 
-from crankbase.checks.choices import check_choice, check_not_given
+from crankbase.checks.choices import check_choice, check_kind, check_not_given
 from crankbase.checks.scalars import is_whole
 from crankbase.errors import InputError
 from crankbase.summaries import summarized
@@ -208,6 +208,8 @@ def run_mechanism(
     """
     if isinstance(mechanism, EngineFile):
         mechanism = mechanism_of(mechanism)
+    allowed = "what load_engine or load_mechanism returns"
+    check_kind("mechanism", mechanism, MechanismFile, allowed)
     if mechanism.gas is None:
         raise InputError(
             f"{mechanism.path.name}: given no section [gas]; allowed is one with peak_pressure, "

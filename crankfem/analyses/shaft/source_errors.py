@@ -122,7 +122,7 @@ def source_spread(
             "compliance",
             min(own.lower / own.value for own in values),
             max(own.upper / own.value for own in values),
-            name="error of the law, its band of 95 % of throws",
+            name="error of the law, not exceeded by 95 of 100 throws",
         )
     return _formula_spread(engine_file, kind, source, getattr(shaft, kind), error)
 

@@ -90,6 +90,12 @@ def _difference(verdict: ChainVerdict) -> str:
         number = match.chain_mode - match.chain_rigid + 1
         if match.shaft_frequency is None:
             return f"it has no mode like {verdict.kind} mode {number}"
+        if match.divided:
+            told = " and ".join(f"{frequency:.1f}" for frequency, _ in match.divided)
+            return (
+                f"two modes at {told} Hz instead of {verdict.kind} mode {number} at "
+                f"{match.chain_frequency:.1f} Hz"
+            )
         if abs(match.difference) > FREQUENCY_LIMIT:
             return (
                 f"{verdict.kind} mode {number} at {match.shaft_frequency:.1f} instead of "
@@ -97,6 +103,6 @@ def _difference(verdict: ChainVerdict) -> str:
             )
     mixed = min(verdict.modes, key=lambda match: match.share)
     return (
-        f"its {verdict.kind} mode at {mixed.shaft_frequency:.1f} Hz is only {100.0 * mixed.share:.0f} % "
+        f"its {verdict.kind} mode at {mixed.shaft_frequency:.1f} Hz is only {100.0 * mixed.share:.3g} % "
         f"{verdict.kind}"
     )

@@ -79,6 +79,7 @@ def _chain(verdict: ChainVerdict) -> Record:
         **attributes(verdict, "suffices", "reasons"),
         "modes": [
             attributes(one, "chain_frequency", "shaft_frequency", "share", "likeness")
+            | attributes(one, "further_frequency", "further_share")
             for one in verdict.modes
         ],
         "chain_amplitude": chain,

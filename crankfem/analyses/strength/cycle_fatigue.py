@@ -315,8 +315,8 @@ def _remarks(
     )
     if failing:
         yield (
-            "besides normal firing, the case with the largest torsion in some throw is covered: misfiring "
-            f"of {', '.join(named(case) for case in failing)}"
+            "besides normal firing, each case with the largest torsion of a throw is covered: misfiring of "
+            f"{', of '.join(named(case) for case in sorted(failing))}"
         )
     yield (
         "the bending fatigue strength is the rule's for the location; the torsional one is assumed to be "

@@ -1,6 +1,6 @@
 """Strength of an engine's crankshaft by UR M53, throw by throw."""
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -254,10 +254,17 @@ def _of_throws(said: Iterable[tuple[int, str]]) -> tuple[str, ...]:
     found: dict[str, list[int]] = {}
     for number, text in said:
         found.setdefault(text, []).append(number)
-    return tuple(
-        f"throw{'s' if len(throws) > 1 else ''} {', '.join(map(str, throws))}{text}"
-        for text, throws in found.items()
-    )
+    return tuple(f"{_numbered(throws)}{text}" for text, throws in found.items())
+
+
+def _numbered(throws: Sequence[int]) -> str:
+    """Name throws, those that follow each other by the first and the last."""
+    if len(throws) == 1:
+        return f"throw {throws[0]}"
+    first, last = throws[0], throws[-1]
+    if len(throws) > 2 and list(throws) == list(range(first, last + 1)):
+        return f"throws {first} to {last}"
+    return f"throws {', '.join(map(str, throws))}"
 
 
 def _method(symbol: str) -> str:

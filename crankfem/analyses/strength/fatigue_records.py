@@ -39,7 +39,7 @@ def fatigue_table(record: Record) -> Table:
         "Fatigue over the working cycle",
         [
             Column("throw"),
-            Column("place", words=True),
+            Column("location", words=True),
             Column("safety", decimals=2),
             Column("at", "1/min"),
             Column("misfiring cylinder"),

@@ -76,7 +76,7 @@ def strength_table(record: Record, units: OutputUnits = SI) -> Table:
         "Alternating stresses by UR M53",
         [
             Column("throw"),
-            Column("place", words=True),
+            Column("location", words=True),
             *deep,
             *(Column(f"nominal {name}", "MPa") for name in ("bending", "torsion")),
             *(Column(name, "MPa") for name in ("bending", "torsion", "added", "equivalent")),

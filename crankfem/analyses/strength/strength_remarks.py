@@ -75,7 +75,7 @@ def strength_remarks(
         yield (
             "finite elements: ends are rigid discs, the force in three-point bending is distributed over "
             "the pin; beta_Q follows method 1 of Appendix III, as the difference of two large numbers; mesh "
-            f"and stresses {met} the criteria of the rule's Appendix III at all fillets"
+            f"and stresses {met} the criteria of the rule's Appendix III at every fillet"
         )
     changes = dict.fromkeys(
         f"{name} {100.0 * one:+.2g} %"
@@ -86,6 +86,7 @@ def strength_remarks(
         (cubic, square), (other_cubic, other_square) = (DOUBTFUL[one] for one in COEFFICIENTS)
         yield (
             f"two coefficients are doubtful, the {section.coefficients} ones are used: {other_cubic:g} in "
-            f"place of the printed {cubic:g}, and {other_square:g} of {square:g}, change {', '.join(changes)}"
+            f"place of the printed {cubic:g}, and {other_square:g} in place of {square:g}, would change "
+            f"{', '.join(changes)}"
         )
     yield "the formulas come from one text of the rule; no second source confirms their coefficients"

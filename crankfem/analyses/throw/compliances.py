@@ -77,7 +77,7 @@ def compliance_tables(results: Mapping[str, Any]) -> Record:
         law = (results["formulas"].get("law") or {}).get(f"{kind}_compliance")
         if law is not None:
             width = percent(law["upper"] / law["value"] - 1.0)
-            said = f"Fitted to finite elements of thousands of throws; 95 % are within {width} %."
+            said = f"Fitted to finite elements of thousands of throws; 95 of 100 err by less than {width} %."
             rows.append(row("the law", law["value"], "law", [said]))
         own_rows = [
             row(f["name"], f["value"], f["name"], f["remarks"], f["valid"])

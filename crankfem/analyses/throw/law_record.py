@@ -117,6 +117,14 @@ def law_sentence(record: Record, units: OutputUnits = SI) -> str:
     )
 
 
+# What bands of the law cover; tests/validation/test_law.py counts the throws.
+LAW_BANDS = (
+    "Bands cover the error of the law and of its finite elements: 95 of 100 random throws within the law's "
+    "range are in theirs, the others near it. They are for rigid end sections: real ones bend a little, "
+    "which makes a throw softer."
+)
+
+
 @dataclass(frozen=True)
 class LawLookups:
     """The law's results for one throw, in the form of lookups in a model.
@@ -144,7 +152,7 @@ def law_lookups(
             remarks=(),
             error=None,
             equation="networks of the law",
-            band="contains 95 % of throws, with rigid end sections",
+            band="95 of 100 throws with rigid end sections lie in it",
             symbol=name.replace("_", " "),
         )
         for name, own in law_answers(throw, material, gamma_deg).items()

@@ -120,6 +120,8 @@ class Assessment:
         What the engine drives where it is not modeled, how far a calculation of the whole crankshaft
         differs from the chains that were judged, and where the verdict changes within the range of the
         bearings' stiffness, a sentence each.
+    whole : Verdict or None
+        That of the whole crankshaft by the same limits, where a chain that they judge is inadequate.
     """
 
     verdict: Verdict
@@ -129,6 +131,7 @@ class Assessment:
     axial: Uncertainty
     torsional: Uncertainty
     beside: tuple[str, ...] = ()
+    whole: Verdict | None = None
 
     def limit_curve(self, name: str, speeds: FloatArray) -> dict[str, FloatArray]:
         """Return a limit over speeds [rad/s] with its name in a legend; empty if there is none."""

@@ -6,7 +6,7 @@ from crankfem.analyses.vibration.assessment import Assessment, Uncertainty
 from crankfem.analyses.vibration.misfiring_records import worst_record
 from dynamics.assessment.barred_range import BarredRange
 from dynamics.assessment.limits import worst_use
-from dynamics.assessment.verdict import SAME, LimitCheck
+from dynamics.assessment.verdict import SAME, LimitCheck, Verdict
 from dynamics.response.peak_cause import PeakCause
 
 # SI units of loads in records.
@@ -38,6 +38,7 @@ def assessment_record(assessment: Assessment) -> Record:
         "started_through": [_range(one) for one in verdict.started_through],
         "remarks": [*assessment.remarks, *verdict.remarks],
         "beside": list(assessment.beside),
+        "whole": None if assessment.whole is None else _verdict(assessment.whole),
         "limits": [
             attributes(limit, "name", "unit", "source", "assumed", "remark")
             | {"judged_to_rpm": judged_to[limit.name] * RPM}
@@ -46,6 +47,16 @@ def assessment_record(assessment: Assessment) -> Record:
         "uncertainty": {
             one.kind: _uncertainty(one) for one in (assessment.axial, assessment.torsional)
         },
+    }
+
+
+def _verdict(found: Verdict) -> Record:
+    checks = [_check(check, found.running_range[1]) for check in found.checks]
+    ranges = (*found.barred, *found.started_through)
+    return {
+        **attributes(found, "status"),
+        "checks": checks,
+        "barred": [_range(one) for one in ranges],
     }
 
 

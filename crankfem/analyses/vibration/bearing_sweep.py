@@ -145,7 +145,7 @@ class BearingSweep:
             said = (
                 f"the verdict changes within this range: {self.status_by_stiffness}"
                 if self.flips
-                else f'with all else unchanged, the verdict is "{self.statuses[0]}" over the whole range'
+                else f'with all other values as used, the verdict is "{self.statuses[0]}" over all of it'
             )
             found.append(f"Over that range, {uses} is used; {said}.")
         return tuple(found)

@@ -110,10 +110,11 @@ class FiringCheck:
         """Write the share of what is permitted at that speed, where something is and it is bounded."""
         if np.isinf(found.permitted) or np.isinf(found.value):
             return ""
-        share = f", {format_usage(found.used)}"
-        if found.permitted == self.misfiring.permitted:
-            return share
-        return f"{share} of the permitted {format_quantity(found.permitted, self.unit, DIGITS)}"
+        permitted, failing = (
+            format_quantity(one.permitted, self.unit, DIGITS) for one in (found, self.misfiring)
+        )
+        same = permitted == failing and not np.isinf(self.misfiring.value)
+        return f", {format_usage(found.used)}{'' if same else f' of the permitted {permitted}'}"
 
     def _amount(self, found: Reached) -> str:
         """Write the value, and its speed."""

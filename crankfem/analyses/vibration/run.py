@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal, get_args
 
@@ -15,7 +15,7 @@ from crankbase.tables.frames import table
 from crankfem.analyses.shaft.saved_model import usable_model
 from crankfem.analyses.shaft.sources import compliances_in_shaft
 from crankfem.analyses.shaft.throw_analyses import Analyses, analyses_by_name, analyze_throws
-from crankfem.analyses.shaft.whole_difference import whole_shaft_remark, with_differences
+from crankfem.analyses.shaft.whole_difference import with_differences
 from crankfem.analyses.shaft.whole_shaft import (
     ShaftComparison,
     WholeShaft,
@@ -40,9 +40,9 @@ from crankfem.analyses.vibration.engine_load import EngineLoad, engine_load
 from crankfem.analyses.vibration.forced import ForcedVibration, forced_vibrations
 from crankfem.analyses.vibration.misfiring import Misfiring, misfiring_or_reason
 from crankfem.analyses.vibration.modes import Vibration, axial_vibration, torsional_vibration
+from crankfem.analyses.vibration.whole_verdict import with_bearings, with_whole_shaft
 from crankfem.files.engine.engine_file import EngineFile, load_engine
 from crankfem.files.engine.mechanism_file import MechanismFile, layout_of, mechanism_of
-from dynamics.assessment.decided import decide
 from dynamics.assessment.verdict import LimitCheck
 from dynamics.chains.chain import Chain
 from dynamics.critical import engine_orders
@@ -349,14 +349,11 @@ def engine_vibration(
     if held:
         verdict = None if assessment is None else assessment.verdict
         sweep = bearing_sweep(read, held, analyses, whole, harmonics, verdict)
-    if assessment is not None:
-        beside = () if comparison is None else whole_shaft_remark(comparison)
-        if sweep is not None:
-            beside += sweep.sentences[1:] if sweep.flips else ()
-            trials = (*assessment.decision.trials, *sweep.trials)
-            decided = decide(assessment.verdict.status, trials)
-            assessment = replace(assessment, decision=decided)
-        assessment = replace(assessment, beside=(*assessment.beside, *beside))
+    if assessment is not None and sweep is not None:
+        assessment = with_bearings(assessment, sweep)
+    if assessment is not None and comparison is not None:
+        cranks = torsional.chosen.chain
+        assessment = with_whole_shaft(assessment, read, comparison, cranks, ready.moduli)
     return EngineVibration(
         engine_file=read,
         analyses=analyses,

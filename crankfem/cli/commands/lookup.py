@@ -21,6 +21,9 @@ if TYPE_CHECKING:
     from regression.models.lookup import Lookup
 
 
+SUPPORTS = "End sections: pinned ones tilt freely, guided ones do not; a throw in a shaft is between the two."
+
+
 @with_output(units=True)
 def lookup(
     model: ModelArgument,
@@ -59,8 +62,8 @@ def lookup(
 
     Also reactions to a force on the pin. Example: crankfem lookup law --throw 6chn25-34 --pin-force "100 kN"
     """
-    from crankfem.analyses.throw.law_record import LAW, law_lookups
-    from crankfem.cli.model_arguments import model_dimensions
+    from crankfem.analyses.throw.law_record import LAW, LAW_BANDS, law_lookups
+    from crankfem.cli.model_arguments import dimensions_text, model_dimensions
     from crankfem.cli.quantity_list import parse_pin_force
     from crankfem.cli.tables.reaction_tables import print_reactions, reaction_record
 
@@ -72,13 +75,19 @@ def lookup(
     force = None if pin_force is None else parse_pin_force(pin_force)
     refused: dict[str, str] = {}
     if str(model) == LAW:
-        from crankfem.cli.law_arguments import law_throw
+        from crankfem.cli.law_arguments import law_throw, throw_text
 
-        law = law_lookups(*law_throw(dimensions or [], throw, out.quiet), angle)
+        of_law, material = law_throw(dimensions or [], throw, out.quiet)
+        law = law_lookups(of_law, material, angle)
         answers, react = law.answers, law.reactions
+        used = throw_text(of_law)
     else:
         from regression.models.compliance_model import ComplianceModel
 
+        if not model.exists():
+            raise InputError(
+                f"{model}: does not exist; allowed are law and the path of a model file."
+            )
         loaded = ComplianceModel.load(model)
         asked: dict[str, Any] = {}
         if throw is not None:
@@ -87,6 +96,7 @@ def lookup(
             asked |= loaded.dimensions_of(select_throw(throw, quiet=out.quiet)[0])
         asked |= model_dimensions(loaded, dimensions or [])
         answers, refused = _lookups(loaded, asked, angle, strict)
+        used = dimensions_text(loaded, asked)
         react = partial(loaded.reactions, strict=strict, **asked)
     reactions = None if force is None else reaction_record(react, force, angle)
     if out.json:
@@ -94,15 +104,25 @@ def lookup(
         records |= {name: {"refused": reason} for name, reason in refused.items()}
         print_json(records if reactions is None else records | {"reactions": reactions})
         return
+    if throw is not None:
+        print_line(out.units.text(f"Throw of {throw}{_overridden(dimensions)}: {', '.join(used)}."))
     banded = _print_lookups(answers, angle is not None, out.units)
+    if any(answer.support in ("pinned", "guided") for answer in answers.values()):
+        print_line(SUPPORTS)
     if str(model) == LAW:
-        print_line("A band contains the true value for 95 % of throws with rigid end sections.")
+        print_line(LAW_BANDS)
     elif banded:
         _print_bands(loaded, banded)
     if reactions is not None:
         print_reactions(reactions, out.units)
     for name, reason in refused.items():
         print_line(out.units.text(f"{_title(name)}: left out; {reason}"))
+
+
+def _overridden(dimensions: list[str] | None) -> str:
+    """Name the dimensions that the command line gives in place of the file."""
+    names = [pair.partition("=")[0].strip() for pair in dimensions or ()]
+    return f" with {', '.join(names)} as given" if names else ""
 
 
 def _lookups(

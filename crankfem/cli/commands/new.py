@@ -6,6 +6,7 @@ from typing import Annotated
 
 import typer
 
+from crankbase.checks.choices import allowed_names
 from crankbase.errors import InputError
 from crankfem.cli import console
 from crankfem.cli.commands import completion
@@ -112,7 +113,7 @@ def _copy(source: str, file: Path) -> str:
     found = known.get(source.removesuffix(".toml"))
     if found is None:
         raise InputError(
-            f"--from: given {source!r}; allowed are {', '.join(known)}, because these are shipped."
+            f"--from: given {source!r}; {allowed_names(source, known)}, because these are shipped."
         )
     check_writable(file, "input file", found.path)
     write_user_file(file, found.path.read_bytes(), "input file")

@@ -75,10 +75,11 @@ def run(
 
 def _print(results: dict[str, Any], units: "OutputUnits", *, verbose: bool) -> None:
     from crankfem.cli.tables import fit_tables, formula_tables, throw_tables
-    from crankfem.cli.tables.run_tables import print_conclusions, print_worst
+    from crankfem.cli.tables.run_tables import print_conclusions, print_engine, print_worst
     from crankfem.cli.tables.vibration_tables import print_run
 
     print_conclusions(results, units)
+    print_engine(results, units)
     if not verbose:
         print_worst(results, units)
         return

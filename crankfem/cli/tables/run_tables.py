@@ -10,7 +10,7 @@ from crankbase.units.units import RPM
 from crankfem.analyses.vibration.speed_table import speed_table
 from crankfem.cli.console import print_line, print_table
 from crankfem.report.conclusions import conclusions, reached_and_permitted, verdict_line
-from crankfem.report.summary import worst_of_each
+from crankfem.report.summary import engine_facts, worst_of_each
 
 # Critical speeds of each kind; --verbose and the report show more.
 SPEEDS_SHOWN = 2
@@ -28,6 +28,11 @@ def print_conclusions(results: Mapping[str, Any], units: OutputUnits = SI) -> No
     print_verdict(results, units)
     for line in conclusions(results):
         print_line(units.text(f"- {line}"))
+
+
+def print_engine(results: Mapping[str, Any], units: OutputUnits = SI) -> None:
+    """Print what the engine is, in one line."""
+    print_line(units.text(f"{results['engine']['name']}: {'; '.join(engine_facts(results))}."))
 
 
 def print_worst(results: Mapping[str, Any], units: OutputUnits = SI) -> None:

@@ -24,6 +24,11 @@ NOT_FORCED = (
     "Amplitudes are not calculated, because the engine file gives no gas pressure: add [gas]."
 )
 
+CHAINS_ALONE = (
+    "the verdict uses lumped models (chains); --coupled also holds the whole crankshaft against the limits "
+    "where they are inadequate"
+)
+
 
 def print_run(record: Record, units: OutputUnits = SI) -> None:
     """Print an engine's vibration, the verdict last; critical speeds only where nothing is forced."""
@@ -61,6 +66,8 @@ def print_run(record: Record, units: OutputUnits = SI) -> None:
         print_notes(
             filter(None, found["remarks"] if found else [record.get("misfiring_note")]), units
         )
+        if record["whole"] is None:
+            print_notes([CHAINS_ALONE], units)
         print_judgment(record["assessment"], units)
         if found is not None:
             print_line(units.text(f"Misfiring: {found['sentence']}"))
@@ -179,7 +186,7 @@ def _print_uncertainty(kind: str, record: Record, units: OutputUnits) -> None:
     if found is not None:
         print_line(
             f"{kind.capitalize()} amplitude of the free end at running speeds: nominal "
-            f"{motion.number(found['nominal'])}, 5 to 95 % of {found['samples']} samples "
-            f"{motion.number(found['percentile_5'])} to {motion.number(found['percentile_95'])} "
-            f"{motion.name}"
+            f"{motion.number(found['nominal'])} {motion.name}; of {found['samples']} random choices of the "
+            f"uncertain values, 90 % give {motion.number(found['percentile_5'])} to "
+            f"{motion.number(found['percentile_95'])} {motion.name}"
         )

@@ -66,8 +66,10 @@ def load_chain(path: str | Path | TomlFile) -> ChainFile:
         With a sentence for each wrong field, which names what was given and what is allowed.
     """
     found = path.path if isinstance(path, TomlFile) else input_path(path, "chain")
-    if found.suffix.lower() != ".toml":
-        text = read_text(found, "the text of a chain", "a text file")
+    if not isinstance(path, TomlFile) and found.suffix.lower() != ".toml":
+        text = read_text(
+            found, "the text of a chain", "an input file (TOML) or the text of a chain"
+        )
         read = read_chain_text(text, found.name)
         _check_sizes(found.name, read.chain)
         return ChainFile(found, read.name or found.stem, read.kind, read.chain, (), {})

@@ -55,6 +55,12 @@ def section_tables(section: str | None = None) -> list[SectionTable]:
     if section == CHAIN:
         return chain_tables()
     if section is not None and section not in SECTIONS:
+        name = section.rpartition(".")[2]
+        having = [own for own, one in SECTIONS.items() if name in one.model.model_fields]
+        if having:
+            raise InputError(
+                f"section: given {section!r}; {name} is a field of {', '.join(having)}: allowed are sections."
+            )
         raise InputError(
             f"section: given {section!r}; {allowed_names(section, (*SECTIONS, CHAIN))}."
         )

@@ -1,10 +1,12 @@
 """The kind of a file of quantities, from its sections: a throw, a mechanism, an engine; its torques."""
 
+import re
 from dataclasses import replace
 from pathlib import Path
 from typing import Literal
 
 from crankbase.errors import InputError
+from crankbase.wrong_files import LOOKED_AT
 from crankfem.files.reading.data_files import InputKind, find_table, input_path, shipped_names
 from crankfem.files.reading.toml_file import TomlFile, read_toml
 from crankfem.files.sections.engine_sections import TorqueTable
@@ -14,6 +16,9 @@ FileKind = Literal["engine", "mechanism", "throw", "hinge", "chain"]
 ENGINE_SECTIONS = {"rod", "piston", "flywheel", "thrust_bearing"}
 # Sections that only hinge files have.
 HINGE_SECTIONS = {"sliding", "hinge", "operation"}
+
+# A section that files of input have, at the beginning of a line.
+SECTION = re.compile(r"^\s*\[(?:engine|throw|throws\.\w+|chain|sliding|hinge)\]", re.MULTILINE)
 
 
 def file_kind(content: TomlFile) -> FileKind:
@@ -55,9 +60,7 @@ def engine_sections(source: str | Path | TomlFile) -> TomlFile:
 
 
 def any_sections(given: str) -> TomlFile | None:
-    """Return the sections of any file of input, or of a shipped one; None if it is not TOML.
-
-    Only chains may be in another format than TOML.
+    """Return the sections of any file of input, or of a shipped one; None if it is the text of a chain.
 
     Raises
     ------
@@ -68,7 +71,16 @@ def any_sections(given: str) -> TomlFile | None:
     others: tuple[InputKind, ...] = ("hinge", "chain")
     kinds = [kind for kind in others if name in shipped_names(kind)]
     path = input_path(given, *kinds[:1])
-    return read_toml(path) if path.suffix.lower() == ".toml" else None
+    return read_toml(path) if path.suffix.lower() == ".toml" or _has_sections(path) else None
+
+
+def _has_sections(path: Path) -> bool:
+    """Whether a file has sections of input, whatever its ending; False where it cannot be read."""
+    try:
+        with path.open(encoding="utf-8-sig") as file:
+            return SECTION.search(file.read(LOOKED_AT)) is not None
+    except (OSError, UnicodeDecodeError):
+        return False
 
 
 def torque_table_path(content: TomlFile) -> Path | None:

@@ -132,7 +132,8 @@ def check_sizes(
         raise InputError(
             f"{section}.crank_radius: given {format_quantity(radius, 'm')}; allowed is half "
             "of engine.stroke, "
-            f"{format_quantity(engine.stroke / 2.0, 'm')}."
+            f"{format_quantity(engine.stroke / 2.0, 'm')}, because the piston moves by two crank radii; "
+            f"correct it, or engine.stroke, given {format_quantity(engine.stroke, 'm')}."
         )
     if rod.length <= 1.5 * radius:
         raise InputError(

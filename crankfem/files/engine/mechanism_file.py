@@ -278,7 +278,10 @@ def _warnings(file: EngineFile | MechanismSections, power: EnginePower | None) -
     thrust = file.thrust_bearing if isinstance(file, EngineFile) else None
     material = () if file.material.remark is None else (file.material.remark,)
     firing = firing_evenness(file.engine).warnings
-    return (*firing, *material, *engine_warnings(file, power, thrust))
+    rated: tuple[str, ...] = ()
+    if power is not None and not power.consistent:
+        rated = (f"engine.rated_power: {power.sentence[0].lower()}{power.sentence[1:]}",)
+    return (*firing, *material, *rated, *engine_warnings(file, power, thrust))
 
 
 def _remarks(file: EngineFile | MechanismSections) -> tuple[str, ...]:

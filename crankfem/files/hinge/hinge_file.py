@@ -180,6 +180,14 @@ def load_hinge(path: str | Path | TomlFile = "crosshead-30-100") -> HingeFile:
         With a sentence for each wrong field, which names it, what was given and what is allowed.
     """
     content = path if isinstance(path, TomlFile) else read_toml(input_path(path, "hinge"))
+    if (
+        not {"sliding", "hinge", "operation"} & set(content.sections)
+        and "throw" in content.sections
+    ):
+        raise InputError(
+            f"{content.path.name}: describes an engine or a throw, not an elastic hinge; copy a hinge file "
+            "by crankfem new mine.toml --from crosshead-30-100."
+        )
     with content.all_errors(KINDS):
         return _read_hinge(content)
 

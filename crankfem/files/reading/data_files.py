@@ -1,9 +1,11 @@
 """Locations of the shipped engines and tables, in the wheel and in a checkout."""
 
+import os
 from pathlib import Path
 from typing import Literal
 
-from crankbase.errors import InputError
+from crankbase.checks.choices import did_you_mean
+from crankbase.errors import InputError, quoted
 
 InputKind = Literal["engine", "hinge", "chain"]
 # Of each kind of input the folder of those that are shipped, and how a message calls a file.
@@ -40,6 +42,11 @@ def input_path(given: str | Path, kind: InputKind = "engine") -> Path:
     InputError
         If there is neither.
     """
+    if not isinstance(given, (str, os.PathLike)):
+        raise InputError(
+            f"file: given {quoted(given)}; allowed is the path of {WORDS[kind]}, or the name of a shipped "
+            "one."
+        )
     path = Path(given)
     try:
         if path.is_file():
@@ -50,10 +57,14 @@ def input_path(given: str | Path, kind: InputKind = "engine") -> Path:
         fault = f"{given}: {'is a folder, not a file' if path.is_dir() else 'does not exist'}"
     except OSError as error:
         fault = f"{given}: cannot be searched for; the system reports: {error.strerror}"
+    others = [one for one in FOLDERS if one != kind and path.name in shipped_names(one)]
+    if others:
+        fault = f"{given}: is {WORDS[others[0]].replace(' file', '')}, not {WORDS[kind]}"
     if not str(given).strip():
         fault = '"": names no file'
+    meant = did_you_mean(path.name.removesuffix(".toml"), shipped_names(kind), cutoff=0.7)
     raise InputError(
-        f"{fault}; give the path of {WORDS[kind]}, or the name of a shipped one "
+        f"{fault}; {meant}give the path of {WORDS[kind]}, or the name of a shipped one "
         f"({', '.join(shipped_names(kind))})."
     )
 

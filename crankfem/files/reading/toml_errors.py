@@ -15,6 +15,26 @@ BARE = re.compile(
 )
 NAME = re.compile(r"\s*([\w.-]+|\"[^\"]*\"|'[^']*')\s*=")
 HEADER = re.compile(r"\s*\[(?!\[)([^\]]+)\]")
+# What is written wrongly, where nothing else is, outside of quotes.
+FAULTS = (
+    (
+        re.compile("[\u201c\u201d\u201e\u2018\u2019\u00ab\u00bb]"),
+        "given typographic quotes; write straight ones, \" or '",
+    ),
+    (
+        re.compile(r"[=\[]\s*[+-]?\d+,\d+\s*(?:[,}\]]|$)"),
+        "given a decimal comma; write a decimal point",
+    ),
+    (
+        re.compile(r"^[^\"]*\"[^\"]*$|^[^']*'[^']*$"),
+        "given an opening quote without a closing one; write both",
+    ),
+    (
+        re.compile(r"^\s*\[[^\]]*[^\x00-\x7f][^\]]*\]|^[^=\"']*[^\x00-\x7f][^=\"']*="),
+        "given a name with other letters than A to Z; write names with A to Z, digits, _ and -",
+    ),
+    (re.compile(r"^\s*\[\[?[^\]=]*$"), "given a section without its closing bracket; write it"),
+)
 QUOTED = re.compile(r"\"(?:[^\"\\]|\\.)*\"|'[^']*'")
 
 
@@ -38,7 +58,8 @@ def not_toml(text: str, error: Exception) -> str:
     found = AT_LINE.search(str(error))
     # What is wrong shows at the beginning of a line; patterns would take long over all of a very long one.
     lines = [line[:LONGEST_LINE] for line in text.splitlines()]
-    place = int(found[1]) if found else 0
+    # What is never closed is found at the end of the file, of which no line is told.
+    place = int(found[1]) if found else _first_fault(lines)
     if not 1 <= place <= len(lines):
         return f"is not TOML ({error}); allowed is a TOML file."
     line = lines[place - 1]
@@ -56,7 +77,21 @@ def not_toml(text: str, error: Exception) -> str:
             f"{shown} given {bare[1].strip()} without quotes; write a quantity in quotes, "
             f'"{bare[1].strip()}", because it is text with its unit.'
         )
+    fault = _fault(line)
+    if fault is not None:
+        return f"{shown} {fault}."
     return f"{shown} is not TOML ({AT_LINE.sub('', str(error)).strip()}); allowed is a TOML file."
+
+
+def _fault(line: str) -> str | None:
+    """Say what is written wrongly in a line, None if nothing is known of it."""
+    plain = QUOTED.sub('""', line).partition("#")[0]
+    return next((fault for pattern, fault in FAULTS if pattern.search(plain)), None)
+
+
+def _first_fault(lines: list[str]) -> int:
+    """Return the number of the first line in which something is written wrongly, 0 if there is none."""
+    return next((number for number, line in enumerate(lines, start=1) if _fault(line)), 0)
 
 
 def _before(lines: list[str], place: int) -> int | None:

@@ -13,8 +13,10 @@ from crankbase.errors import InputError, InputErrors
 from crankbase.model import InputModel, field_extra, part_kind
 from crankbase.text_limits import LARGEST_TEXT_FILE, check_file_size
 from crankbase.units.quantity import format_quantity
+from crankbase.wrong_files import LOOKED_AT, wrong_kind
 from crankfem.files.reading.toml_errors import not_toml
 from crankfem.files.reading.toml_limits import check_content, check_keys, too_deep
+from crankfem.files.reading.toml_places import line_of
 
 Model = TypeVar("Model", bound=InputModel)
 
@@ -63,6 +65,8 @@ class TomlFile:
         Short name to full citation.
     records : list
         Every value read through `model`, in order.
+    text : str
+        Of the file.
     """
 
     path: Path
@@ -70,6 +74,7 @@ class TomlFile:
     provenance: dict[str, tuple[str, bool]]
     sources: dict[str, str]
     records: list[InputRecord] = field(default_factory=list)
+    text: str = field(default="", repr=False, compare=False)
 
     def check_sections(self, allowed: Mapping[str, bool]) -> None:
         """Refuse unknown sections, and missing ones that are required.
@@ -90,6 +95,11 @@ class TomlFile:
         missing = [f"[{name}]" for name in required if name not in self.sections]
         if unknown:
             raise InputError("\n".join(unknown))
+        if missing and not self.sections:
+            raise InputError(
+                f"{self.path.name}: has no sections; required are {', '.join(required)}, as in an example "
+                "that crankfem new writes."
+            )
         if missing:
             gone = "sections {} are" if len(missing) > 1 else "section {} is"
             raise InputError(
@@ -150,7 +160,15 @@ class TomlFile:
                         others[name](self)
             told = {line for error in errors.found for line in error.sentences}
             alone = [] if told.issuperset(first.sentences) else [first]
-            raise InputError.of_all([*alone, *errors.found]) from None
+            every = InputError.of_all([*alone, *errors.found])
+            raise InputError("\n".join(map(self._with_line, every.sentences))) from None
+
+    def _with_line(self, sentence: str) -> str:
+        """Add to a sentence about a field in which line of the file it is."""
+        line = line_of(self.text, sentence.partition(":")[0])
+        if line is None:
+            return sentence
+        return f"{sentence.removesuffix('.')} ({self.path.name}, line {line})."
 
     def required(self, section: str, kind: type[Model]) -> Model:
         """Validate one required section.
@@ -231,7 +249,8 @@ def read_toml(path: Path) -> TomlFile:
                 "allowed are sections like [throw]."
             )
         sections[section] = _values_apart(section, values, sources, provenance)
-    return TomlFile(path, sections, provenance, {k: str(v) for k, v in sources.items()})
+    texts = {name: str(value) for name, value in sources.items()}
+    return TomlFile(path, sections, provenance, texts, text=text)
 
 
 def read_text(path: Path, what: str, allowed: str) -> str:
@@ -244,10 +263,19 @@ def read_text(path: Path, what: str, allowed: str) -> str:
     """
     check_file_size(path, LARGEST_TEXT_FILE, what)
     try:
-        return path.read_text(encoding="utf-8-sig")
-    except (OSError, UnicodeDecodeError) as error:
+        content = path.read_bytes()
+    except OSError as error:
+        raise InputError(f"{path}: cannot be read ({error.strerror or error}).") from None
+    wrong = wrong_kind(content[:LOOKED_AT])
+    if wrong is not None:
+        raise InputError(f"{path}: {wrong}; allowed is {allowed}.")
+    try:
+        return content.decode("utf-8-sig").replace("\r\n", "\n").replace("\r", "\n")
+    except UnicodeDecodeError as error:
+        line = content.count(b"\n", 0, error.start) + 1
         raise InputError(
-            f"{path}: cannot be read as text ({error}); allowed is {allowed}."
+            f"{path}: cannot be read as text, because line {line} is not UTF-8; allowed is {allowed} in "
+            "UTF-8."
         ) from None
 
 
@@ -283,8 +311,9 @@ def _split(
         return value, None
     extra = set(value) - {"value", "source", "assumed"}
     if extra or {"source", "assumed"} <= set(value):
+        meant = "".join(did_you_mean(name, ("source", "assumed")) for name in sorted(extra))
         raise InputError(
-            f"{field_name}: given {value!r}; allowed with value is either source or assumed."
+            f"{field_name}: given {value!r}; {meant}allowed with value is either source or assumed."
         )
     if "assumed" in value:
         return value["value"], (_cite(str(value["assumed"]), sources), True)

@@ -32,7 +32,7 @@ def check_keys(name: str, text: str) -> None:
         line = text.count("\n", 0, found.start()) + 1
         raise InputError(
             f"{name}: line {line}, {shortened(found[0])!r}: given a key of more than {DEEPEST_TABLE} names; "
-            f"allowed are {DEEPEST_TABLE}, because sections are nested no deeper than a table or two."
+            f"allowed is {DEEPEST_TABLE} at most, because sections are nested no deeper than a table or two."
         )
 
 
@@ -66,7 +66,7 @@ def check_content(name: str, content: dict[str, Any]) -> None:
         count += 1
         if count > MOST_VALUES:
             raise InputError(
-                f"{name}: given more than {MOST_VALUES} values; allowed are {MOST_VALUES}, because an "
+                f"{name}: given more than {MOST_VALUES} values; allowed is {MOST_VALUES} at most, because an "
                 "engine has some hundred."
             )
         if depth > DEEPEST_TABLE:
@@ -87,14 +87,14 @@ def check_content(name: str, content: dict[str, Any]) -> None:
             )
         elif isinstance(value, int) and (value if value > 0 else ~value).bit_length() > MOST_BITS:
             raise InputError(
-                f"{name}: {field}: given a whole number of {value.bit_length()} bits; allowed are "
-                f"{MOST_BITS} bits, because TOML has no larger ones."
+                f"{name}: {field}: given a whole number of {value.bit_length()} bits; allowed is "
+                f"{MOST_BITS} at most, because TOML has no larger ones."
             )
 
 
 def _check_text(name: str, field: str, text: str) -> None:
     if len(text) > LONGEST_TEXT:
         raise InputError(
-            f"{name}: {field}: given {text!r}, of {len(text)} characters; allowed are {LONGEST_TEXT}, "
+            f"{name}: {field}: given {text!r}, of {len(text)} characters; allowed is {LONGEST_TEXT} at most, "
             "because even a citation is shorter."
         )

@@ -16,7 +16,7 @@ from dynamics.engine.layout import EngineLayout
 from dynamics.gas.cycle_values import USUAL_VALUES, GasCycle, name_of_field, usual_gas_cycle
 from dynamics.gas.cylinder_volume import Position
 from dynamics.gas.gas_cycle import GasCycleResult, gas_cycle
-from dynamics.gas.pressure import ATMOSPHERE, GasPressure
+from dynamics.gas.pressure import ATMOSPHERE, HIGHEST_PEAK, GasPressure
 from dynamics.gas.pressure_table import read_pressure_table
 
 # Peak pressure over that without combustion, usual for diesel engines at rated load: 1.4 to 1.8.
@@ -155,6 +155,12 @@ def _parameters(gas: Gas, layout: EngineLayout) -> tuple[GasCycle, tuple[str, ..
 
     All cylinders breathe from one receiver: the intake is found for the first main cylinder.
     """
+    if gas.peak_pressure is not None and gas.peak_pressure + ATMOSPHERE > HIGHEST_PEAK:
+        raise InputError(
+            f"gas.peak_pressure: given {format_quantity(gas.peak_pressure, 'Pa')} above ambient; allowed is "
+            f"{format_quantity(HIGHEST_PEAK, 'Pa')} absolute at most, because no piston engine withstands "
+            "more."
+        )
     given = given_of_cycle(gas)
     number = layout.main_of(1)
     area = layout.cylinders[number - 1].area

@@ -6,6 +6,7 @@ from typing import ClassVar, Literal, Self
 
 from pydantic import Field, field_validator, model_validator
 
+from crankbase.checks.angles import refuse_many_turns
 from crankbase.checks.choices import check_choice
 from crankbase.errors import InputError, quoted
 from crankbase.model import InputModel, quantity_field
@@ -13,6 +14,7 @@ from crankbase.units.quantity import format_quantity
 from crankbase.units.units import PER_MINUTE
 from dynamics.assessment.limit_rules import RULE_OF_DRIVEN
 from dynamics.engine.firing import (
+    even_firing_order,
     firing_angles_of_order,
     firing_intervals,
     firing_order_from_text,
@@ -121,6 +123,8 @@ class Engine(InputModel):
                     f"engine.{name}: given {len(given)} {kind}; allowed is one for each of the "
                     f"{self.cylinders} cylinders."
                 )
+            if kind == "angles":
+                refuse_many_turns(f"engine.{name}", given or ())
         if sorted(self.firing_order) != list(range(1, self.cylinders + 1)):
             raise InputError(
                 f"engine.firing_order: given {list(self.firing_order)}; allowed is each cylinder number "
@@ -157,10 +161,12 @@ class Engine(InputModel):
             # Where both fit, the engine turns so that it fires evenly.
             return min(unevenness, key=lambda sense: unevenness[sense])
         tops = [round(math.degrees(top) % 360.0, 3) for top in self._tops(1)]
+        even = even_firing_order([math.radians(top) for top in tops], self.strokes)
+        such = "" if even is None else f", such as {'-'.join(map(str, even))}"
         raise InputError(
             f"engine.firing_order: given {list(self.firing_order)}, which does not fit the crank angles; "
             "allowed is an order in which each crank is at the top when its cylinder fires, all within one "
-            f"cycle (cylinder by cylinder the tops are at {tops} deg, or the other way round)."
+            f"cycle{such} (cylinder by cylinder the tops are at {tops} deg, or the other way round)."
         )
 
     @property

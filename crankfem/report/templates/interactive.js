@@ -7,6 +7,7 @@ the screen; until then, on paper, and if anything fails, the picture is there. N
   "use strict";
 
   var NARROW = 600; // pixels
+  var LEGEND = 100; // pixels, of a legend below a narrow diagram before its entries are known
   var SQUARE = 440; // pixels, height of a narrow diagram with equal scales
   var TURN = Math.PI / 12;
   var ZOOM = 1.2;
@@ -42,8 +43,10 @@ the screen; until then, on paper, and if anything fails, the picture is there. N
 
   var Plotly = window.Plotly;
 
-  /* What differs from the figure's own layout on a narrow screen, and what brings that back. */
-  function fitting(own, width) {
+  /* What differs from the figure's own layout on a narrow screen, and what brings that back.
+
+  There the legend stands below the diagram, so many pixels high. */
+  function fitting(own, width, below) {
     var isNarrow = width < NARROW;
     var legend = own.legend || {};
     var margin = own.margin || {};
@@ -55,6 +58,7 @@ the screen; until then, on paper, and if anything fails, the picture is there. N
         width: width,
         height: own.height,
         "legend.orientation": "v",
+        "legend.traceorder": legend.traceorder || "normal",
         "legend.x": 1.02,
         "legend.xanchor": "left",
         "legend.y": 1,
@@ -71,22 +75,49 @@ the screen; until then, on paper, and if anything fails, the picture is there. N
     }
     return {
       width: width,
-      height: own.yaxis.scaleanchor ? SQUARE : own.height + (own.showlegend === false ? 24 : 134),
+      height: own.yaxis.scaleanchor ? SQUARE : own.height + 24 + below,
       "legend.orientation": "h",
+      "legend.traceorder": "grouped",
       "legend.x": 0,
       "legend.xanchor": "left",
       "legend.y": 0,
       "legend.yanchor": "bottom",
       "legend.yref": "container",
-      "legend.maxheight": 0.26,
+      "legend.maxheight": 0.6,
       "margin.l": 48,
-      "margin.b": margin.b + (own.showlegend === false ? 0 : 100),
+      "margin.b": margin.b + below,
       // Under the bar of buttons, which is always there where fingers point.
       "margin.t": margin.t + 24,
       "title.font.size": 12,
       "title.pad.t": 36,
       "font.size": 11,
     };
+  }
+
+  /* Fit a drawn plot to a width; a legend below the diagram gets the height that all its entries need. */
+  function fit(plot, own, width) {
+    var hasLegend = own.showlegend !== false && !own.scene;
+    return Plotly.relayout(plot, fitting(own, width, hasLegend ? LEGEND : 0)).then(function () {
+      var legend = width < NARROW && hasLegend && plot.querySelector(".legend .bg");
+      // What scrolls is as high as its window: all entries count.
+      var entries = legend ? Array.prototype.slice.call(plot.querySelectorAll(".legend .legendtoggle")) : [];
+      var edges = entries.map(function (entry) { return entry.getBoundingClientRect(); });
+      if (!edges.length) {
+        return plot;
+      }
+      var top = Math.min.apply(null, edges.map(function (one) { return one.top; }));
+      var bottom = Math.max.apply(null, edges.map(function (one) { return one.bottom; }));
+      return Plotly.relayout(plot, fitting(own, width, Math.ceil(bottom - top) + 12));
+    });
+  }
+
+  /* Entries without a group of their own stand below each other; in groups they flow in rows. */
+  function grouped(traces) {
+    traces.forEach(function (trace) {
+      if (!trace.legendgroup && trace.name && trace.showlegend !== false) {
+        trace.legendgroup = trace.name;
+      }
+    });
   }
 
   function copy(content) {
@@ -326,19 +357,19 @@ the screen; until then, on paper, and if anything fails, the picture is there. N
   /* Draw again where the figure has grown wider or narrower; unseen, as on paper, it has no width. */
   function follow(holder, plot, own, drawn) {
     var waiting = false;
-    function fit() {
+    function again() {
       waiting = false;
       var width = holder.hidden ? 0 : holder.clientWidth;
       if (width && width !== drawn) {
         drawn = width;
-        Plotly.relayout(plot, fitting(own, width));
+        fit(plot, own, width);
       }
     }
     if (window.ResizeObserver) {
       new window.ResizeObserver(function () {
         if (!waiting) {
           waiting = true;
-          window.requestAnimationFrame(fit);
+          window.requestAnimationFrame(again);
         }
       }).observe(holder.parentNode);
     }
@@ -375,9 +406,10 @@ the screen; until then, on paper, and if anything fails, the picture is there. N
     holder.style.width = width + "px";
     figure.layout.width = width;
     holder.hidden = false;
+    grouped(figure.data);
     return Plotly.newPlot(plot, figure.data, figure.layout, CONFIG)
       .then(function () {
-        return Plotly.relayout(plot, fitting(own, width));
+        return fit(plot, own, width);
       })
       .then(function () {
         menus.forEach(function (given) {

@@ -1,0 +1,145 @@
+"""The whole crankshaft's own vibration held against the limits, where a chain is no adequate model of it."""
+
+from collections.abc import Mapping
+from dataclasses import replace
+
+import numpy as np
+
+from crankfem.analyses.shaft.whole_difference import whole_shaft_remark
+from crankfem.analyses.shaft.whole_shaft import ShaftComparison
+from crankfem.analyses.vibration.assessment import Assessment
+from crankfem.analyses.vibration.bearing_sweep import BearingSweep
+from crankfem.analyses.vibration.engine_limits import Findings, engine_limits, engine_verdict
+from crankfem.files.engine.engine_file import EngineFile
+from dynamics.assessment.decided import Decision, decide
+from dynamics.assessment.limit_sentences import limit_at, use_in_words
+from dynamics.assessment.limits import AmplitudeCurve
+from dynamics.assessment.response_curves import curves_of
+from dynamics.assessment.verdict import Verdict
+from dynamics.chains.engine_chains import EngineChain
+from dynamics.response.series import OrderSeries
+
+DIGITS = 3
+REMEDY = (
+    "rely on the whole crankshaft, and give bearings.stiffness and flywheel.diametral_inertia, which decide "
+    "its modes"
+)
+
+
+def with_bearings(assessment: Assessment, sweep: BearingSweep) -> Assessment:
+    """Add to an assessment what the range of the bearings' stiffness decides."""
+    trials = (*assessment.decision.trials, *sweep.trials)
+    said = sweep.sentences[1:] if sweep.flips else ()
+    return replace(
+        assessment,
+        decision=decide(assessment.verdict.status, trials),
+        beside=(*assessment.beside, *said),
+    )
+
+
+def with_whole_shaft(
+    assessment: Assessment,
+    engine_file: EngineFile,
+    comparison: ShaftComparison,
+    cranks: EngineChain,
+    moduli: Mapping[int, float],
+) -> Assessment:
+    """Add to an assessment how the whole crankshaft differs and, where that matters, its own verdict.
+
+    Arguments are those of `whole_verdict`.
+    """
+    said = whole_shaft_remark(comparison)
+    whole = whole_verdict(engine_file, comparison, cranks, moduli)
+    if whole is None:
+        return replace(assessment, beside=(*said, *assessment.beside))
+    return replace(
+        assessment,
+        whole=whole,
+        decision=decision_by_both(assessment.decision, whole, assessment.verdict),
+        beside=(*said, whole_sentence(whole, assessment.verdict), *assessment.beside),
+    )
+
+
+def whole_stress(
+    comparison: ShaftComparison, cranks: EngineChain, moduli: Mapping[int, float]
+) -> OrderSeries:
+    """Return the nominal torsional stress of the whole crankshaft [Pa], by the torque at its main bearings.
+
+    Parameters
+    ----------
+    comparison : ShaftComparison
+        With its forced vibration.
+    cranks : EngineChain
+        The torsional chain: its elements pass the bearings.
+    moduli : mapping of int to float
+        Section modulus of each element of the crankshaft [m^3].
+    """
+    assert comparison.coupled is not None
+    torque = comparison.coupled.torque
+    elements = sorted(moduli)
+    nodes = np.array(cranks.throw_nodes)
+    bearings = [int(np.sum(nodes <= min(cranks.chain.connections[one]))) for one in elements]
+    return replace(
+        torque,
+        values=torque.values[:, :, bearings] / [moduli[one] for one in elements],
+        names=tuple(cranks.chain.elements[one] for one in elements),
+    )
+
+
+def whole_verdict(
+    engine_file: EngineFile,
+    comparison: ShaftComparison,
+    cranks: EngineChain,
+    moduli: Mapping[int, float],
+) -> Verdict | None:
+    """Judge the whole crankshaft by the limits on stress and on the free end's motion.
+
+    Returns
+    -------
+    Verdict or None
+        None where it was not compared with chains, where all chains are adequate, or where no such limit is
+        on an inadequate one. Limits on axial forces, other shafts, coupling and damper are left to the
+        chains.
+    """
+    if comparison.coupled is None or all(one.suffices for one in comparison.verdicts):
+        return None
+    limits, _ = engine_limits(engine_file)
+    findings: Findings = []
+    for name, limit in limits.items():
+        kind = "axial" if name.startswith("axial") else "torsional"
+        (own,) = (one for one in comparison.verdicts if one.kind == kind)
+        if own.suffices or own.response is None:
+            continue
+        if name == "crankshaft_stress":
+            stresses = curves_of(whole_stress(comparison, cranks, moduli))
+            findings = [*findings, *((limit, curve) for curve in stresses)]
+        elif name == f"{kind}_amplitude":
+            moved = own.response
+            curve = AmplitudeCurve("free end", moved.speeds, moved.shaft)
+            findings = [*findings, (limit, curve)]
+    return engine_verdict(engine_file, findings) if findings else None
+
+
+def whole_sentence(whole: Verdict, chains: Verdict) -> str:
+    """Say what the whole crankshaft reaches of the limit used most, and whether the verdicts agree."""
+    worst = whole.checks[0]
+    found = use_in_words(worst.limit, worst.worst_speed, worst.worst_value, worst.permitted, DIGITS)
+    agrees = "the same verdict" if whole.status == chains.status else "another verdict"
+    ranges = ", ".join(one.shown for one in whole.barred if one.allowed)
+    barred = f" ({ranges})" if whole.status == "barred range needed" else ""
+    return (
+        f"The whole crankshaft held against the same limits: {limit_at(worst.limit.name, worst.curve.name)}, "
+        f'{found}; {agrees}, "{whole.status}"{barred}.'
+    )
+
+
+def decision_by_both(decision: Decision, whole: Verdict, chains: Verdict) -> Decision:
+    """Leave undecided what is acceptable by the chains alone, or by the whole crankshaft alone."""
+    accepted = [one.status != "not acceptable" for one in (chains, whole)]
+    if accepted[0] == accepted[1]:
+        return decision
+    by = ("the lumped model", "the whole crankshaft")
+    yes, no = by if accepted[0] else by[::-1]
+    said = f"acceptable by {yes}, not by {no}: {REMEDY}"
+    also = f"; {decision.sentence}" if decision.sentence else ""
+    return replace(decision, status="undecided", sentence=f"{said}{also}")
