@@ -5,7 +5,7 @@ import os
 import sys
 
 from crankbase.processes import GARBAGE_THRESHOLD
-from crankfem.cli.interrupts import interrupted_sentence, interrupts_exit_immediately
+from crankfem.cli.interrupts import exit_on_interrupts, interrupted_sentence
 from crankfem.jobs.exit_codes import EXIT_INTERRUPTED
 
 
@@ -16,13 +16,13 @@ def main() -> None:
     # Finite elements are solved by another library, which is not bound by this.
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     gc.set_threshold(GARBAGE_THRESHOLD)
+    # Commands load most modules when they begin, so this holds for them too, but where something is open
+    # that must be closed (`crankfem.cli.interrupts.interrupts_raise`); and until Python itself has ended.
+    exit_on_interrupts()
     try:
-        # Commands load most modules when they begin, so this holds for them too, but where something is
-        # open that must be closed (`crankfem.cli.interrupts.interrupts_raise`).
-        with interrupts_exit_immediately():
-            from crankfem.cli import app as cli
+        from crankfem.cli import app as cli
 
-            cli.main()
+        cli.main()
     except KeyboardInterrupt:
         print(interrupted_sentence(), file=sys.stderr)
         raise SystemExit(EXIT_INTERRUPTED) from None

@@ -1,5 +1,6 @@
 """Interrupts: reported in one sentence, whatever Python is doing at that time."""
 
+import atexit
 import os
 import signal
 import sys
@@ -38,31 +39,36 @@ def end_at_once(*_: object) -> None:
     os._exit(EXIT_INTERRUPTED)
 
 
-@contextmanager
-def interrupts_exit_immediately() -> Iterator[None]:
-    """Let an interrupt end the process, as long as nothing is open that would have to be closed.
+def exit_on_interrupts() -> None:
+    """Let an interrupt end the process from now on, as long as nothing is open that would have to be closed.
 
     A request to end (SIGTERM), as schedulers and containers send it, is answered as Ctrl-C is.
     """
-    usual, terminating = signal.getsignal(signal.SIGINT), signal.getsignal(signal.SIGTERM)
+    usual = signal.getsignal(signal.SIGINT)
     if usual is signal.default_int_handler:
         signal.signal(signal.SIGINT, end_at_once)
     elif usual is not signal.SIG_IGN:  # somebody wants to answer them
-        yield
         return
-    if terminating is signal.SIG_DFL:
+    if signal.getsignal(signal.SIGTERM) is signal.SIG_DFL:
         signal.signal(signal.SIGTERM, _interrupt)
-    try:
-        yield
-    finally:
-        signal.signal(signal.SIGINT, usual)
-        signal.signal(signal.SIGTERM, terminating)
+    atexit.register(_ignore_interrupts)
+
+
+def _ignore_interrupts() -> None:
+    """Ignore interrupts where Python ends: a second one must not change how a command has ended.
+
+    Python takes away its own handlers then, but leaves what is ignored.
+    """
+    for number in (signal.SIGINT, signal.SIGTERM):
+        signal.signal(number, signal.SIG_IGN)
+    # Once an interrupt has passed through exec of a text, as dataclasses use it, Python would in the end
+    # kill itself by SIGINT, whatever was answered; one that goes well takes that back.
+    exec("")
 
 
 def _interrupt(*_: object) -> None:
-    if (
-        signal.getsignal(signal.SIGINT) is signal.SIG_IGN
-    ):  # as in jobs that a shell runs in the background
+    # As in jobs that a shell runs in the background.
+    if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
         end_at_once()
     signal.raise_signal(signal.SIGINT)
 

@@ -256,17 +256,18 @@ def failed_checks(checks: Sequence[dict[str, Any]]) -> str:
     failed = [one for one in judged if not one["met"]]
     if not failed:
         return ""
+    # What has no allowed figure compares two models: frequencies, shares and amplitudes decide together.
+    one_fails = len(failed) == 1
+    told = f"{len(failed)} of {len(judged)} checks {'fails' if one_fails else 'fail'}:"
+    if all(one["allowed"] is None for one in failed):
+        what = "it compares a chain" if one_fails else "they compare the chains"
+        return f"{told} {what} with the whole crankshaft; the calculation passes all others."
     named = [
         f"{one['name'][0].lower()}{one['name'][1:]}, {check_value_text(one)}"
         + ("" if one["allowed"] is None else f" (allowed: {check_limit_text(one)})")
         for one in failed
     ]
-    told = f"{len(failed)} of {len(judged)} checks {'fails' if len(failed) == 1 else 'fail'}: "
-    told += f"{'; '.join(named)}."
-    # What has no allowed figure compares two models.
-    if any(one["allowed"] is not None for one in failed):
-        return told
-    return f"{told} These compare two models by their first frequency; the calculation passes all others."
+    return f"{told} {'; '.join(named)}."
 
 
 def _other_models(vibration: Record) -> str:

@@ -7,7 +7,14 @@ from crankbase.units.number_formats import compact, nano, significant
 from crankfem.analyses.record import Record
 from crankfem.analyses.throw.throw_tables import error_words
 from crankfem.analyses.vibration.tables import factor_range
-from crankfem.report.conclusions import conclusions, failed_checks, headline, too_weak, undecided
+from crankfem.report.conclusions import (
+    conclusions,
+    failed_checks,
+    headline,
+    misfiring_decides,
+    too_weak,
+    undecided,
+)
 from crankfem.report.text_filters import quantity
 from dynamics.engine.firing import repeating_intervals
 
@@ -33,7 +40,7 @@ def summary(results: Mapping[str, Any]) -> Record:
     assessment = vibration["assessment"]
     known = {"fine": "fine", "not acceptable": "bad"}
     status = "open" if assessment is None else known.get(assessment["status"], "barred")
-    if assessment is not None and undecided(assessment):
+    if assessment is not None and (undecided(assessment) or misfiring_decides(vibration)):
         status = "barred"
     if too_weak(results):
         status = "bad"

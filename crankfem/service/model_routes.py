@@ -195,6 +195,9 @@ def _dimensions(model: ComplianceModel, given: Mapping[str, Any]) -> dict[str, A
     """Take numbers as they are, and texts as quantities with units unless they are labels."""
     family = model.family
     labels = {*family.categories, *family.labels}
+    for name in given:
+        if name not in labels | family.all_units.keys():
+            family.checked({name: given[name]})  # states that it is unknown
 
     def read(name: str, value: Any) -> Any:
         if isinstance(value, str):

@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike
 
 from crankbase.checks.arrays import FloatArray, nonnegative_number, positive_number
 from crankbase.checks.scalars import whole_number
-from crankbase.errors import InputError
+from crankbase.errors import InputError, quoted
 from crankbase.summaries import summarized
 from dynamics.crankshaft.shaft_throw import RX, RY, UX, UY
 
@@ -52,13 +52,24 @@ class EndBody:
         return self.diametral_inertia
 
     def mass_matrix(self, outward: float) -> FloatArray:
-        """Return the mass matrix (6, 6) of its section; `outward` is -1 at the free end, else 1."""
+        """Return the mass matrix (6, 6) of its section; `outward` is -1 at the free end, else 1.
+
+        Raises
+        ------
+        InputError
+            If it is neither.
+        """
         own = [self.mass] * 3 + [self.diametral] * 2 + [self.polar_inertia]
         center = self.center_motion(outward)
         return np.asarray(center.T @ np.diag(own) @ center)
 
     def center_motion(self, outward: float) -> FloatArray:
-        """Return the motion of its center per motion of its section, (6, 6)."""
+        """Return the motion of its center per motion of its section, (6, 6); as `mass_matrix`."""
+        if outward not in (-1, 1):
+            raise InputError(
+                f"outward: given {quoted(outward)}; allowed are -1 at the free end and 1 elsewhere, because "
+                "the overhang points away from the shaft."
+            )
         center = np.eye(6)
         center[UX, RY], center[UY, RX] = outward * self.overhang, -outward * self.overhang
         return center

@@ -15,6 +15,7 @@ from crankbase.checks.arrays import (
 from crankbase.checks.scalars import whole_within
 from crankbase.errors import InputError
 from crankbase.summaries import summarized
+from crankbase.units.number_formats import compact
 from dynamics.chains.chain import Chain
 from dynamics.indices import node_index, values_at_nodes
 from dynamics.response.linear_system import (
@@ -211,7 +212,7 @@ def _own_damping(chain: Chain) -> str:
         groups: dict[str, list[str]] = {}
         for value, place in zip(values, places, strict=True):
             if value > 0.0:
-                groups.setdefault(f"{before}{value:.4g}{unit}", []).append(place)
+                groups.setdefault(f"{before}{compact(value, 4)}{unit}", []).append(place)
         found |= {
             text: [f"{len(at)} {what}"] if len(at) > NAMED else at for text, at in groups.items()
         }

@@ -22,6 +22,8 @@ TORSION_SHARE = 1.0 / math.sqrt(3.0)
 FIRST_STEP, CLOSER, LOOKS = 10.0, 5.0, 2
 # A circle holds points that are outside by less than this share of its radius.
 HELD, MOST_STEPS = 1e-9, 60
+# A path of stress has no extent in a direction where it is smaller than this share of its largest.
+FLAT = 1e-9
 
 
 @summarized("value [Pa]", "shear_amplitude [Pa]", "normal_stress [Pa]", "moment", "normal")
@@ -154,9 +156,16 @@ def critical_plane(history: ArrayLike, factor: float) -> CriticalPlane:
 
 def _corners(history: FloatArray) -> NDArray[np.int64]:
     """Return the moments at which the path turns outwards: only they determine circle and largest stress."""
+    centered = history - history.mean(axis=0)
+    _, sizes, axes = np.linalg.svd(centered, full_matrices=False)
+    # In a plane, or along a line, where the path has no extent besides.
+    path = centered @ axes[sizes > FLAT * sizes[0]].T
+    if path.shape[1] < 2:
+        along = path.sum(axis=1)
+        return np.unique([along.argmin(), along.argmax()])
     try:
-        return np.sort(ConvexHull(history, qhull_options="QJ").vertices)
-    except QhullError:  # too few moments, or all alike
+        return np.sort(ConvexHull(path).vertices)
+    except QhullError:  # too few moments
         return np.arange(len(history))
 
 

@@ -95,8 +95,20 @@ class SupportedThrow:
 
 
 def alternating(values: ArrayLike) -> FloatArray:
-    """Return half of the distance from the lowest to the highest value over the last axis."""
-    return np.asarray(0.5 * np.ptp(finite_array("values", values), axis=-1))
+    """Return half of the distance from the lowest to the highest value over the last axis.
+
+    Raises
+    ------
+    InputError
+        If a value is not finite, or there is none over the last axis.
+    """
+    given = finite_array("values", values)
+    if given.ndim == 0 or given.shape[-1] == 0:
+        raise InputError(
+            f"values: given an array of shape {given.shape}; allowed is a value or more over the last axis, "
+            "because they alternate between the lowest and the highest."
+        )
+    return np.asarray(0.5 * np.ptp(given, axis=-1))
 
 
 def web_stresses(

@@ -38,8 +38,8 @@ LONGEST_STEP = math.radians(1.0)
 ROUNDS, SETTLED, ROUGH = 25, 1e-15, 1e-11
 # A step whose speeds do not settle, or in which no energy is left, is halved so often at most.
 HALVINGS = 8
-# Most evaluations of the moment, which takes a microsecond: some ten seconds.
-MOST_CALLS = 2_000_000
+# Most evaluations of the moment, which takes one to ten microseconds.
+MOST_CALLS = 600_000
 # Gauss's collocation with three stages, of order 6: places in the step, weights of the stages for
 # the energy at the stages and at the end.
 _ROOT = math.sqrt(15.0)
@@ -175,7 +175,7 @@ def speed_over_angle(
     InputError
         If a number is not finite or not above zero, the moment is not finite, the inertia is not
         above zero, the moment changes so steeply with the speed that steps of 1/256 deg are too
-        long, or it is evaluated more than 2 million times, as in some 900 turns.
+        long, or it is evaluated more than 600,000 times, as in some 300 turns.
 
     Notes
     -----

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from crankbase.checks.choices import did_you_mean
-from crankbase.errors import InputError
+from crankbase.errors import InputError, named
 from crankbase.model import field_extra
 from regression.throw_values import SAME, declaration, field_unit, format_value
 
@@ -87,7 +87,7 @@ class Family:
             else:
                 known = (*self.factors, *self.relations, *self.fixed, *self.labels)
                 raise InputError(
-                    f"{name}: unknown dimension; {did_you_mean(name, known)}allowed are "
+                    f"{named(name)}: unknown dimension; {did_you_mean(name, known)}allowed are "
                     f"{', '.join(self.factors)}, the factors of this model."
                 )
         return found

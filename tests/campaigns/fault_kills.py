@@ -1,6 +1,7 @@
 """Faults of processes: killed, hung or out of memory, each at a random moment."""
 
 import json
+import os
 import resource
 import signal
 import socket
@@ -12,7 +13,7 @@ from pathlib import Path
 from random import Random
 
 import psutil
-from fault_tools import Bench, Ended, Finding, kill, lost_rows, rows, workers
+from fault_tools import Bench, Ended, Finding, await_end, kill, lost_rows, rows, workers
 from study_tools import THROW, environment
 
 from crankbase.errors import MeshError
@@ -40,6 +41,37 @@ def coordinator(bench: Bench, draw: Random, store: Path) -> Finding:
         before = rows(store)
     bench.complete(store, finding)
     return finding
+
+
+def interrupted(bench: Bench, draw: Random, store: Path) -> Finding:
+    """Interrupt a study as a terminal or a scheduler does, once or twice."""
+    finding = Finding()
+    for number in (signal.SIGINT, signal.SIGTERM):
+        process = bench.doe(
+            store,
+            start_new_session=True,
+            preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL),
+        )
+        while not _answers_signals(process):
+            time.sleep(0.01)
+        time.sleep(draw.uniform(0.0, bench.seconds / 3.0))
+        children = workers(process)
+        for _ in range(draw.choice([1, 2])):
+            if process.poll() is None:
+                os.killpg(process.pid, number)
+                finding.inputs += 1
+            time.sleep(draw.uniform(0.0, 0.3))
+        bench.end(process, finding)
+        await_end(children, finding)
+        bench.judge(store, finding, {})
+    bench.complete(store, finding)
+    return finding
+
+
+def _answers_signals(process: "subprocess.Popen[str]") -> bool:
+    """Whether Python has come so far as to catch SIGTERM."""
+    status = Path(f"/proc/{process.pid}/status").read_text().split("SigCgt:")[-1]
+    return process.poll() is not None or bool(int(status.split()[0], 16) >> signal.SIGTERM - 1 & 1)
 
 
 def _attacked_workers(bench, draw, store, finding, attack, *options) -> Ended:

@@ -186,6 +186,11 @@ def kill(process: "subprocess.Popen[str]", finding: Finding) -> None:
     children = workers(process)
     process.send_signal(signal.SIGKILL)
     process.communicate()
+    await_end(children, finding)
+
+
+def await_end(children: list[psutil.Process], finding: Finding) -> None:
+    """Wait for the children of a command that has ended."""
     _, alive = psutil.wait_procs(children, timeout=30.0)
     if alive:
         finding.hangs += len(alive)

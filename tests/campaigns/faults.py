@@ -23,6 +23,7 @@ Attack = Callable[[Bench, Random, Path], Finding]
 # What is attacked, and at how many moments, lengths or sizes at least.
 ATTACKS: dict[str, tuple[Attack, int]] = {
     "coordinator killed": (fault_kills.coordinator, 30),
+    "interrupted (SIGINT, SIGTERM), once or twice": (fault_kills.interrupted, 20),
     "worker killed (SIGKILL, SIGABRT or SIGSEGV)": (fault_kills.worker, 25),
     "Dask worker killed": (fault_kills.dask_worker, 12),
     "Dask scheduler killed": (fault_kills.dask_scheduler, 5),

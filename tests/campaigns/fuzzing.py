@@ -3,7 +3,7 @@
 Run by hand: ``python tests/campaigns/fuzzing.py [--inputs 20000] [--folder FOLDER] [NAME ...]``. NAME is
 that of a row of the table or its beginning; all by default. What is counted stands in FOLDER
 (``fuzzing-results``), so that the same command goes on where it was stopped; defects stand there with
-the input that brought them. ``--fresh`` begins anew.
+the input that brought them, and the same command tries those inputs again. ``--fresh`` begins anew.
 
 Each input must give one sentence or a finite result: no traceback, no warning of numpy, no NaN or
 infinity, nothing that takes more than 10 s of processor time.
@@ -46,6 +46,7 @@ from strategies.recording import Call, loaded
 CHUNK = 250
 MOST_KEPT = 3  # inputs of each defect
 MEMORY = 6 * 1024**3  # bytes of address space: what asks for more must be refused
+KINDS = (REFUSED, ACCEPTED, TRACEBACK, NOT_FINITE, HANG)
 QUICK = 0.05  # seconds of processor time that a call takes which is made often
 ROOT = Path(__file__).resolve().parents[2]
 # Tests whose calls are given again, wrongly.
@@ -57,26 +58,37 @@ Try = Callable[[Any], Outcome]
 
 
 class Row:
-    """A row of the table: what is counted, in a file of its own."""
+    """A row of the table: what is counted, chunk by chunk, in a file of its own.
 
-    def __init__(self, name: str, folder: Path) -> None:
+    Chunks that held defects are given again, for what brought them may be mended.
+    """
+
+    def __init__(self, name: str, folder: Path, fresh: bool = False) -> None:
         self.name, self.path = name, folder / f"{name.replace(' ', '-')}.json"
-        self.counts: Counter[str] = Counter()
-        self.defects: dict[str, list[str]] = {}
-        if self.path.is_file():
-            content = json.loads(self.path.read_text(encoding="utf-8"))
-            self.counts, self.defects = Counter(content["counts"]), content["defects"]
+        kept = self.path.is_file() and not fresh
+        read: dict[str, Any] = json.loads(self.path.read_text(encoding="utf-8")) if kept else {}
+        self.chunks = {first: one for first, one in read.items() if not one["defects"]}
 
     @property
-    def inputs(self) -> int:
-        """How many inputs were given."""
-        return sum(self.counts.values())
+    def counts(self) -> Counter[str]:
+        """How many inputs there were of each outcome."""
+        return sum((Counter(one["counts"]) for one in self.chunks.values()), Counter())
 
-    def note(self, given_input: Any, outcome: Outcome) -> None:
-        """Count what came of an input, and keep it if that is a defect."""
-        self.counts[outcome.kind] += 1
+    @property
+    def defects(self) -> dict[str, list[str]]:
+        """Some inputs of each defect."""
+        found: dict[str, list[str]] = {}
+        for one in self.chunks.values():
+            for defect, inputs in one["defects"].items():
+                found[defect] = (found.get(defect, []) + inputs)[:MOST_KEPT]
+        return found
+
+    def note(self, first: str, given_input: Any, outcome: Outcome) -> None:
+        """Count what came of an input of a chunk, and keep it if that is a defect."""
+        chunk = self.chunks.setdefault(first, {"counts": {}, "defects": {}})
+        chunk["counts"][outcome.kind] = chunk["counts"].get(outcome.kind, 0) + 1
         if not outcome.good:
-            kept = self.defects.setdefault(f"{outcome.kind}: {outcome.text}", [])
+            kept = chunk["defects"].setdefault(f"{outcome.kind}: {outcome.text}", [])
             if len(kept) < MOST_KEPT:
                 kept.append(
                     given_input.decode("latin-1")
@@ -86,46 +98,47 @@ class Row:
 
     def save(self) -> None:
         """Write what is counted."""
-        content = {"counts": self.counts, "defects": self.defects}
-        self.path.write_text(json.dumps(content, indent=1), encoding="utf-8")
+        self.path.write_text(json.dumps(self.chunks, indent=1), encoding="utf-8")
 
     def text(self) -> str:
         """Return the row as it stands in the docs."""
-        cells = (
-            self.inputs,
-            *(self.counts[kind] for kind in (REFUSED, ACCEPTED, TRACEBACK, NOT_FINITE, HANG)),
-        )
+        counts = self.counts
+        cells = (counts.total(), *(counts[kind] for kind in KINDS))
         return f"| {self.name} | " + " | ".join(f"{cell:,}" for cell in cells) + " |"
 
 
 def attack(row: Row, inputs: st.SearchStrategy[Any], attempt: Try, most: int) -> None:
-    """Give inputs until so many are counted."""
-    while row.inputs < most:
-        count = min(CHUNK, most - row.inputs)
-
-        @seed(row.inputs + 1)
-        @given(one=inputs)
-        @settings(
-            max_examples=count,
-            database=None,
-            deadline=None,
-            phases=[Phase.generate],
-            suppress_health_check=list(HealthCheck),
-        )
-        def chunk(one: Any) -> None:
-            row.note(one, attempt(one))
-
-        before = row.inputs
-        chunk()
+    """Give the inputs of all chunks that are missing."""
+    for first in range(1, most + 1, CHUNK):
+        if str(first) in row.chunks:
+            continue
+        give(row, first, min(CHUNK, most + 1 - first), inputs, attempt)
         row.save()
-        if row.inputs == before:
-            break
+        counts = row.counts
         print(
-            f"\r{row.name}: {row.inputs}, {sum(row.counts[kind] for kind in DEFECTS)} bad ",
+            f"\r{row.name}: {counts.total()}, {sum(counts[kind] for kind in DEFECTS)} bad ",
             end="",
             file=sys.stderr,
         )
     print(file=sys.stderr)
+
+
+def give(row: Row, first: int, count: int, inputs: st.SearchStrategy[Any], attempt: Try) -> None:
+    """Give one chunk, drawn by the number of its first input."""
+
+    @seed(first)
+    @given(one=inputs)
+    @settings(
+        max_examples=count,
+        database=None,
+        deadline=None,
+        phases=[Phase.generate],
+        suppress_health_check=list(HealthCheck),
+    )
+    def chunk(one: Any) -> None:
+        row.note(str(first), one, attempt(one))
+
+    chunk()
 
 
 def targets(
@@ -193,10 +206,7 @@ def main() -> None:
         for name, (inputs, attempt, share) in targets(
             Path(scratch), asked.folder / "calls.pickle", asked.names
         ).items():
-            row = Row(name, asked.folder)
-            if asked.fresh:
-                row.counts.clear()
-                row.defects.clear()
+            row = Row(name, asked.folder, asked.fresh)
             attack(row, inputs, attempt, int(share * asked.inputs))
             rows.append(row)
     print("| parser | inputs | refused | accepted | tracebacks | not finite | hangs |")

@@ -179,6 +179,8 @@ FOUND = {
         crank_radius=0.17, main_journal_diameter=0.22, pin_diameter=0.18, main_journal_length=0.12,
         pin_length=0.139, web_width=0.3, web_thickness=[], fillet_radius=0.012,
     ),
+    "outward of an end body": lambda: cf.crankshaft.EndBody(30.0, 1.5).mass_matrix(np.nan),
+    "no values that alternate": lambda: cf.strength.alternating([]),
     "name of nothing": lambda: cf.CrankThrow.from_text({" ": "3 mm"}),
     "torque of 1,000 cylinders": lambda: cf.excitation.torque_harmonics(
         cf.harmonics(np.sin(np.arange(72.0)), 4), 3.0, firing_angles_deg=np.arange(1000.0), crank_radius=0.1

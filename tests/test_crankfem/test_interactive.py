@@ -37,6 +37,7 @@ from crankfem.report.interactive.rounding import rounded
 from crankfem.report.interactive.shaft import shaft_modes
 from crankfem.report.interactive.shapes import mode_shapes
 from crankfem.report.interactive.study import parity, response_over_factors
+from crankfem.report.interactive.style import plain_layout
 from crankfem.report.interactive.throw_view import (
     DRAWN_DISPLACEMENT,
     MOST_STRESSED,
@@ -838,3 +839,9 @@ def test_the_stress_drawn_is_the_one_closest_to_its_limit(monkeypatch):
     del worst_first[1]
     series, place, limit = vibration_plots._judged_stress(run)
     assert (series.names[place], limit.name) == ("cylinder", "stress of crankshaft")
+
+
+def test_a_title_of_two_lines_has_room():
+    long = "8L 32/42 generating set, nominal torsional stress, cylinder 7 - cylinder 8"
+    one, two = (plain_layout(title)["margin"]["t"] for title in ("8L 32/42, axial", long))
+    assert two - one >= 1.3 * plain_layout(long)["title"]["font"]["size"]

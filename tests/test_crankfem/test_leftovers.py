@@ -32,8 +32,8 @@ def test_a_command_that_is_ended_leaves_nothing_behind(own, command, number):
 def test_a_file_that_is_being_written_is_taken_away_by_an_interrupt(own):
     program = (
         "import time; from pathlib import Path; from crankbase.outputs import atomic_file;"
-        "from crankfem.cli.interrupts import interrupts_exit_immediately\n"
-        "with interrupts_exit_immediately(), atomic_file(Path('made.svg'), 'picture') as part:\n"
+        "from crankfem.cli.interrupts import exit_on_interrupts\nexit_on_interrupts()\n"
+        "with atomic_file(Path('made.svg'), 'picture') as part:\n"
         "    Path('begun').touch(); time.sleep(60)"
     )
     owner = own("-c", program)

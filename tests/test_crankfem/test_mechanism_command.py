@@ -96,9 +96,16 @@ def test_the_balance_says_what_is_in_it(v8):
     assert found["orders"][0]["moment"]["major"] == close(with_solids, rel=1e-9)
     assert found["without_throws"]["moment"] == close(bare_moment, rel=1e-9)
     assert balance_contents(found).endswith(
-        "First order: force balanced with and without them; moment 23.48 kN m, without the solids "
-        "18.68 kN m."
+        "First order: force balanced with and without the solids; moment 23.48 kN m, without the "
+        "solids 18.68 kN m."
     )
+    assert "throws' solids with counterweights;" in balance_contents(found)
+    # Of throws without counterweights none are told.
+    bare = found | {"throws": [row | {"counterweights": [0.0, 0.0]} for row in found["throws"]]}
+    assert "throws' solids;" in balance_contents(bare)
+    told = throw_mass_table(bare)
+    assert [one.name for one in told.columns] == ["throw", "rods", "solid", "sum", "at"]
+    assert "counterweights" not in told.note
     assert (
         found["without_throws"]["moment"]
         == balance(v8.mechanism.layout, v8.speed).of(1).moment.major

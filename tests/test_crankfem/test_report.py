@@ -19,6 +19,7 @@ import pytest
 from comparing import close
 from crankfem.analyses.provenance import file_records, provenance_record, repeat_record, run_command
 from crankfem.analyses.throw.compliances import compliance_tables, regression_record
+from crankfem.analyses.throw.throw_tables import pin_force_words
 from crankfem.files.reading.data_files import data_folder
 from crankfem.report import text_filters
 from crankfem.report.figures import load_figures, script_text
@@ -769,3 +770,11 @@ def test_crankpins_that_are_loaded_alike_are_not_named(results, page):
     pins[2] |= {"largest_specific_pressure": 0.5 * one["largest_specific_pressure"]}
     told = "The most heavily loaded crankpin (crankpin, cylinder 1, and 1 alike): mean"
     assert told in page(results).section("loads")
+
+
+def test_the_loaded_pin_of_several_is_named():
+    record = {"radial_force": 1e5, "dimensions": {"further_pins": []}}
+    assert pin_force_words(record) == "a radial force of 100 kN on the pin"
+    for own in ({"further_pins": [{"angle": 3.14}]}, {"pins": [{}, {}]}):
+        told = pin_force_words(record | {"dimensions": own, "pin_force": (1e3, 0.0, 2e3)})
+        assert told == "a force of 1, 0, 2 kN (x, y, z) on the first pin"

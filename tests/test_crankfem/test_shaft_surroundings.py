@@ -9,7 +9,7 @@ import pytest
 from comparing import close
 from crankfem.analyses.shaft.chains import engine_axial_chain
 from crankfem.analyses.shaft.shaft_surroundings import shaft_surroundings
-from crankfem.analyses.shaft.whole_damping import modal_damping
+from crankfem.analyses.shaft.whole_damping import damping_remarks, modal_damping
 from crankfem.analyses.shaft.whole_shaft import shaft_response, unmodeled_sections
 from crankfem.analyses.vibration.engine_limits import engine_limits, even_firing_interval
 from crankfem.analyses.vibration.modes import axial_weights
@@ -161,6 +161,16 @@ def test_each_kind_of_motion_brings_its_damping(given, axial, torsional):
         assert modal_damping(bent, crankshaft)[-1] == close(1 / 40)
     mixed = 0.5 * axial + 0.25 * torsional + 0.25 / 80
     assert modal_damping(engine, crankshaft) == close([axial, mixed, 1 / 80])
+    # What the file gives is not called assumed.
+    own = given or {}
+    twisted = "torsional_magnifier" in own or "loss_factor" in own
+    told = damping_remarks(engine)[0].partition("axial motion ")[2].split(", ")
+    wanted = [
+        f"{100 * axial:.3g} %" + ("" if "axial_magnifier" in own else " (assumed)"),
+        f"torsion {100 * torsional:.3g} %" + ("" if twisted else " (assumed)"),
+        "bending 1.25 % (assumed)",
+    ]
+    assert told == wanted
 
 
 @pytest.fixture(scope="module")

@@ -131,3 +131,11 @@ def test_strengths_that_no_factor_fits_are_refused(share):
 def test_histories_have_three_stresses():
     with pytest.raises(InputError, match=r"history: given an array of shape \(4, 2\)"):
         critical_plane(np.zeros((4, 2)), K)
+
+
+def test_a_path_repeated_thousands_of_times_is_that_path():
+    """In line, so that it has two corners."""
+    angles = np.linspace(0.0, 2.0 * np.pi, 72, endpoint=False)
+    once = np.outer(np.cos(angles), [0.0, 0.0, 1.7e8])
+    found, wanted = (critical_plane(path, 0.16) for path in (np.resize(once, (100_000, 3)), once))
+    assert (found.value, found.moment) == (wanted.value, wanted.moment)

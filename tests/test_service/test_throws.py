@@ -170,6 +170,7 @@ def test_models_are_listed_described_and_looked_up(client, throw):
 def test_lookups_that_cannot_be_are_refused_in_a_sentence(client):
     for wrong, said in (
         ({"web_thicknes": 0.07}, "unknown dimension"),
+        ({" ": "60 mm"}, "' ': unknown dimension"),
         ({"web_thickness": [0.07] * 200_001}, "allowed is 200000 at most in one request"),
         ({"web_thickness": []}, "an empty list"),
         ({"web_thickness": [0.07, "thick"]}, "web_thickness"),

@@ -56,3 +56,9 @@ def test_the_engine_has_the_chain_its_critical_speed_and_the_range(figure):
     assert barred.low <= low * (1.0 + 1e-12)
     assert barred.high >= high * (1.0 - 1e-12)
     assert np.isclose(barred.low, low)
+    # The maker's error is that of every stiffness of his chain, so that all frequencies go with its root.
+    known = run.assessment.torsional
+    (spread,) = known.spreads
+    for bound, factor in ((known.lowest, spread.high), (known.highest, spread.low)):
+        wanted = known.nominal / np.sqrt(factor)
+        figure("bounds of all frequencies", bound, wanted, 1e-9, "Hz")

@@ -13,6 +13,7 @@ from comparing import close
 from crankfem.analyses.shaft.whole_records import whole_record
 from crankfem.analyses.vibration.mode_table import mode_table
 from crankfem.analyses.vibration.records import run_record
+from crankfem.jobs.run_records import _engine_record
 from crankfem.report.summary import summary
 
 pytestmark = pytest.mark.slow
@@ -45,8 +46,10 @@ def test_a_soft_coupling_is_not_told_as_the_first_mode(run, figure):
 
 def test_summary_names_the_mode_of_the_crankshaft(run):
     results = {
+        "engine": _engine_record(run.engine_file),
         "vibration": run_record(run),
         "inputs": [],
+        "checks": [],
         "throw": {
             "error_estimate": 0.0,
             "supports": {"pinned": {"axial_compliance": 1e-9}},

@@ -16,6 +16,7 @@ from geometry.volume import counterweight_moment
 
 # Parts of a throw's unbalance: the rods' share at its pins, its solid, and the counterweights in that.
 PARTS = ("rods", "solid", "counterweights")
+COUNTERWEIGHTS = "its counterweights"
 
 
 def mechanism_balance_record(run: MechanismRun) -> Record:
@@ -100,13 +101,14 @@ def moving_mass_table(record: Record) -> Table:
 
 def throw_mass_table(record: Record) -> Table:
     """Return the static moments of each throw: mass times radius along the crank, and their sum."""
-    return Table(
+    weighted = _has_counterweights(record)
+    table = Table(
         "Masses in the balance: mass times radius at each throw, along its crank",
         [
             Column("throw", words=True),
             Column("rods", "kg m"),
             Column("solid", "kg m"),
-            Column("its counterweights", "kg m"),
+            Column(COUNTERWEIGHTS, "kg m"),
             Column("sum", "kg m"),
             Column("at", "deg", missing=""),
         ],
@@ -120,9 +122,13 @@ def throw_mass_table(record: Record) -> Table:
             for row in record["throws"]
         ],
         note="Solid: the whole throw, counterweights included. Sum: rods and solid, at an angle from the "
-        "crank.",
+        "crank."
+        if weighted
+        else "Sum: rods and solid, at an angle from the crank.",
         merged=True,
     )
+    shown = [one.name for one in table.columns if weighted or one.name != COUNTERWEIGHTS]
+    return table.select(*shown)
 
 
 def balance_contents(record: Record, units: OutputUnits = SI) -> str:
@@ -133,11 +139,17 @@ def balance_contents(record: Record, units: OutputUnits = SI) -> str:
         floor = BALANCED * first[f"{kind}_scale"]
         sizes = (first[kind]["major"], record["without_throws"][kind])
         if max(sizes) <= floor:
-            return f"{kind} {BALANCED_TEXT} with and without them"
+            return f"{kind} {BALANCED_TEXT} with and without the solids"
         now, bare = (unit.with_name(size) if size > floor else BALANCED_TEXT for size in sizes)
         return f"{kind} {now}, without the solids {bare}"
 
+    weights = " with counterweights" if _has_counterweights(record) else ""
     return (
-        "The balance includes the throws' solids with counterweights; flywheel and free end are assumed to "
-        f"be balanced. First order: {both('force', units.of('kN'))}; {both('moment', units.of('kN m'))}."
+        f"The balance includes the throws' solids{weights}; flywheel and free end are assumed to be "
+        f"balanced. First order: {both('force', units.of('kN'))}; {both('moment', units.of('kN m'))}."
     )
+
+
+def _has_counterweights(record: Record) -> bool:
+    """Whether any throw has counterweights."""
+    return any(any(row["counterweights"]) for row in record["throws"])

@@ -39,14 +39,22 @@ def modal_damping(engine_file: EngineFile, crankshaft: CrankshaftSystem) -> Floa
 
 def damping_remarks(engine_file: EngineFile) -> tuple[str, ...]:
     """Return the damping of the whole crankshaft in addition to bearings and dampers, in words."""
-    axial, torsional, bending = (100.0 * ratio for ratio in _damping_ratios(engine_file))
     given = engine_file.damping
-    known = given is not None and given.bending_magnifier is not None
-    assumed = "" if known else f", assumed (magnifier {DEFAULT_MAGNIFIER:g})"
+    known = (False,) * 3
+    if given is not None:
+        twisted = given.torsional_magnifier is not None or given.loss_factor
+        known = (
+            given.axial_magnifier is not None,
+            bool(twisted),
+            given.bending_magnifier is not None,
+        )
+    axial, torsional, bending = (
+        f"{100.0 * ratio:.3g} %{'' if own else ' (assumed)'}"
+        for ratio, own in zip(_damping_ratios(engine_file), known, strict=True)
+    )
     found = [
-        "modes have the damping of the chains, weighted by their energy shares: "
-        f"{axial:.3g} % of critical damping for axial motion, {torsional:.3g} % for torsion, "
-        f"{bending:.3g} % for bending{assumed}"
+        "modes have the damping of the chains, weighted by their energy shares, of critical damping: "
+        f"axial motion {axial}, torsion {torsional}, bending {bending}"
     ]
     if engine_file.damping is not None and engine_file.damping.cylinder_damping:
         found.append(

@@ -63,12 +63,14 @@ def whole_shaft_remark(comparison: ShaftComparison) -> tuple[str, ...]:
     tuple of str
         A sentence; none if the chains are adequate.
     """
-    differing = [_difference(one) for one in comparison.verdicts[::-1] if not one.suffices]
+    differing = [one for one in comparison.verdicts[::-1] if not one.suffices]
     if not differing:
         return ()
+    told = "; ".join(map(_difference, differing))
+    which = "which are" if len(differing) > 1 else f"of which the {differing[0].kind} one is"
     return (
-        "The verdict uses lumped models (chains), which are inadequate here; the whole crankshaft differs: "
-        f"{'; '.join(differing)}.",
+        f"The verdict uses lumped models (chains), {which} inadequate here; the whole crankshaft differs: "
+        f"{told}.",
     )
 
 

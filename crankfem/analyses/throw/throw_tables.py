@@ -72,10 +72,13 @@ def pin_force_words(record: Record, units: OutputUnits = SI) -> str:
     unit = units.of("kN")
     # Records of older versions know radial forces only.
     x, y, z = record.get("pin_force", (0.0, -record["radial_force"], 0.0))
+    own = record.get("dimensions", {})
+    several = own.get("further_pins") or len(own.get("pins", ())) > 1
+    pin = "the first pin" if several else "the pin"
     if x == z == 0.0 and y <= 0.0:
-        return f"a radial force of {unit.with_name(-y)} on the pin"
+        return f"a radial force of {unit.with_name(-y)} on {pin}"
     shown = ", ".join(unit.number(value) for value in (x, y, z))
-    return f"a force of {shown} {unit.name} (x, y, z) on the pin"
+    return f"a force of {shown} {unit.name} (x, y, z) on {pin}"
 
 
 def reaction_table(record: Record, units: OutputUnits = SI) -> Table:

@@ -24,6 +24,7 @@ from crankfem.analyses.vibration.engine_limits import (
 from crankfem.analyses.vibration.forced import ForcedVibration, forced_vibrations
 from crankfem.analyses.vibration.modes import Vibration
 from crankfem.analyses.vibration.source_verdicts import Again, source_verdicts
+from crankfem.files.chain.shaft_lines import PLANT
 from crankfem.files.engine.engine_file import EngineFile
 from dynamics.assessment.decided import Decision, Trial, decide
 from dynamics.assessment.limits import VibrationLimit
@@ -344,7 +345,9 @@ def _spreads(engine_file: EngineFile, forced: ForcedVibration, error: Spread) ->
         )
     if any(own.kind == "compliance" for own in found):
         return found
-    return (replace(error, places=elements), *found)
+    # A plant's chain is its maker's throughout, the line behind the flywheel too.
+    whole_plant = forced.kind == "torsional" and PLANT in engine_file.shaft_lines
+    return (replace(error, places=None if whole_plant else elements), *found)
 
 
 def _peak(engine_file: EngineFile, forced: ForcedVibration, chain: Chain) -> float:

@@ -139,15 +139,14 @@ class BearingSweep:
         found = [f"{over}: {'; '.join(found)}."]
         if self.used:
             uses = ", ".join(
-                f"{_range(100.0 * own, '.0f')} % of the limit on {name}"
-                for name, own in self.used.items()
+                f"{_range(100.0 * own, '.0f')} % ({name})" for name, own in self.used.items()
             )
             said = (
                 f"the verdict changes within this range: {self.status_by_stiffness}"
                 if self.flips
                 else f'with all other values as used, the verdict is "{self.statuses[0]}" over all of it'
             )
-            found.append(f"Over that range, {uses} is used; {said}.")
+            found.append(f"Over that range, the share of the limit used is {uses}; {said}.")
         return tuple(found)
 
     @property

@@ -93,7 +93,7 @@ def _speeds(vibration: Record, kind: str) -> list[Record]:
     damped -= {one["mode"] for one in calculated if one["speed_rpm"] is not None}
     met = {_meeting(one): one for one in vibration[kind]["criticals"]}
     found: list[Record] = [{"resonance": one} for one in peaks]
-    found += [{"critical": met[key]} for key in met.keys() - {_meeting(one) for one in peaks}]
+    found += [{"critical": met[key]} for key in met.keys() - {_meeting(one) for one in calculated}]
     for own in found:
         key = _meeting(_known(own))
         own |= {"kind of motion": kind} | ({"critical": met[key]} if key in met else {})

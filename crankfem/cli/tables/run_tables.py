@@ -63,7 +63,7 @@ def print_verdict(results: Mapping[str, Any], units: OutputUnits = SI) -> None:
 
 def _limits(checks: list[dict[str, Any]], units: OutputUnits) -> Table:
     return Table.of_records(
-        "Limits, each at its worst location and speed",
+        "Limits, each at its worst location and running speed",
         worst_of_each(checks),
         (
             Column("limit", words=True),

@@ -25,6 +25,7 @@ TEXT_COLOR, QUIET_COLOR = "#1d2733", "#5b6875"
 GRID_COLOR = STYLE["grid.color"]
 HEIGHT = 430  # pixels
 LONG_TITLE = 60  # letters
+TITLE_LINE = 20  # px that a further line of a title takes
 
 
 def axis(title: str, **more: Any) -> Part:
@@ -51,22 +52,24 @@ def layout(x: Part, y: Part, *, title: str = "", height: int = HEIGHT, **more: A
 
 def plain_layout(title: str, height: int = HEIGHT) -> Part:
     """Return what the layouts of all figures share; the title is shown as it is."""
+    lines = title_lines(title)
     return {
         "title": {
-            "text": "<br>".join(literal(part) for part in title_lines(title)),
+            "text": "<br>".join(map(literal, lines)),
             "font": {"size": 15},
             "x": 0.0,
             "xanchor": "left",
             "xref": "container",
             "y": 1.0,
             "yanchor": "top",
-            "pad": {"l": 8, "t": 10},
+            # plotly moves the first of several lines up.
+            "pad": {"l": 8, "t": 10 + TITLE_LINE * (len(lines) - 1)},
         },
         "font": {"family": FONT, "size": 13, "color": TEXT_COLOR},
         "paper_bgcolor": "white",
         "plot_bgcolor": "white",
         "height": height,
-        "margin": {"l": 64, "r": 16, "t": 44, "b": 52},
+        "margin": {"l": 64, "r": 16, "t": 44 + TITLE_LINE * (len(lines) - 1), "b": 52},
         "hovermode": "closest",
         "hoverlabel": {
             "bgcolor": "white",

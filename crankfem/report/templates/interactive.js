@@ -69,7 +69,7 @@ the screen; until then, on paper, and if anything fails, the picture is there. N
         "margin.b": margin.b,
         "margin.t": margin.t,
         "title.font.size": 15,
-        "title.pad.t": 10,
+        "title.pad.t": ((own.title || {}).pad || {}).t || 10,
         "font.size": 13,
       };
     }

@@ -11,6 +11,8 @@ from dynamics.crankshaft.shaft_modes import ShaftModes
 from dynamics.plots.mode_shapes import draw_shaft_shape
 
 MODES_SHOWN = 5
+# Of one row; more would be unreadable on paper.
+COLUMNS = 3
 
 
 def plot_shaft_modes(
@@ -42,16 +44,21 @@ def plot_shaft_modes(
     # Sections and pins by place; end bodies stand where their section does, or beyond.
     order = np.argsort(modes.positions, kind="stable")
     places = modes.positions[order]
-    with figure(path, len(shown), width=2.6 * len(shown), height=3.6) as axes:
-        for one, mode in zip(np.atleast_1d(axes), shown, strict=True):
+    columns = min(COLUMNS, len(shown))
+    rows = -(-len(shown) // columns)
+    with figure(path, columns, width=2.6 * columns, height=0.5 + 3.1 * rows, rows=rows) as axes:
+        for spare in axes.flat[len(shown) :]:
+            spare.remove()
+        for one, mode in zip(axes.flat, shown, strict=False):
             draw_shaft_shape(one, places, modes.motions[order, :, mode], radius)
             one.set_title(
                 f"{modes.frequencies[mode]:.1f} Hz\n" + modes.label(mode).replace(", ", "\n"),
                 fontsize=9,
             )
             _pad_title(one, modes.label(mode))
-        first = np.atleast_1d(axes)[0]
-        first.set_ylabel("relative displacement")
+        for left in axes[:, 0]:
+            left.set_ylabel("relative displacement")
+        first = axes[0, 0]
         handles, names = first.get_legend_handles_labels()
         first.figure.legend(handles, names, fontsize=8, loc="outside lower center", ncols=4)
 
