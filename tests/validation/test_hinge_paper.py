@@ -8,7 +8,7 @@ for 89 1/min suit 142 1/min. Gas forces, moments and guides are only drawn; thos
 with assumed pressures (data/hinges/crosshead-30-100.toml). Tested are the corrected equations and these
 statements:
 
-- the hinge moment has the integral zero over a turn;
+- the hinge moment has the integral zero over a revolution;
 - a hinge made for a speed makes it constant;
 - the larger H and p_0, the closer the guides are to a circle;
 - the moment is proportional to the start pressure;
