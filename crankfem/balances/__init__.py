@@ -1,4 +1,4 @@
-"""Balance: its parts by order, counterweights, hodographs, hinged rods; `cf.balance` combines them.
+"""Balance: forces and moments by order, counterweights, hodographs, hinged rods; `cf.balance` combines them.
 
 >>> import crankfem as cf
 >>> ellipse = cf.balances.Hodograph(order=2, forward=300.0, backward=100.0)

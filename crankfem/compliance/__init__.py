@@ -1,6 +1,6 @@
 """Compliance and stress by finite elements: axial alone, whole shafts, fillets, natural modes.
 
-`cf.analyze_throw` does most of it for one throw; here is the rest.
+`cf.analyze_throw` does most of it for one throw; this topic has the rest.
 
 >>> import crankfem as cf
 >>> throw, _ = cf.load_throw("6chn25-34")

@@ -1,4 +1,4 @@
-"""Engines: the parts of an engine's vibration, and the mechanism in its file.
+"""Engines: steps of an engine's vibration analysis, and the mechanism in its file.
 
 >>> import crankfem as cf
 >>> engine = cf.load_engine("6chn25-34")

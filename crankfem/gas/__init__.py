@@ -1,4 +1,4 @@
-"""Gas: pressure over the crank angle, measured or of a cycle model, and what it does.
+"""Gas: pressure over the crank angle, measured or from a cycle model, and its results.
 
 >>> import numpy as np
 >>> import crankfem as cf

@@ -1,4 +1,4 @@
-"""Hinges: the pneumatic one that evens a crank's speed, its moment, guides and flywheel.
+"""Hinges: the pneumatic hinge for constant crank speed, its moment, guides and flywheel.
 
 >>> import crankfem as cf
 >>> spring = cf.hinges.GasSpring(piston_area=0.02, height=0.3, pressure=6e5)

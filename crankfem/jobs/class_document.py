@@ -33,7 +33,7 @@ PAGE, TABLES, DIAGRAMS = "class.html", "class-tables", "class-diagrams"
 
 @dataclass(frozen=True, eq=False)
 class WrittenDocument:
-    """What was written, and what it was made from.
+    """Files that were written, and their inputs.
 
     Attributes
     ----------
@@ -54,7 +54,7 @@ def write_class_document(
 ) -> WrittenDocument:
     """Calculate an engine's torsional vibration and write the class document.
 
-    Everything is calculated and drawn before the last document in the folder gives way.
+    Everything is calculated and drawn before the last document in the folder is replaced.
 
     Parameters
     ----------
@@ -67,7 +67,7 @@ def write_class_document(
     Raises
     ------
     InputError
-        If the engine file or the folder cannot be used, or a file of somebody else's stands there.
+        If the engine file or the folder cannot be used, or a file in the way was not written by crankfem.
     MeshError, SolveError
         If the throw cannot be meshed or solved.
     OSError
@@ -106,7 +106,7 @@ def write_class_document(
 
 
 def _checked_folder(output: str | Path) -> Path:
-    """Make the folders, refuse files of somebody else's that stand in the way, and return the first one.
+    """Make the folders, refuse to replace files that crankfem did not write, and return the first folder.
 
     Raises
     ------
@@ -136,7 +136,7 @@ def _checked_folder(output: str | Path) -> Path:
 
 
 def _take_last_away(folder: Path) -> None:
-    """Take the tables and diagrams of the last document away: another engine has others."""
+    """Remove the tables and diagrams of the last document: another engine has others."""
     for place in (folder / TABLES, folder / DIAGRAMS):
         for path in files_listed(place):
             path.unlink(missing_ok=True)

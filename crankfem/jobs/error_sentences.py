@@ -1,4 +1,4 @@
-"""What is said of an error that ends a command or costs a picture, and the exit code for it."""
+"""Messages of errors that end a command or lose a picture, and their exit codes."""
 
 import errno
 

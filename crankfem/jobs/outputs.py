@@ -1,4 +1,4 @@
-"""What a command may write, found out before anything is computed for it."""
+"""Checks of the files that a command will write, before anything is computed."""
 
 import tempfile
 from collections.abc import Iterable
@@ -29,7 +29,7 @@ def check_writable(
     Raises
     ------
     InputError
-        If it is a folder, in no folder, one of the inputs, or somebody else's.
+        If it is a folder, in no folder, one of the inputs, or not written by crankfem.
     """
     protect(*inputs)
     with protected(*inputs):
@@ -62,7 +62,7 @@ def check_distinct_files(files: dict[str, Path | None]) -> None:
 def check_outputs(
     csv: Path | None, pictures: str | None, *inputs: Path, names: Iterable[str] = ()
 ) -> Path | None:
-    """Refuse outputs of --csv and --pictures that cannot be, before anything is computed for them.
+    """Refuse impossible outputs of --csv and --pictures before anything is computed for them.
 
     Parameters
     ----------
@@ -93,7 +93,7 @@ def check_outputs(
 def make_output_folder(
     option: str, given: str | Path | None, names: Iterable[str], kind: Kind = "picture"
 ) -> Path | None:
-    """Make the folder that an option names, if it is not there, and refuse files that cannot be in it.
+    """Make the folder that an option names, and refuse files that cannot be written there.
 
     Parameters
     ----------
@@ -114,7 +114,7 @@ def make_output_folder(
     ------
     InputError
         If the folder has no name, a file of that name exists, files cannot be written there, or one of them
-        would take the place of somebody else's.
+        would replace one that crankfem did not write.
     """
     if given is None:
         return None

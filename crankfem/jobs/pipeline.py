@@ -53,7 +53,7 @@ from regression.runs.study import check_workers, run_plan
 @summarized("folder", "report", "results")
 @dataclass(frozen=True)
 class RunResult:
-    """Where a run has put things, and its numbers.
+    """Files of a run, and its numbers.
 
     Attributes
     ----------
@@ -80,7 +80,7 @@ def run_engine(
     """Run the main job on an engine file.
 
     Everything is computed before the folder is touched: a run that fails or is stopped before that
-    leaves what the last one has put there. Then all of it but the store of the study gives way. Files
+    leaves what the last one has put there. Then all of it but the store of the study is replaced. Files
     that no run has put there stay, and end the run before it computes where they stand in its way; see
     `replacing_files`.
 
@@ -94,7 +94,7 @@ def run_engine(
     workers : int
         Worker processes of the study.
     progress : Progress, optional
-        Told what goes on; also of pictures that cannot be drawn, which end no run.
+        Receives the progress, and pictures that cannot be drawn, which do not end the run.
 
     Returns
     -------
@@ -103,7 +103,7 @@ def run_engine(
     Raises
     ------
     InputError
-        If the engine file or the folder cannot be used, or a file of somebody else's stands there.
+        If the engine file or the folder cannot be used, or a file in the way was not written by crankfem.
     MeshError, SolveError
         If the throw cannot be meshed or solved.
     OSError

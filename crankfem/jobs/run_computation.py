@@ -1,4 +1,4 @@
-"""All that a run computes, before anything of it is written."""
+"""Computations of a run, before anything is written."""
 
 from dataclasses import dataclass
 
@@ -18,7 +18,7 @@ from regression.models.compliance_model import ComplianceModel
 
 @dataclass(frozen=True)
 class ThrowComputation:
-    """What a run has computed of one throw.
+    """Results of one throw.
 
     Attributes
     ----------
@@ -36,7 +36,7 @@ class ThrowComputation:
 
 @dataclass(frozen=True)
 class RunComputation:
-    """What a run has computed.
+    """Results of a run.
 
     Attributes
     ----------
@@ -73,7 +73,7 @@ class RunComputation:
 
     @property
     def throw(self) -> ThrowComputation:
-        """What was computed of the throw; of several, of that at the free end."""
+        """Results of the throw; of several, of the one at the free end."""
         return next(iter(self.throws.values()))
 
     @property

@@ -1,4 +1,4 @@
-"""What a run draws once all its numbers stand in its results, so that no picture may take them away."""
+"""Pictures of a run, drawn after all numbers are in its results: a failed picture does not lose them."""
 
 from collections.abc import Callable, Mapping
 from functools import partial
@@ -38,7 +38,7 @@ def draw_run(
     renderings : Renderings
         What is rendered in the background.
     note : callable
-        Told of what cannot be drawn.
+        Receives messages about pictures that cannot be drawn.
 
     Returns
     -------

@@ -1,9 +1,9 @@
 """The files of a run in its folder: all of them belong to one run, however the next one ends.
 
-A run computes everything before it touches what the last one has left. Then it takes all of that away
-but the store of the study, which it continues, and puts its own results there in one step; pictures
+A run computes everything before it touches what the last one has left. Then it removes all of that
+but the store of the study, which it continues, and writes its own results in one step; pictures
 and report follow, and only what the new results name is ever shown. What runs have written is listed in
-the folder, see `crankbase.outputs`; nothing else is ever replaced or taken away.
+the folder, see `crankbase.outputs`; nothing else is replaced or removed.
 """
 
 import json
@@ -48,9 +48,9 @@ START = 2000  # bytes in which they stand
 
 
 def check_folder(folder: Path, *, study: bool, inputs: tuple[Path, ...] = ()) -> None:
-    """Refuse a folder in which files of somebody else's stand in a run's way.
+    """Refuse a folder with files in the way that crankfem did not write.
 
-    What a run of an earlier release has left there is listed first.
+    Files of a run of an earlier release are listed first.
 
     Parameters
     ----------
@@ -92,7 +92,7 @@ def check_folder(folder: Path, *, study: bool, inputs: tuple[Path, ...] = ()) ->
 
 
 def list_older_run(folder: Path) -> None:
-    """List what a run of an earlier release has left in a folder: it kept no list.
+    """List the files of a run of an earlier release in a folder: it kept no list.
 
     Only files are taken for a run's whose content says so, and pictures that its results name.
     """
@@ -117,7 +117,7 @@ def list_older_run(folder: Path) -> None:
 
 
 def _named(place: Path, results: Mapping[str, Any]) -> Iterator[tuple[Path, Kind]]:
-    """The pictures and plots of a run that results name; any other name is that of somebody else's file."""
+    """The pictures and plots of a run that results name; any other file is not the run's."""
     if place.is_symlink():
         return
     for key, (kind, endings) in ENDINGS.items():
@@ -135,7 +135,7 @@ def _begins_with(path: Path, marks: tuple[bytes, ...]) -> bool:
 
 
 def make_folder(folder: Path) -> Path:
-    """Make the folder of a run and that of its pictures, and see that files can be written there.
+    """Make the folder of a run and that of its pictures, and check that files can be written there.
 
     Raises
     ------
@@ -181,7 +181,7 @@ def write_results(folder: Path, results: Mapping[str, Any]) -> Path:
 
 
 def replace_last_run(folder: Path, results: Mapping[str, Any]) -> None:
-    """Take away what the last run has left in a folder, and put the results of a new one there.
+    """Remove the files of the last run from a folder, and write the results of a new one.
 
     Where the results cannot be written, for want of space or rights, the last run stays as it is.
 
@@ -194,9 +194,9 @@ def replace_last_run(folder: Path, results: Mapping[str, Any]) -> None:
     Raises
     ------
     InputError
-        If results.json is somebody else's.
+        If results.json was not written by crankfem.
     OSError
-        If a file cannot be written or taken away.
+        If a file cannot be written or removed.
     """
     text = results_text(results)
     with recording_run_files(), atomic_file(folder / RESULTS, "results") as part:

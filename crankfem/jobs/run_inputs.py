@@ -1,4 +1,4 @@
-"""What a run reads: the engine file, its tables, and their texts for the report."""
+"""Inputs of a run: the engine file, its tables, and their texts for the report."""
 
 from dataclasses import dataclass
 from pathlib import Path
@@ -18,7 +18,7 @@ from regression.plans.plan import StudyPlan
 
 @dataclass(frozen=True)
 class RunInputs:
-    """What a run is made from.
+    """Inputs of a run.
 
     Attributes
     ----------

@@ -1,4 +1,4 @@
-"""Pictures of a run: one that cannot be made costs itself alone, and is told."""
+"""Pictures of a run: one that cannot be made is reported, and the others are still made."""
 
 import os
 import traceback
@@ -25,7 +25,7 @@ class Pictures:
     folder : Path
         Where they go.
     note : callable
-        Told of what cannot be drawn.
+        Receives messages about pictures that cannot be drawn.
 
     Attributes
     ----------
@@ -43,7 +43,7 @@ class Pictures:
         self.notes: list[str] = []
 
     def attempt(self, what: str, make: Callable[[], object]) -> bool:
-        """Attempt something and return whether it could be done; if not, report why it is missing."""
+        """Attempt something and return whether it succeeded; if not, report the reason."""
         try:
             make()
         except Exception as error:

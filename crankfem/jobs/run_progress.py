@@ -1,4 +1,4 @@
-"""What a run tells while it works, and how long its steps take."""
+"""Progress messages of a run, and the duration of its steps."""
 
 import time
 from typing import Protocol
@@ -16,7 +16,7 @@ class Progress(Protocol):
         """A design of the study is finished."""
 
     def note(self, text: str) -> None:
-        """Something the user should know."""
+        """A note for the user."""
 
     def warn(self, text: str) -> None:
         """Data are lost or damaged, or the input looks wrong, which nobody should miss."""

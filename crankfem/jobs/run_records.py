@@ -107,7 +107,7 @@ def _pin_middle(analysis: ThrowAnalysis) -> list[float]:
 
 
 def _throw_records(computed: RunComputation, name: str) -> Record:
-    """What is told of each distinct throw."""
+    """Records of each distinct throw."""
     own, engine_file = computed.throws[name], computed.engine_file
     throw = throw_record(own.analysis, _radial_force(computed.inputs))
     formulas = formula_records(engine_file.named_throws[name], engine_file.material)
@@ -120,7 +120,7 @@ def _throw_records(computed: RunComputation, name: str) -> Record:
 
 
 def _named_records(computed: RunComputation, first: Record) -> dict[str, Record]:
-    """The distinct throws by name: which cranks they are, counted from 1, and what is told of each."""
+    """The distinct throws by name: their cranks, counted from 1, and their records."""
     names = computed.engine_file.throw_names
     return {
         name: {"cranks": [place for place, own in enumerate(names, start=1) if own == name]}
@@ -130,7 +130,7 @@ def _named_records(computed: RunComputation, first: Record) -> dict[str, Record]
 
 
 def _add_regression(found: dict[str, Any], computed: RunComputation) -> None:
-    """Add what equations say of the engine's throws beside the formulas, or why they say nothing."""
+    """Add the values of the equations for the engine's throws to the formulas, or why there are none."""
     engine_file, model = computed.engine_file, computed.model
     assert model is not None
     path = computed.inputs.saved_path

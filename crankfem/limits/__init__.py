@@ -1,4 +1,4 @@
-"""Limits: with their sources, barred ranges, critical ranges, what uncertain values do.
+"""Limits: sources, barred ranges, critical ranges, effects of uncertain values.
 
 >>> import crankfem as cf
 >>> limit = cf.limits.given_limit(

@@ -1,4 +1,4 @@
-"""Response: what damps, loads of elements and their stress, Campbell diagrams.
+"""Response: damping, loads of elements and their stress, Campbell diagrams.
 
 >>> import numpy as np
 >>> import crankfem as cf

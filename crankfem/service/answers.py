@@ -1,4 +1,4 @@
-"""What the service answers: the shapes of its JSON, for the client and for the description of the API."""
+"""Answers of the service: the models of its JSON, for the client and the description of the API."""
 
 from typing import Any, Literal
 
@@ -10,20 +10,20 @@ ENDED: tuple[State, ...] = ("done", "failed", "canceled")
 
 
 class Answer(BaseModel):
-    """An answer; it holds what is told here, later releases may add to it."""
+    """An answer; later releases may add fields."""
 
     model_config = ConfigDict(extra="ignore", frozen=True)
 
 
 class FieldError(Answer):
-    """What is wrong with one field; its name is empty where the sentence is about all of them."""
+    """An error of one field; its name is empty where the message is about all of them."""
 
     field: str
     message: str
 
 
 class Problem(Answer):
-    """A problem (RFC 9457), with what is wrong by field."""
+    """A problem (RFC 9457), with errors by field."""
 
     type: str
     title: str
@@ -33,7 +33,7 @@ class Problem(Answer):
 
 
 class Service(Answer):
-    """What serves."""
+    """The service and its version."""
 
     program: str
     version: str
@@ -42,7 +42,7 @@ class Service(Answer):
 
 
 class Shape(Answer):
-    """What a throw's dimensions make: its length and overlap [m], volume [m^3] and remarks."""
+    """Results of a throw's dimensions: its length and overlap [m], volume [m^3] and remarks."""
 
     length: float
     overlap: float
@@ -127,13 +127,13 @@ class Law(Answer):
 
 
 class ModelNames(Answer):
-    """The models that can be asked."""
+    """The available models."""
 
     models: list[str]
 
 
 class ModelDescription(Answer):
-    """What a model answers, for which throws [SI]."""
+    """Outputs of a model, and its range of throws [SI]."""
 
     name: str
     responses: dict[str, dict[str, Any]]

@@ -34,7 +34,7 @@ SCRIPT = "text/javascript; charset=utf-8"
 
 
 def make_app(settings: Settings) -> tuple[ASGIApp, JobRunner]:
-    """Make the application, guarded, and what runs its jobs.
+    """Make the application with its guard and its runner of jobs.
 
     Parameters
     ----------
@@ -109,7 +109,7 @@ def _service_routes(settings: Settings) -> APIRouter:
 
     @routes.get("", **described(Service))
     async def read_service() -> Response:
-        """Return what serves, and its limits."""
+        """Return version and limits of the service."""
         return answer(about)
 
     @routes.post(SESSION.removeprefix("/api"), **described(Service, KeyQuestion))

@@ -1,4 +1,4 @@
-"""What is asked of the service: bodies of requests, read by the models of the files.
+"""Requests to the service: their bodies, read by the models of the files.
 
 Quantities are numbers in SI units or texts with units, as ``0.17`` or ``"170 mm"``.
 """

@@ -1,4 +1,4 @@
-"""What the service may take: sizes, times, memory, and who may ask."""
+"""Limits of the service: sizes, times, memory, and permitted clients."""
 
 from dataclasses import dataclass
 from pathlib import Path

@@ -115,7 +115,7 @@ class Guard:
 
 
 def is_key(given: str, key: str) -> bool:
-    """Compare keys in a time that tells nothing of them."""
+    """Compare keys in constant time."""
     return hmac.compare_digest(given.encode(), key.encode())
 
 

@@ -50,7 +50,7 @@ CHECKED = re.compile(r"[0-9a-f]{16}")
 
 
 def throw_report(folder: Path) -> str:
-    """Make the report of a throw from what its job has left."""
+    """Make the report of a throw from the files of its job."""
     from crankfem.report.throw_report import render_throw_report
 
     return render_throw_report(json.loads((folder / RESULT).read_text(encoding="utf-8")), folder)
@@ -88,7 +88,7 @@ def job_routes(store: JobStore, runner: JobRunner, bounds: Bounds) -> APIRouter:
         return submit(kind, asked.name.removesuffix(".toml"), asked.model_dump())
 
     def check(asked: FileQuestion) -> dict[str, Any]:
-        """Check a file in a process of its own, which may take so long and no longer."""
+        """Check a file in a separate process with a limit of time."""
         with scratch_folder() as folder:
             try:
                 # A process that has just started takes its time on a busy machine.
@@ -129,7 +129,7 @@ def job_routes(store: JobStore, runner: JobRunner, bounds: Bounds) -> APIRouter:
 
     @routes.post("/files/check", tags=["files"], **described(CheckedText, FileQuestion))
     async def check_uploaded(request: Request) -> Response:
-        """Check a file: what it was understood as, or what is wrong at which field."""
+        """Check a file: return its interpretation, or errors by field."""
         asked = await read_question(request, FileQuestion)
         return answer(await anyio.to_thread.run_sync(check, asked))
 

@@ -1,4 +1,4 @@
-"""Runs jobs one after another in worker processes: what happens to one touches neither service nor others."""
+"""Runs jobs one after another in worker processes: a failure of one affects neither service nor others."""
 
 import contextlib
 import shutil
@@ -133,7 +133,7 @@ class JobRunner:
                 self._ended.pop(name, None)
 
     def _settle(self, name: str, lost: ProcessLostError) -> None:
-        """Note what became of a job whose process is gone."""
+        """Record the end of a job whose process is gone."""
         job, ended = self._store.job(name), self._ended.get(name)
         if ended == "canceled":
             self._store.end(name, "canceled")

@@ -104,7 +104,7 @@ class JobStore:
         return int(self._rows("SELECT COUNT(*) FROM jobs WHERE state = ?", state)[0][0])
 
     def start_next(self) -> tuple[str, str, dict[str, Any]] | None:
-        """Take the job that waits longest: return its name, its kind and what was asked; None without one."""
+        """Take the job that waits longest: return its name, kind and request; None without one."""
         with self._lock:
             rows = self._rows("SELECT * FROM jobs WHERE state = 'queued' ORDER BY created LIMIT 1")
             if not rows:
@@ -120,7 +120,7 @@ class JobStore:
             return job["id"], job["kind"], json.loads(job["question"])
 
     def change(self, name: str, **values: Any) -> None:
-        """Change what is known of a job."""
+        """Change the record of a job."""
         spelled = ", ".join(f"{column} = ?" for column in values)
         with self._lock:
             self._base.execute(f"UPDATE jobs SET {spelled} WHERE id = ?", (*values.values(), name))
@@ -160,7 +160,7 @@ class JobStore:
         return [self._job(row) for row in rows]
 
     def question(self, name: str) -> dict[str, Any]:
-        """Return what was asked in a job."""
+        """Return the request of a job."""
         (row,) = self._rows("SELECT question FROM jobs WHERE id = ?", name)
         found: dict[str, Any] = json.loads(row["question"])
         return found

@@ -1,4 +1,4 @@
-"""What the law says of a throw as plain JSON content: values and reactions, all with bands."""
+"""Results of the law for a throw as plain JSON content: values and reactions, all with bands."""
 
 from collections.abc import Sequence
 

@@ -38,7 +38,7 @@ FRESH = 1.0  # seconds for which a model's file is not looked at again
 
 
 class Models:
-    """The models that can be asked: those of a folder by name, those of studies by ``job-NAME``.
+    """The available models: those of a folder by name, those of studies by ``job-NAME``.
 
     Parameters
     ----------
@@ -124,7 +124,7 @@ def model_routes(models: Models, bounds: Bounds) -> APIRouter:
 
     @routes.get("", **described(ModelNames))
     async def list_models() -> Response:
-        """List the models that can be asked."""
+        """List the available models."""
         return answer({"models": models.names()})
 
     @routes.get("/{name}", **described(ModelDescription, None, 404, 422))

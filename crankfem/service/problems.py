@@ -1,4 +1,4 @@
-"""Errors as the API tells them: application/problem+json, with a sentence for each wrong field."""
+"""Errors of the API: application/problem+json, with a message for each wrong field."""
 
 import re
 from collections.abc import Iterator
@@ -34,7 +34,7 @@ class ProblemError(Exception):
 
 
 def field_errors(error: InputError) -> list[dict[str, str]]:
-    """Return what is wrong by field: "field", empty where a sentence names none, and "message"."""
+    """Return the errors by field: "field", empty where a message names none, and "message"."""
     found = []
     for sentence in error.sentences:
         named = _FIELD.match(sentence)
@@ -86,7 +86,7 @@ def _methods(request: Request) -> Iterator[str]:
 
 
 async def answer_fault(_: Request, error: Exception) -> Response:
-    """Answer a fault of the service without telling its inside."""
+    """Answer an internal error without its details."""
     return problem_response(
         problem(500, f"The service met {type(error).__name__}, an unexpected error.")
     )

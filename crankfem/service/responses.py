@@ -45,7 +45,7 @@ def described(
     status: int = 200,
     says: str = "",
 ) -> dict[str, Any]:
-    """Describe a route: what it answers (a model, or a media type), what is asked, how it may refuse."""
+    """Describe a route: its answer (a model, or a media type), its request, its errors."""
     codes = {401, 403, 503, *refused}
     if asked is not None:
         codes |= {400, 408, 413, 415, 422}

@@ -1,4 +1,4 @@
-"""The server: it listens, tells where, and ends gracefully."""
+"""The server: it listens, reports its address, and ends gracefully."""
 
 import asyncio
 import socket
@@ -29,7 +29,7 @@ def serve(settings: Settings, tell: Callable[[str], None]) -> None:
     ----------
     settings : Settings
     tell : callable
-        Called with the address when it can be asked.
+        Called with the address when it accepts requests.
 
     Raises
     ------

@@ -1,4 +1,4 @@
-"""What jobs do, each in a worker process: from what was asked to files in the job's folder."""
+"""The work of jobs, each in a worker process: from the request to files in the job's folder."""
 
 from collections.abc import Callable, Mapping
 from importlib import import_module
@@ -34,7 +34,7 @@ class ToldProgress:
         self._tell = on_remark
 
     def step(self, text: str) -> None:
-        """Tell of a step that begins."""
+        """Report a step that begins."""
         self._tell({"step": text})
 
     def design(self, finished: int, total: int, _: Outcome | None = None) -> None:
@@ -42,7 +42,7 @@ class ToldProgress:
         self._tell({"finished": finished, "total": total})
 
     def note(self, text: str) -> None:
-        """Tell something that the user should know."""
+        """Report a note for the user."""
         self._tell({"note": text})
 
     warn = note
@@ -177,7 +177,7 @@ _JOBS: dict[str, Callable[[Mapping[str, Any], Path, int, ToldProgress], None]] =
 
 
 def check_upload(question: Mapping[str, Any], folder: str) -> dict[str, Any]:
-    """Read and check an uploaded file, and return what it was understood as.
+    """Read and check an uploaded file, and return its interpretation.
 
     Raises
     ------

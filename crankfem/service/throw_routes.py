@@ -1,4 +1,4 @@
-"""What is answered of a throw at once: whether it can be built, its outline, the formulas."""
+"""Immediate answers about a throw: whether it can be built, its outline, the formulas."""
 
 from anyio import to_thread
 from fastapi import APIRouter
@@ -27,7 +27,7 @@ routes = APIRouter(prefix="/api/throws", tags=["throws"])
 
 @routes.post("/law", **described(Law, LawQuestion))
 async def evaluate_law(request: Request) -> Response:
-    """Tell compliances, c and reactions of a throw by the law, with bands, without finite elements."""
+    """Return compliances, c and reactions of a throw by the law, with bands, without finite elements."""
     asked = await read_question(request, LawQuestion)
     throw, material, support = asked.read_throw(), asked.read_material(), asked.read_support()
 
@@ -40,7 +40,7 @@ async def evaluate_law(request: Request) -> Response:
 
 @routes.post("/validate", **described(ValidThrow, ThrowQuestion))
 async def validate_throw(request: Request) -> Response:
-    """Check a throw: what its dimensions make, and the same as a TOML file."""
+    """Check a throw: return the results of its dimensions, and the same as a TOML file."""
     asked = await read_question(request, ThrowQuestion)
     throw, material = asked.read_throw(), asked.read_material()
     return answer(

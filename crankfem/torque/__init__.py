@@ -1,4 +1,4 @@
-"""Torque: stars of its harmonics, forces of one cylinder on its pin, a crank left to turn.
+"""Torque: star diagrams, forces of one cylinder on its pin, a crank that turns freely.
 
 >>> import crankfem as cf
 >>> file = cf.load_mechanism("6chn25-34")

@@ -121,7 +121,14 @@ def test_pistons_move_as_equations_1_to_4_say(figure):
             engine, number, shaft_angles_deg=np.degrees(shaft)
         ).piston.place.real
         rod = "main rod" if number == 1 else "hinged rod"
-        figure(f"way of the piston over a turn, {rod}", top - place, wanted, 1e-15, "m", "absolute")
+        figure(
+            f"travel of the piston over a revolution, {rod}",
+            top - place,
+            wanted,
+            1e-15,
+            "m",
+            "absolute",
+        )
 
 
 def test_orders_of_the_accelerations():

@@ -8,7 +8,7 @@ for 89 1/min suit 142 1/min. Gas forces, moments and guides are only drawn; thos
 with assumed pressures (data/hinges/crosshead-30-100.toml). Tested are the corrected equations and these
 statements:
 
-- the hinge moment has the integral zero over a turn;
+- the hinge moment has the integral zero over a revolution;
 - a hinge made for a speed makes it constant;
 - the larger H and p_0, the closer the guides are to a circle;
 - the moment is proportional to the start pressure;
@@ -46,7 +46,7 @@ def profile(file, point):
 def test_the_moment_is_potential(file, rpm, kinematics, figure):
     found = file.moment(rpm * np.pi / 30.0, kinematics)
     closing = found.closing_error
-    figure("integral of the hinge moment over a turn", closing, 0.0, 1e-9, "", "absolute")
+    figure("integral of the hinge moment over a revolution", closing, 0.0, 1e-9, "", "absolute")
     # (5), by its own sum.
     gas = found.gas_force(np.radians(found.angles_deg)) * found.reduced.travel_rate
     figure("load of constant torque by (5)", found.load, np.mean(gas), 1e-12, "N m")

@@ -1,4 +1,4 @@
-"""The dampers of engine files and of chain files: their fields, and the dampers made of them."""
+"""The dampers of engine files and of chain files: their fields, and the dampers built from them."""
 
 from typing import Any, ClassVar, Literal, Self
 
@@ -119,7 +119,7 @@ class TorsionalDamperPart(InputModel):
         Raises
         ------
         InputError
-            If data of its kind are missing, or those of another are given.
+            If data of its kind are missing, or data of another kind are given.
         """
         if self.type == "rubber":
             if self.stiffness is None:

@@ -180,7 +180,7 @@ class Engine(InputModel):
         return speed * self.stroke / math.pi
 
     def _tops(self, sense: int) -> list[float]:
-        """Shaft angle at which each crank is at the top, for a sense of turning [rad]."""
+        """Shaft angle at which each crank is at the top, for a sense of rotation [rad]."""
         banks = self.bank_angles or (0.0,) * self.cylinders
         return [
             sense * (bank - crank) for bank, crank in zip(banks, self.crank_angles, strict=True)
@@ -195,7 +195,7 @@ class Engine(InputModel):
 
 
 class ShaftLayout(InputModel):
-    """How throws follow each other in a shaft whose throws are unequal, or not its cylinders one by one.
+    """Sequence of throws in a shaft whose throws are unequal, or are not one per cylinder.
 
     Raises
     ------
@@ -227,7 +227,7 @@ class ShaftLayout(InputModel):
 
 
 class NamedThrow(InputModel):
-    """What a throw with a name has beside the fields of [throw].
+    """Fields of a named throw in addition to those of [throw].
 
     Raises
     ------
@@ -284,7 +284,7 @@ class Flywheel(InputModel):
 
 
 class FreeEnd(InputModel):
-    """What the free end carries."""
+    """Parts at the free end."""
 
     section: ClassVar[str] = "free_end"
 

@@ -1,4 +1,4 @@
-"""Sections of engine files about what excites: pressure map, misfire and propeller forces."""
+"""Sections of engine files about excitation: pressure map, misfire and propeller forces."""
 
 from collections.abc import Sequence
 from pathlib import Path
@@ -182,12 +182,12 @@ def gas_map_pressure(section: GasMap, strokes: int, file: Path) -> PressureMap:
     strokes : int
         Of the engine, 2 or 4.
     file : Path
-        The engine file, beside which the tables are looked for.
+        The engine file; tables are searched for in its folder.
 
     Raises
     ------
     InputError
-        If a table cannot be used, or the points make no map.
+        If a table cannot be used, or the points do not form a map.
     """
     found: dict[str, GasPressure] = {}
     for number, point in enumerate(section.points):

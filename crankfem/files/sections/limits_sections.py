@@ -1,4 +1,4 @@
-"""The sections of engine files for limits of vibration and for what is not known well."""
+"""The sections of engine files for limits of vibration and for uncertain values."""
 
 import math
 from collections.abc import Mapping
@@ -78,7 +78,7 @@ class ShaftLimitInput(InputModel):
 
 
 class LimitsInput(InputModel):
-    """What vibration may reach: amplitudes, half of the range from lowest to highest value.
+    """Permitted amplitudes: half of the range from lowest to highest value.
 
     Raises
     ------
@@ -285,7 +285,7 @@ class LimitsInput(InputModel):
         )
 
     def barred_rule(self, rated_speed: float) -> BarredRangeRule:
-        """Return how far about critical speeds running is barred, and up to where [rad/s]."""
+        """Return the width of barred ranges about critical speeds, and their upper end [rad/s]."""
         return BarredRangeRule(rated_speed, self.highest_barred)
 
 
@@ -297,7 +297,7 @@ def _factors(meaning: str) -> tuple[float, float] | None:
 
 
 class RangesInput(InputModel):
-    """What is not known well: for each a least and a largest factor, such as [0.95, 1.10].
+    """Uncertain values: for each a least and a largest factor, such as [0.95, 1.10].
 
     Raises
     ------

@@ -28,14 +28,14 @@ SPACING = 0.1
 
 @dataclass(frozen=True, eq=False)
 class LoadCurve:
-    """What the cycle reaches at each speed, beside full load at rated speed.
+    """Results of the cycle at each speed, relative to full load at rated speed.
 
     Parameters
     ----------
     speeds : ndarray of shape (S,)
         Ascending [rad/s].
     mean_pressure : ndarray of shape (S,)
-        Indicated mean effective pressure over that of full load.
+        Indicated mean effective pressure divided by that of full load.
     intake_pressure, exhaust_pressure : ndarray of shape (S,)
         Absolute, of the receivers [Pa].
     peak_pressure : ndarray of shape (S,) or None
@@ -56,7 +56,7 @@ def load_curve(
     speeds: FloatArray,
     friction_pressure: float = 0.0,
 ) -> LoadCurve:
-    """Return what the cycle reaches at speeds.
+    """Return the results of the cycle at speeds.
 
     Parameters
     ----------
@@ -78,10 +78,10 @@ def load_curve(
 
     Notes
     -----
-    The mean effective pressure of a propeller goes with the square of the speed, its power with the cube;
-    both go on above rated speed, for a propeller that turns faster takes more. The boost goes with the power,
-    because the exhaust drives the turbocharger. Curves between points are smooth and pass no point above or
-    below its neighbors.
+    The mean effective pressure of a propeller is proportional to the square of the speed, its power to
+    the cube; both continue above rated speed. The boost is proportional to the power, because the exhaust
+    drives the turbocharger. Curves between points are smooth and pass no point above or below its
+    neighbors.
     """
     known = np.array([point.speed for point in section.points])
     points = [section.points[place] for place in np.argsort(known)]
@@ -164,14 +164,14 @@ def _map_along(
 
 
 def _boosted(at_full: float, ambient: float, boost: FloatArray) -> FloatArray:
-    """Return a pressure of which the part above ambient is boosted [Pa]."""
+    """Return a pressure whose part above ambient is multiplied by the boost [Pa]."""
     if at_full <= ambient:
         return np.full(boost.shape, at_full)
     return np.asarray(ambient + (at_full - ambient) * boost)
 
 
 def _between(speeds: FloatArray, known: FloatArray, values: Sequence[float]) -> FloatArray:
-    """Return values between those that are known, without a bend and without passing them."""
+    """Interpolate smoothly, without overshoot."""
     from scipy.interpolate import PchipInterpolator  # here: loading it takes a quarter second
 
     within = np.clip(speeds, known[0], known[-1])  # by round-off only
@@ -194,7 +194,7 @@ def _check_within(speeds: FloatArray, known: FloatArray) -> None:
 def load_speeds(
     section: LoadSection, rated_speed: float, speed_range: tuple[float, float]
 ) -> FloatArray:
-    """Return speeds so close that splines between their diagrams serve [rad/s].
+    """Return speeds close enough for splines between their diagrams [rad/s].
 
     Parameters
     ----------

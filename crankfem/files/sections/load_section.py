@@ -1,4 +1,4 @@
-"""The section of engine files that says how the load goes with the speed."""
+"""The section of engine files with the load over the speed."""
 
 from typing import ClassVar, Literal, Self
 
@@ -10,7 +10,7 @@ from crankbase.units.units import PER_MINUTE
 
 
 class LoadPoint(InputModel):
-    """What the cylinders give at one speed."""
+    """Load of the cylinders at one speed."""
 
     section: ClassVar[str] = "load.points"
 
@@ -38,7 +38,7 @@ class LoadPoint(InputModel):
 
 
 class LoadSection(InputModel):
-    """Load over the speed, beside the full load that [gas] describes; full load at all speeds without it."""
+    """Load over the speed, besides full load as in [gas]; full load at all speeds without it."""
 
     section: ClassVar[str] = "load"
 

@@ -125,7 +125,7 @@ class HingedRods(InputModel):
 
 
 class Gas(InputModel):
-    """Gas pressure in the cylinder: measured, or a cycle that reaches what is given."""
+    """Gas pressure in the cylinder: measured, or a cycle model fitted to given values."""
 
     section: ClassVar[str] = "gas"
 

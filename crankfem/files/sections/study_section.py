@@ -12,7 +12,7 @@ from regression.plans.plan import StudyPlan
 
 
 class StudySection(InputModel):
-    """What a study varies, over which ranges, by which design."""
+    """Factors of a study, their ranges and the design."""
 
     section: ClassVar[str] = "study"
     choices = frozenset(

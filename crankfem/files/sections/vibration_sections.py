@@ -53,7 +53,7 @@ class Damping(InputModel):
 
 
 class Driven(InputModel):
-    """What the engine drives, behind a coupling at the flywheel."""
+    """Driven machine behind a coupling at the flywheel."""
 
     section: ClassVar[str] = "driven"
 
@@ -69,7 +69,7 @@ class Driven(InputModel):
 
 
 class Bearings(InputModel):
-    """Main bearings with their housing, alike along the shaft and in all directions."""
+    """Main bearings with their housing, equal along the shaft and in all directions."""
 
     section: ClassVar[str] = "bearings"
 
@@ -97,7 +97,7 @@ class Bearings(InputModel):
 
 
 class ShaftLineFiles(InputModel):
-    """What follows the flywheel, each as a chain file whose first node is its place; or the whole plant."""
+    """Chains behind the flywheel, each as a chain file whose first node is its place; or the whole plant."""
 
     section: ClassVar[str] = "shaft_line"
 

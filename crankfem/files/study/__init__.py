@@ -1,1 +1,1 @@
-"""The section [study], and designs of one's own from CSV files."""
+"""The section [study], and the user's designs from CSV files."""

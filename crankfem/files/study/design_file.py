@@ -1,4 +1,4 @@
-"""A design of one's own: runs from a CSV file, one line for each, quantities with their units."""
+"""The user's design: runs from a CSV file, one line for each, quantities with their units."""
 
 import csv
 from collections.abc import Mapping, Sequence
@@ -108,7 +108,7 @@ def _read_csv(path: Path) -> tuple[list[str], list[tuple[int, list[str]]]]:
 
 
 def _column(cell: str) -> tuple[str, str]:
-    """Take a column's name and unit apart: "web_width [mm]"."""
+    """Split a column's head into name and unit: "web_width [mm]"."""
     name, bracket, unit = cell.partition("[")
     return name.strip(), unit.strip().removesuffix("]").strip() if bracket else ""
 

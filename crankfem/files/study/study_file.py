@@ -1,4 +1,4 @@
-"""The section [study] of a file: what varies, over which ranges, by which design."""
+"""The section [study] of a file: factors, ranges and design."""
 
 from collections.abc import Callable, Iterator, Mapping
 from typing import Any
@@ -84,7 +84,7 @@ def _paths(
     ends_at: Callable[[str, Mapping[str, Any]], bool] | None = None,
     prefix: str = "",
 ) -> Iterator[tuple[str, Any]]:
-    """Take entries out of tables of parts, such as [study.factors.counterweight]."""
+    """Separate entries of tables of parts, such as [study.factors.counterweight]."""
     for name, given in table.items():
         path = prefix + name
         if isinstance(given, dict) and not (ends_at and ends_at(path, given)):
