@@ -114,7 +114,7 @@ def test_what_is_wrong_is_told_at_its_fields(service, throw):
 
 
 def test_the_client_raises_what_the_service_says(client, throw):
-    with pytest.raises(InputError, match="web_width: given 9000 mm; .*allowed is"):
+    with pytest.raises(InputError, match=r"web_width: given 9000 mm; .*allowed is"):
         client.validate(throw | {"web_width": 9.0})
     with pytest.raises(RefusedError, match="no job") as refused:
         client.job("0" * 16)
