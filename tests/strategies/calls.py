@@ -47,12 +47,12 @@ LONG = (
     "plot",
 )  # fmt: skip
 
-# Infinite by what their documentation says: limits beside their range, samples without bounds. Steps of an
-# integration, which check shapes alone, give on what they are given.
+# Infinite by what their documentation says: limits beside their range, samples without bounds, undamped
+# resonances. Steps of an integration, which check shapes alone, give on what they are given.
 ENDLESS = (
     "crankfem.limits.LimitCurve.at", "crankfem.limits.Samples", "crankfem.limits.chain_samples",
-    "crankfem.transient.TurningChain.torques", "crankfem.transient.TurningChain.accelerations",
-    "crankfem.transient.TurningChain.energies",
+    "crankfem.dampers.size_", "crankfem.transient.TurningChain.torques",
+    "crankfem.transient.TurningChain.accelerations", "crankfem.transient.TurningChain.energies",
 )  # fmt: skip
 
 
