@@ -129,7 +129,7 @@ def whole_sentence(whole: Verdict, chains: Verdict) -> str:
     barred = f" ({ranges})" if whole.status == "barred range needed" else ""
     return (
         f"The whole crankshaft held against the same limits: {limit_at(worst.limit.name, worst.curve.name)}, "
-        f'{found}; {agrees}, "{whole.status}"{barred}.'
+        f'{found}; with the values used, {agrees}, "{whole.status}"{barred}.'
     )
 
 
