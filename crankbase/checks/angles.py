@@ -44,7 +44,7 @@ def checked_degrees(field: str, angles_deg: ArrayLike, *, vector: bool = False) 
 
 
 def refuse_many_turns(field: str, angles: Iterable[float]) -> None:
-    """Refuse angles of more than two turns [rad], which are degrees: (0, 120, 240).
+    """Refuse angles of more than two turns [rad], which are probably degrees: (0, 120, 240).
 
     Raises
     ------
@@ -53,8 +53,8 @@ def refuse_many_turns(field: str, angles: Iterable[float]) -> None:
     largest = max(angles, key=abs, default=0.0)
     if abs(largest) > TURNS[-1] * (1.0 + SAME):
         raise InputError(
-            f"{field}: given {largest:g} rad, more than two turns; allowed is -4 pi to 4 pi, because angles "
-            "of records are radians: in Python write math.radians(...) around degrees."
+            f"{field}: given {largest:g} rad, more than two turns; allowed is -4 pi to 4 pi (-720 to 720 "
+            "deg). In Python, angles of records are radians: write math.radians(...) around degrees."
         )
 
 

@@ -178,7 +178,7 @@ def _is_within(value: float, limits: Limits) -> bool:
 
 
 def other_unit(text: object, unit: str, value: float, limits: Limits) -> str:
-    """Return the same number in another usual unit, where it is allowed in that one alone; else nothing.
+    """Return a number that is not allowed in the first usual unit in which it is; else nothing.
 
     Parameters
     ----------

@@ -296,7 +296,8 @@ def _advice(results: Record) -> str:
         return ""
     resonant = [one for one in cause["orders"] if one["state"] in RESONANT]
     made = sum(one["contribution"] for one in resonant)
-    left = {**worst, "value": worst["value"] - made}
+    # Together they may counteract the peak; its half range without the others is at least their size.
+    left = {**worst, "value": abs(worst["value"] - made)}
     rest, permitted = reached_and_permitted(left)
     without = f"All orders away from resonance leave at least {rest}, "
     if left["value"] > worst["permitted"]:

@@ -3,7 +3,7 @@
 from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
-from crankbase.units.number_formats import compact, nano, significant
+from crankbase.units.number_formats import compact, format_number, nano, significant
 from crankfem.analyses.record import Record
 from crankfem.analyses.throw.throw_tables import error_words
 from crankfem.analyses.vibration.tables import factor_range
@@ -73,7 +73,7 @@ def engine_facts(results: Mapping[str, Any]) -> list[str]:
     count = engine["cylinders"]
     arranged = "in V" if engine["v_engine"] else "in line"
     lowest, highest, rated = (
-        f"{engine[f'{which}_speed_rpm']:.4g}" for which in ("lowest", "highest", "rated")
+        format_number(engine[f"{which}_speed_rpm"], 4) for which in ("lowest", "highest", "rated")
     )
     piston = engine.get("mean_piston_speed")
     mean = "" if piston is None else f" (mean piston speed {significant(piston, 3)} m/s)"

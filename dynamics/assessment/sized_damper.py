@@ -37,7 +37,7 @@ class SizedDamper:
     curve, without : AmplitudeCurve
         The limited quantity with the damper and without one.
     used, used_without : float
-        Largest share of the permitted amplitude over the speeds.
+        Largest share of the permitted amplitude over the speeds; infinite at an undamped resonance.
     sizes : ndarray of shape (m,)
         Sizes tried, ascending, without those at the end of the search that nearly equal the best: ring
         inertia [kg m^2] or damping of an axial damper [N s/m].

@@ -233,7 +233,7 @@ def _influence(
 ) -> FloatArray:
     """Return the lengthening of each throw per Z and T of each cylinder (n, c, 2)."""
     given = finite_array("influence", influence)
-    if given.ndim == 1:
+    if given.shape == (throws,):
         given = np.diag(given)
     if given.ndim == 2:
         given = np.stack((given, np.zeros_like(given)), axis=-1)

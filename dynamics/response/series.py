@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from crankbase.checks.angles import radians_of
-from crankbase.checks.arrays import ComplexArray, FloatArray
+from crankbase.checks.arrays import ComplexArray, FloatArray, checked_range
 from crankbase.checks.scalars import whole_number, whole_within
 from crankbase.drawing.curves import Curves
 from crankbase.drawing.diagram_style import new_axes
@@ -169,13 +169,12 @@ class OrderSeries:
             field, place, self.names, "the series", "one curve is that of one place"
         )
         stated = checked_limits(limits, len(self.speeds))
-        ranges = checked_barred(barred)
         why = "so many orders get a line of their own"
         count = whole_number("main_orders", main_orders, 0, why)
-        axes = new_axes(axes, height=4.4)
         curves = self.over_speed(
-            number, quantity, limits=stated, barred=ranges, main_orders=count, running=running
+            number, quantity, limits=stated, barred=barred, main_orders=count, running=running
         )
+        axes = new_axes(axes, height=4.4)
         draw_over_speed(axes, curves)
         write_title(axes, self.names[number], 10)
         return axes
@@ -186,8 +185,12 @@ class OrderSeries:
         Raises
         ------
         InputError
-            If there is no such location.
+            If there is no such location, or a range of speeds is none.
         """
+        more["barred"] = checked_barred(more.get("barred", ()))
+        if more.get("running") is not None:
+            why = "speeds outside are shaded"
+            more["running"] = checked_range("running", more["running"], "rad/s", why)
         why = "one curve is that of one place"
         place = whole_within("place", place, 0, self.amplitude.shape[2] - 1, why)
         both = self.synthesis

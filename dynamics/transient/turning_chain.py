@@ -24,6 +24,9 @@ EVEN = 1e-9
 # Torques count as large from this share of twice the kinetic energy on, even where none act.
 LEAST_SIZE = 1e-8
 
+# What is no number is given on without a warning; an integrator shortens its step then.
+_GIVEN_ON = np.errstate(invalid="ignore", over="ignore")
+
 
 @summarized("throws", "even", "load")
 @dataclass(frozen=True, eq=False)
@@ -104,6 +107,7 @@ class TurningChain:
             )
         return np.asarray(given @ self.momentum)
 
+    @_GIVEN_ON
     def torques(
         self, twist: FloatArray, speeds: FloatArray, even_turning: FloatArray, reference: FloatArray
     ) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
@@ -143,6 +147,7 @@ class TurningChain:
         changing = 0.5 * slope * (speeds @ self.throws.T) ** 2
         return springs, dampers, torque @ self.throws, np.stack((inertia, changing), axis=-1)
 
+    @_GIVEN_ON
     def accelerations(self, torques: FloatArray, inertia: FloatArray) -> FloatArray:
         """Return the accelerations (c, q) under torques (c, q); inertia as from `torques`.
 
@@ -162,6 +167,7 @@ class TurningChain:
         )
         return np.asarray(np.linalg.solve(mass, given[..., np.newaxis])[..., 0])
 
+    @_GIVEN_ON
     def energies(
         self, twist: FloatArray, speeds: FloatArray, even_turning: FloatArray
     ) -> tuple[FloatArray, FloatArray]:

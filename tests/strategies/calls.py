@@ -47,12 +47,12 @@ LONG = (
     "plot",
 )  # fmt: skip
 
-# Infinite by what their documentation says: limits beside their range, samples without bounds. Steps of an
-# integration, which check shapes alone, give on what they are given.
+# Infinite by what their documentation says: limits beside their range, samples without bounds, undamped
+# resonances. Steps of an integration, which check shapes alone, give on what they are given.
 ENDLESS = (
     "crankfem.limits.LimitCurve.at", "crankfem.limits.Samples", "crankfem.limits.chain_samples",
-    "crankfem.transient.TurningChain.torques", "crankfem.transient.TurningChain.accelerations",
-    "crankfem.transient.TurningChain.energies",
+    "crankfem.dampers.size_", "crankfem.transient.TurningChain.torques",
+    "crankfem.transient.TurningChain.accelerations", "crankfem.transient.TurningChain.energies",
 )  # fmt: skip
 
 
@@ -194,7 +194,8 @@ def changed_value(draw: st.DrawFn, value: Any, depth: int = 0) -> Any:
 def _wrongly(function: Callable[..., Any], factor: float, *arguments: Any, **options: Any) -> Any:
     """Call a function of numbers, and return others; what it returns else stays as it is."""
     found = function(*arguments, **options)
-    return found * factor if isinstance(found, float | np.ndarray | np.number) else found
+    with np.errstate(all="ignore"):  # what it returns is judged, not how that is made here
+        return found * factor if isinstance(found, float | np.ndarray | np.number) else found
 
 
 def _sequence(draw: st.DrawFn, items: list[Any], depth: int) -> list[Any]:

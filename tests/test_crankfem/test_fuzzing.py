@@ -119,6 +119,17 @@ def throw():
     return cf.strength.SupportedThrow(0.4, [0.2], np.ones((1, 4)), np.ones((1, 4)))
 
 
+def series():
+    speeds, bounded = np.array([50.0, 60.0]), np.zeros((1, 2), dtype=bool)
+    return cf.response.OrderSeries(np.ones(1), speeds, np.ones((1, 2, 1)) + 0j, bounded, ("a",))
+
+
+def torque():
+    from dynamics.plots.quantities import quantity_display
+
+    return quantity_display("torque", "SI")
+
+
 def samples():
     return cf.limits.chain_samples(chain_of_two(), [], lambda one: one.stiffness, samples=4)
 
@@ -181,6 +192,8 @@ FOUND = {
     ),
     "outward of an end body": lambda: cf.crankshaft.EndBody(30.0, 1.5).mass_matrix(np.nan),
     "no values that alternate": lambda: cf.strength.alternating([]),
+    "barred range of nothing": lambda: series().over_speed(0, torque(), barred=[()]),
+    "running range of three": lambda: series().over_speed(0, torque(), running=(50.0, 60.0, 60.0)),
     "name of nothing": lambda: cf.CrankThrow.from_text({" ": "3 mm"}),
     "torque of 1,000 cylinders": lambda: cf.excitation.torque_harmonics(
         cf.harmonics(np.sin(np.arange(72.0)), 4), 3.0, firing_angles_deg=np.arange(1000.0), crank_radius=0.1

@@ -103,8 +103,8 @@ def test_half_of_a_symmetric_throw_is_printed(found, capsys):
     peak = record["loads"][0]["fillets"][1]
     # kPa per N are MPa per kN.
     assert f"{peak['principal'] / 1e3:.4g}" in text
-    place = " ".join(f"{1e3 * value + 0.0:.0f}" for value in peak["principal_place"])
-    assert place.replace("-0 ", "0 ") in text
+    place = " ".join(f"{1e3 * value + 0.0:.1f}" for value in peak["principal_place"])
+    assert place.replace("-0.0", "0.0") in text
     assert "Axial force: largest stresses at fillets [MPa per kN]" in text
     assert "Torque: largest stresses at fillets [MPa per kN m]" in text
 

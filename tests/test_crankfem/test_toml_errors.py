@@ -25,6 +25,9 @@ from crankfem.files.reading.toml_places import line_of
         ("[a]\nx = '1 mm\n", "line 2, x = .*: given an opening quote without a closing one"),
         ("[a]\nx = \u201c1 mm\u201d\n", "line 2, x = .*: given typographic quotes"),
         ('[a]\nx = { value = 0,5, source = "b" }\n', "line 2, .*: given a decimal comma"),
+        # A list of whole numbers is not at fault for what is wrong after it.
+        ("[a]\nx = [1,5,3]]\n", r"line 2, x = \[1,5,3\]\]: is not TOML"),
+        ("[a]\nx = [1,5]\ny = '3 mm\n", "line 3, y = .*: given an opening quote"),
         ("[имя]\nx = 1\n", r"line 1, \[имя\]: given a name with other letters than A to Z"),
         ("[a]\nимя = 1\n", "line 2, имя = 1: given a name with other letters than A to Z"),
         ("[a\nx = 1\n", r"line 1, \[a: given a section without its closing bracket"),

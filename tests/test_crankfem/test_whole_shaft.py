@@ -115,7 +115,14 @@ def test_whole_shaft_of_an_engine(engine, coupled_vibration, tmp_path):
     assert split.both_sum.max() > 1e-6
     # Torsion shows in axial motion: tangential forces alone move the free end along the shaft.
     assert split.tangential_sum.max() > 0.1 * split.both_sum.max()
-    # Torque by equilibrium is near that of the chain's elements, whose modes are near the shaft's.
+    # Torque by equilibrium turns what is beyond the last bearing, the flywheel alone, and is near that of
+    # the chain's elements, whose modes are near the shaft's.
+    torque, bearings = found.coupled.torque, whole.crankshaft.shaft.section_count
+    angle = found.coupled.motion(f"main bearing {bearings} rz")
+    turned = (
+        engine_file.flywheel.inertia * (torque.orders[:, np.newaxis] * torque.speeds) ** 2 * angle
+    )
+    assert np.max(np.abs(torque.values[:, :, -1] - turned)) < 1e-9 * np.max(np.abs(turned))
     by_chain = coupled_vibration(engine_file.path.stem).forced_torsional.crank_elements
     whole_torque = found.coupled.torque.synthesis.amplitude
     chain_torque = by_chain.synthesis.amplitude[:, -whole_torque.shape[1] :]

@@ -7,6 +7,7 @@ import pytest
 
 from comparing import close
 from crankfem.analyses.shaft.whole_shaft import ShaftComparison
+from crankfem.analyses.vibration.engine_limits import engine_limits
 from crankfem.analyses.vibration.whole_verdict import (
     decision_by_both,
     whole_sentence,
@@ -15,6 +16,7 @@ from crankfem.analyses.vibration.whole_verdict import (
 )
 from crankfem.files.engine.engine_file import load_engine
 from dynamics.assessment.decided import decide
+from dynamics.assessment.limits import AmplitudeCurve
 from dynamics.crankshaft.chain_comparison import ResponseMatch
 from dynamics.response.series import OrderSeries
 
@@ -35,7 +37,7 @@ def six():
     return load_engine("6chn25-34")
 
 
-def compared(torque, *, adequate=False):
+def compared(torque, *, adequate=()):
     """A whole crankshaft with one order's torque at the third of its four bearings."""
     values = np.zeros((1, SPEEDS.size, 4), dtype=complex)
     values[0, :, 2] = torque
@@ -48,14 +50,15 @@ def compared(torque, *, adequate=False):
     )
     response = ResponseMatch("torsional", SPEEDS, np.ones(SPEEDS.size), np.ones(SPEEDS.size))
     kinds = [
-        SimpleNamespace(kind=kind, suffices=adequate, response=response)
+        SimpleNamespace(kind=kind, suffices=kind in adequate, response=response)
         for kind in ("axial", "torsional")
     ]
     return ShaftComparison(SimpleNamespace(torque=series), *kinds)
 
 
-def judged(six, comparison):
-    return whole_verdict(six, comparison, CRANKS, dict.fromkeys(range(4), MODULUS))
+def judged(six, comparison, checks=()):
+    chains = SimpleNamespace(checks=checks)
+    return whole_verdict(six, comparison, CRANKS, dict.fromkeys(range(4), MODULUS), chains)
 
 
 def test_stress_at_a_bearing_is_that_of_the_element_through_it():
@@ -72,16 +75,35 @@ def test_stress_at_a_bearing_is_that_of_the_element_through_it():
 
 
 def test_only_inadequate_chains_are_replaced(six):
-    assert judged(six, compared(1e5, adequate=True)) is None
+    assert judged(six, compared(1e5, adequate=("axial", "torsional"))) is None
     assert judged(six, ShaftComparison(None)) is None
     found = judged(six, compared(1e5))
     assert found.status == "not acceptable"
     assert (found.checks[0].curve.name, found.checks[0].worst_value) == ("c", close(1e8))
     assert judged(six, compared(1e2)).status == "fine"
+    # Without a limit on what the inadequate chain gives, nothing is decided by it.
+    assert judged(six, compared(1e2, adequate=("torsional",))) is None
+
+
+def test_what_an_adequate_chain_exceeds_is_not_acceptable_by_the_whole_crankshaft_either(six):
+    limited = six.changed(limits={"axial_amplitude": 1e-3, "axial_force": 1e4})
+    found = judged(limited, compared(1e2, adequate=("axial",)))
+    assert found.status == "not acceptable"
+    assert found.checks[0].limit.name.startswith("axial amplitude")
+    # Axial forces are those of the chain.
+    limited = six.changed(limits={"axial_force": 1e4})
+    limit = next(one for key, one in engine_limits(limited)[0].items() if key == "axial_force")
+    force = AmplitudeCurve("throw 1", SPEEDS, np.full(SPEEDS.size, 2e4))
+    found = judged(limited, compared(1e2), [SimpleNamespace(limit=limit, curve=force)])
+    assert found.status == "not acceptable"
+    assert found.checks[0].curve is force
+    said = whole_sentence(found, SimpleNamespace(checks=found.checks[:1], status=found.status))
+    assert "torsional stress of crankshaft" in said.partition(";")[0]
+    assert f'the same verdict, "not acceptable" ({found.barred[0].sentence}).' in said
 
 
 def test_verdicts_that_differ_leave_it_undecided(six):
-    bad, fine = judged(six, compared(1e5)), judged(six, compared(1e2))
+    bad, fine, other = (judged(six, compared(torque)) for torque in (1e5, 1e2, 1e5))
     decided = decide("not acceptable", [])
     same = decision_by_both(decided, bad, bad)
     assert same is decided
@@ -92,6 +114,6 @@ def test_verdicts_that_differ_leave_it_undecided(six):
         found = decision_by_both(decided, whole, chains)
         assert found.status == "undecided"
         assert found.sentence.startswith(said)
-    assert 'with the values used, the same verdict, "not acceptable"' in whole_sentence(bad, bad)
+    assert 'with the values used, the same verdict, "not acceptable"' in whole_sentence(bad, other)
     assert 'another verdict, "fine"' in whole_sentence(fine, bad)
-    assert "100 MPa at" in whole_sentence(bad, bad)
+    assert "100 MPa at" in whole_sentence(bad, other)

@@ -46,10 +46,10 @@ def with_whole_shaft(
 ) -> Assessment:
     """Add to an assessment how the whole crankshaft differs and, where that matters, its own verdict.
 
-    Arguments are those of `whole_verdict`.
+    Further arguments are those of `whole_verdict`.
     """
     said = whole_shaft_remark(comparison)
-    whole = whole_verdict(engine_file, comparison, cranks, moduli)
+    whole = whole_verdict(engine_file, comparison, cranks, moduli, assessment.verdict)
     if whole is None:
         return replace(assessment, beside=(*said, *assessment.beside))
     return replace(
@@ -91,45 +91,61 @@ def whole_verdict(
     comparison: ShaftComparison,
     cranks: EngineChain,
     moduli: Mapping[int, float],
+    chains: Verdict,
 ) -> Verdict | None:
-    """Judge the whole crankshaft by the limits on stress and on the free end's motion.
+    """Judge the whole crankshaft by all limits of the chains' verdict.
+
+    Parameters
+    ----------
+    engine_file : EngineFile
+    comparison : ShaftComparison
+    cranks, moduli
+        As for `whole_stress`.
+    chains : Verdict
+        Its curves are kept for what the whole crankshaft does not give: axial forces.
 
     Returns
     -------
     Verdict or None
-        None where it was not compared with chains, where all chains are adequate, or where no such limit is
-        on an inadequate one. Limits on axial forces, other shafts, coupling and damper are left to the
-        chains.
+        None where it was not compared with chains, where all chains are adequate, or where no limit on
+        stress or on the free end's motion is on an inadequate one.
     """
-    if comparison.coupled is None or all(one.suffices for one in comparison.verdicts):
+    inadequate = {one.kind for one in comparison.verdicts if not one.suffices}
+    if comparison.coupled is None or not inadequate:
         return None
-    limits, _ = engine_limits(engine_file)
+    motions = {f"{one.kind}_amplitude": one.response for one in comparison.verdicts}
     findings: Findings = []
-    for name, limit in limits.items():
-        kind = "axial" if name.startswith("axial") else "torsional"
-        (own,) = (one for one in comparison.verdicts if one.kind == kind)
-        if own.suffices or own.response is None:
-            continue
+    judged = set[str]()
+    for name, limit in engine_limits(engine_file)[0].items():
+        moved = motions.get(name)
         if name == "crankshaft_stress":
-            stresses = curves_of(whole_stress(comparison, cranks, moduli))
-            findings = [*findings, *((limit, curve) for curve in stresses)]
-        elif name == f"{kind}_amplitude":
-            moved = own.response
-            curve = AmplitudeCurve("free end", moved.speeds, moved.shaft)
-            findings = [*findings, (limit, curve)]
-    return engine_verdict(engine_file, findings) if findings else None
+            curves = list(curves_of(whole_stress(comparison, cranks, moduli)))
+        elif moved is not None:
+            curves = [AmplitudeCurve("free end", moved.speeds, moved.shaft)]
+        else:
+            kept = (one for one in chains.checks if one.limit.name == limit.name)
+            findings = [*findings, *((limit, one.curve) for one in kept)]
+            continue
+        judged.add("axial" if name.startswith("axial") else "torsional")
+        findings = [*findings, *((limit, curve) for curve in curves)]
+    return engine_verdict(engine_file, findings) if judged & inadequate else None
 
 
 def whole_sentence(whole: Verdict, chains: Verdict) -> str:
     """Say what the whole crankshaft reaches of the limit used most, and whether the verdicts agree."""
-    worst = whole.checks[0]
+    by_chains = {id(one.curve) for one in chains.checks}
+    worst = next(one for one in whole.checks if id(one.curve) not in by_chains)
     found = use_in_words(worst.limit, worst.worst_speed, worst.worst_value, worst.permitted, DIGITS)
     agrees = "the same verdict" if whole.status == chains.status else "another verdict"
-    ranges = ", ".join(one.shown for one in whole.barred if one.allowed)
-    barred = f" ({ranges})" if whole.status == "barred range needed" else ""
+    ranges = ""
+    if whole.status == "barred range needed":
+        ranges = f" ({', '.join(one.shown for one in whole.barred)})"
+    elif worst.passed:  # not acceptable by what is not told above
+        refused = (*whole.barred, *whole.started_through)
+        ranges = "".join(f" ({one.sentence})" for one in refused if not one.allowed)
     return (
         f"The whole crankshaft held against the same limits: {limit_at(worst.limit.name, worst.curve.name)}, "
-        f'{found}; with the values used, {agrees}, "{whole.status}"{barred}.'
+        f'{found}; with the values used, {agrees}, "{whole.status}"{ranges}.'
     )
 
 

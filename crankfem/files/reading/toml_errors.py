@@ -22,7 +22,8 @@ FAULTS = (
         "given typographic quotes; write straight ones, \" or '",
     ),
     (
-        re.compile(r"[=\[]\s*[+-]?\d+,\d+\s*(?:[,}\]]|$)"),
+        # Not in a list, where a comma stands between numbers.
+        re.compile(r"=\s*[+-]?\d+,\d+\s*(?:[,}]|$)"),
         "given a decimal comma; write a decimal point",
     ),
     (
