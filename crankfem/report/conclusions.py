@@ -299,7 +299,8 @@ def _advice(results: Record) -> str:
     # Together they may counteract the peak; its half range without the others is at least their size.
     left = {**worst, "value": abs(worst["value"] - made)}
     rest, permitted = reached_and_permitted(left)
-    without = f"All orders away from resonance leave at least {rest}, "
+    together, _ = reached_and_permitted({**worst, "value": made})
+    without = f"Orders at or near resonance contribute {together} in all; the others leave at least {rest}, "
     if left["value"] > worst["permitted"]:
         return (
             f"{without}more than the permitted {permitted}: more damping alone is not sufficient. Reduce "

@@ -115,7 +115,8 @@ class EngineStrength:
             f"Crankshaft strength by UR M53{how}: the least acceptability factor is {shown_factor(least)} "
             f"at the {least.place} of throw {least.throw}, {REQUIRED:g} is required"
         )
-        said += f"; {wrong} of {len(self.places)} locations are below it." if wrong else "."
+        count = len(self.places)
+        said += f"; {wrong} of {count} locations are below it." if wrong else f"; all {count} reach it."
         fits = [own for own in self.throws if own.fit is not None and not own.fit.passed]
         if fits and fits[0].fit is not None:
             said += f" Shrink fit of throw {fits[0].number}: {fits[0].fit.refusals[0]}."
