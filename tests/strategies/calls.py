@@ -194,7 +194,8 @@ def changed_value(draw: st.DrawFn, value: Any, depth: int = 0) -> Any:
 def _wrongly(function: Callable[..., Any], factor: float, *arguments: Any, **options: Any) -> Any:
     """Call a function of numbers, and return others; what it returns else stays as it is."""
     found = function(*arguments, **options)
-    return found * factor if isinstance(found, float | np.ndarray | np.number) else found
+    with np.errstate(all="ignore"):  # what it returns is judged, not how that is made here
+        return found * factor if isinstance(found, float | np.ndarray | np.number) else found
 
 
 def _sequence(draw: st.DrawFn, items: list[Any], depth: int) -> list[Any]:

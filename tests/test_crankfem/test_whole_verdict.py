@@ -114,6 +114,6 @@ def test_verdicts_that_differ_leave_it_undecided(six):
         found = decision_by_both(decided, whole, chains)
         assert found.status == "undecided"
         assert found.sentence.startswith(said)
-    assert 'the same verdict, "not acceptable"' in whole_sentence(bad, other)
+    assert 'with the values used, the same verdict, "not acceptable"' in whole_sentence(bad, other)
     assert 'another verdict, "fine"' in whole_sentence(fine, bad)
     assert "100 MPa at" in whole_sentence(bad, other)

@@ -12,6 +12,7 @@ import pytest
 
 import crankfem as cf
 from comparing import close
+from crankbase.units.number_formats import compact
 
 pytestmark = pytest.mark.further
 
@@ -68,8 +69,8 @@ def test_the_verdict_says_that_it_changes():
         assert at(stiffness, limit).assessment.verdict.status == own.statuses[place]
     assert (own.statuses[0], own.statuses[-1]) == ("fine", "not acceptable")
     (said,) = [one for one in swept.assessment.beside if "changes within this range" in one]
-    assert f'"fine" at {ends[0]:.3g}' in said
-    assert f"to {ends[1]:.3g} N/m" in said
+    assert f'"fine" at {compact(ends[0])}' in said
+    assert f"to {compact(ends[1])} N/m" in said
 
 
 def test_bounds_hold_over_the_range(engine, analysis, nominal, figure):

@@ -101,7 +101,7 @@ def test_refined_mesh_is_the_same_solid():
     assert after == close(before, abs=1e-6)
 
 
-@pytest.mark.slow
+@pytest.mark.further
 @pytest.mark.parametrize(
     ("fillet_radius", "corner", "highest"),
     [(0.0, 0, 1.45), (0.012, 1, 1.9)],
@@ -124,7 +124,7 @@ def test_nested_meshes(exponents, fillet_radius, corner, highest, figure):
     figure(f"e_n, limit of nested meshes, {corners}", limit, own, 5e-3, "m/N")
 
 
-@pytest.mark.slow
+@pytest.mark.further
 @pytest.mark.parametrize(
     ("fillet_radius", "factors", "expected"),
     [(0.0, (2.4, 2.0), 1.0), (0.012, (1.5,), 1.6)],

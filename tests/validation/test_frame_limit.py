@@ -39,7 +39,7 @@ from fem.symmetry import axial_class, torsional_class
 from geometry.mesh import mesh_throw
 from geometry.throw import CrankThrow
 
-pytestmark = pytest.mark.slow
+pytestmark = pytest.mark.further
 
 CASES = ("axial pinned", "axial guided", "torsional pinned", "torsional guided")
 TOLERANCE = 5e-3

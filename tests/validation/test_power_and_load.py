@@ -101,7 +101,7 @@ def test_friction_stays_where_the_rated_power_tells_it(figure):
     figure("power at the flywheel", shaft, wanted, 1e-4, "W", scale=9480e3)
 
 
-@pytest.mark.slow
+@pytest.mark.further
 def test_slow_speeds_are_not_taken_at_full_load(figure):
     """At half speed the torque that excites has a quarter of the mean at full load."""
     engine = cf.load_engine(FOLDER / "5-42-176-propeller.toml")

@@ -79,7 +79,7 @@ def likeness(first, second):
     return (one @ other) ** 2 / (one @ one) / (other @ other)
 
 
-@pytest.mark.slow
+@pytest.mark.further
 def test_free_shaft(superelement, throw, cranks, solid, figure):
     ours = modes_of(superelement, throw, cranks)
     assert ours.rigid == 6
@@ -108,7 +108,7 @@ def test_free_shaft(superelement, throw, cranks, solid, figure):
     assert np.ptp(turning) > 0.6 * np.ptp(motions[:, :, 6 + first] * SCALE, axis=0).sum() / 2.0
 
 
-@pytest.mark.slow
+@pytest.mark.further
 def test_shaft_in_bearings(superelement, throw, figure):
     """Springs on the mean lateral motion of each section, a thrust bearing at the last one."""
     around = ShaftSurroundings(

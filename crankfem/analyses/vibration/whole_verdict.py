@@ -145,7 +145,7 @@ def whole_sentence(whole: Verdict, chains: Verdict) -> str:
         ranges = "".join(f" ({one.sentence})" for one in refused if not one.allowed)
     return (
         f"The whole crankshaft held against the same limits: {limit_at(worst.limit.name, worst.curve.name)}, "
-        f'{found}; {agrees}, "{whole.status}"{ranges}.'
+        f'{found}; with the values used, {agrees}, "{whole.status}"{ranges}.'
     )
 
 
