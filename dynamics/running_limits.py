@@ -12,8 +12,8 @@ from crankbase.errors import InputError
 AT_END = 8.0 * float(np.finfo(np.float64).eps)
 # Longest time that is followed, a day [s], and the most turns of a shaft: each takes milliseconds.
 LONGEST_RUN, MOST_TURNS = 86_400.0, 20_000
-# Most evaluations in one calculation of a chain's equations, and of the moments on one shaft: some ten
-# seconds each.
+# Most evaluations of a chain's equations in a search for its cycle or in a revolution, and of the moments
+# on one shaft in a calculation: some ten seconds each.
 MOST_EVALUATIONS, MOST_MOMENTS = 150_000, 500_000
 
 
