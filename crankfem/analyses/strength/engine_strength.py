@@ -116,7 +116,9 @@ class EngineStrength:
             f"at the {least.place} of throw {least.throw}, {REQUIRED:g} is required"
         )
         count = len(self.places)
-        said += f"; {wrong} of {count} locations are below it." if wrong else f"; all {count} reach it."
+        said += (
+            f"; {wrong} of {count} locations are below it." if wrong else f"; all {count} reach it."
+        )
         fits = [own for own in self.throws if own.fit is not None and not own.fit.passed]
         if fits and fits[0].fit is not None:
             said += f" Shrink fit of throw {fits[0].number}: {fits[0].fit.refusals[0]}."
