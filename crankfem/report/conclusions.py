@@ -110,20 +110,23 @@ def conclusions(results: Record) -> list[str]:
     list of str
         What looks wrong in the input, what is reached of the limit used most and where, which orders
         make it and what can help, which speeds may be barred, what misfiring does, what decides by
-        assumption and should be given, how the whole crankshaft differs, and whether the crankshaft
-        is strong enough.
+        assumption and should be given (before the limits if the verdict is undecided), how the whole
+        crankshaft differs, and whether the crankshaft is strong enough.
     """
     assessment = results["vibration"]["assessment"]
     if assessment is None:
         return [*_warned(results), *_without_forces(results)]
     cause = assessment["checks"][0].get("cause")
+    # What decides comes first.
+    assumed, open_ = _assumed(results), undecided(assessment)
     found = [
         *_warned(results),
+        assumed if open_ else "",
         _reached(assessment),
         " ".join(filter(None, ("" if cause is None else _cause(assessment), _advice(results)))),
         " ".join(_ranges(assessment)),
         _misfiring(results["vibration"]),
-        _assumed(results),
+        "" if open_ else assumed,
         _other_models(results["vibration"]),
         " ".join(
             own["sentence"] for own in (results.get("strength"), results.get("fatigue")) if own
