@@ -91,6 +91,8 @@ def verdict_line(results: Record) -> str:
     of = ""
     if misfiring_decides(results["vibration"]):
         of = ". With all cylinders firing"
+    elif said == "Undecided":
+        of = ". With the values used"
     elif too_weak(results) and said != NOT_ACCEPTABLE:
         of = ". Vibration"
     return f"Verdict: {said}{of}: {worst['limit']} {used}."
@@ -235,8 +237,8 @@ def _axial_amplitude(results: Record) -> str:
     if not reached:
         return ""
     value, rpm = max(reached)
-    size, unit = MOTION["axial"].size, MOTION["axial"].printed
-    amplitude = UNBOUNDED if math.isinf(value) else f"{significant(value / size, DIGITS)} {unit}"
+    own = MOTION["axial"]
+    amplitude = UNBOUNDED if math.isinf(value) else f"{own.number(value, DIGITS)} {own.printed}"
     return f" ({amplitude} at the free end at {significant(rpm, DIGITS)} 1/min)"
 
 

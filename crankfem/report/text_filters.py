@@ -55,7 +55,7 @@ def quantity(value: float | None, unit: str, digits: int = TABLE_DIGITS) -> str:
 def motion(value: float | None, kind: str, digits: int = 3) -> str:
     """Write an amplitude of axial or torsional vibration with its unit."""
     own = MOTION[kind]
-    return UNBOUNDED if value is None else f"{significant(value / own.size, digits)} {own.unit}"
+    return UNBOUNDED if value is None else f"{own.number(value, digits)} {own.unit}"
 
 
 def source_label(name: str) -> str:

@@ -265,4 +265,4 @@ def test_difference_of_the_whole_shaft_is_told_beside_the_verdict():
     (said,) = whole_shaft_remark(ShaftComparison(None, chain_verdict([two])))
     assert said.endswith("two modes at 80.0 and 115.0 Hz instead of axial mode 1 at 105.6 Hz.")
     (said,) = whole_shaft_remark(ShaftComparison(None, verdict("axial", 1.266e-3, np.inf)))
-    assert "over all speeds calculated, unbounded instead of 1266 um at 191 1/min" in said
+    assert "over all speeds calculated, unbounded instead of 1270 um at 191 1/min" in said

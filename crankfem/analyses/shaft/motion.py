@@ -2,6 +2,7 @@
 
 from typing import Literal, NamedTuple
 
+from crankbase.units.number_formats import significant
 from crankbase.units.units import UNITS, VIBRATING, unit_symbol
 
 
@@ -27,6 +28,10 @@ class Motion(NamedTuple):
     printed: str
     unit: str
     size: float
+
+    def number(self, value: float, digits: int = 3) -> str:
+        """Write an SI value in that unit, rounded to so many digits also before the point, as tables do."""
+        return significant(float(f"{value / self.size:.{digits}g}"), digits)
 
 
 def _motion(quantity: Literal["displacement", "twist"]) -> Motion:

@@ -82,7 +82,7 @@ def _difference(verdict: ChainVerdict) -> str:
     motion, found = MOTION[verdict.kind], verdict.response
     if found is not None and abs(found.difference) > RESPONSE_LIMIT:
         chain, shaft = (
-            f"{significant(peak / motion.size, 3)} {motion.printed} at {significant(speed * RPM, 3)} 1/min"
+            f"{motion.number(peak)} {motion.printed} at {significant(speed * RPM, 3)} 1/min"
             if np.isfinite(peak)
             else UNBOUNDED
             for speed, peak in found.peaks
