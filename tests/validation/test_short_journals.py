@@ -87,13 +87,13 @@ def compare(figure, what, found, wanted):
     figure(f"{what}, frequencies 6 to 10", found[5:], wanted[5:], PROMISED[1], "Hz")
 
 
-@pytest.mark.slow
+@pytest.mark.further
 @pytest.mark.parametrize("sections", [2, 4])
 def test_four_throws_with_short_journals(analysis, sections, figure):
     compare(figure, f"four throws, degree {sections}", frequencies(analysis, sections), FOUR)
 
 
-@pytest.mark.slow
+@pytest.mark.further
 def test_six_throws(figure):
     engine = load_engine("6chn25-34")
     analysis = analyze_throw(engine.throw, engine.material, accuracy=0.01)
@@ -101,7 +101,7 @@ def test_six_throws(figure):
     compare(figure, "six throws, degree 2", found, SIX)
 
 
-@pytest.mark.slow
+@pytest.mark.further
 def test_rigid_sections_are_too_stiff_for_them(analysis, figure):
     above = frequencies(analysis, "rigid") / FOUR - 1.0
     assert above.min() > 0.006

@@ -110,7 +110,7 @@ def hyperbolic_notch(neck, root, reach):
     return revolved("quarter", 2.0 * reach, outline, size)
 
 
-@pytest.mark.slow
+@pytest.mark.further
 @pytest.mark.parametrize("ratio", [2.0, 4.0])
 def test_hyperbolic_notch(ratio, figure):
     neck, nu = 0.1, STEEL.poisson_ratio
@@ -200,7 +200,7 @@ def shoulder():
     return mesh, (small, large, radius), largest_at_notch(mesh)
 
 
-@pytest.mark.slow
+@pytest.mark.further
 def test_shoulder_fillet(shoulder, figure):
     _, sizes, found = shoulder
     area, modulus = math.pi * sizes[0] ** 2 / 4.0, math.pi * sizes[0] ** 3 / 32.0
@@ -221,7 +221,7 @@ def test_twice_as_many_elements_change_the_shoulder_little(shoulder, figure):
     )
 
 
-@pytest.mark.slow
+@pytest.mark.further
 def test_far_from_the_fillet_stresses_are_those_of_beams(shoulder):
     mesh, (small, _, _), _ = shoulder
     loaded = solve_unit_loads(mesh, unit_loads(np.zeros((0, 3))), STEEL)
@@ -245,7 +245,7 @@ def test_far_from_the_fillet_stresses_are_those_of_beams(shoulder):
     np.testing.assert_allclose(shear, 0.5 * largest, rtol=0.015)
 
 
-@pytest.mark.slow
+@pytest.mark.further
 def test_stresses_over_the_middle_of_a_throw_carry_the_loads(dimensions, figure):
     throw = CrankThrow(**dimensions)
     coarse = mesh_throw(throw, 1.2)
