@@ -20,6 +20,8 @@ SHARP = CrankThrow(
     web_width=0.285,
     web_thickness=0.068,
 )
+# The same with fillets.
+FILLETED = SHARP.changed(fillet_radius=0.012)
 
 
 def plan_of_levels(throw, levels, **others):

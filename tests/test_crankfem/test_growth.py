@@ -14,8 +14,7 @@ from crankfem.analyses.study import growth
 from crankfem.analyses.study.fitting import fit_study
 from crankfem.analyses.study.growth import run_grown, worst_designs
 from crankfem.analyses.study.response_fits import surface
-from geometry.throw import CrankThrow
-from plans import plan_of_levels, table_of_function
+from plans import FILLETED, plan_of_levels, table_of_function
 from puppets import puppet
 from regression.plans.design_choice import DesignChoice
 from regression.plans.designs import values_at
@@ -25,16 +24,7 @@ from regression.runs import supervised
 from regression.runs.store import ResultStore
 from regression.runs.study import read_study
 
-THROW = CrankThrow(
-    crank_radius=0.170,
-    main_journal_diameter=0.220,
-    pin_diameter=0.180,
-    main_journal_length=0.120,
-    pin_length=0.139,
-    web_width=0.285,
-    web_thickness=0.068,
-    fillet_radius=0.012,
-)
+THROW = FILLETED
 BOX = {
     "web_width": (0.270, 0.330),
     "web_thickness": (0.040, 0.100),

@@ -19,23 +19,14 @@ from crankfem.files.study.design_file import read_design
 from crankfem.files.study.study_file import study_plan
 from fem.material import STEEL
 from geometry.throw import CrankThrow
-from plans import plan_of_levels
+from plans import FILLETED, plan_of_levels
 from regression.plans.design_choice import DesignChoice, DesignKind
 from regression.plans.factors import Factor
 from regression.plans.plan import plan_designs
 from regression.records import StudyStoppedError
 
 ROOT = Path(__file__).resolve().parents[2]
-THROW = CrankThrow(
-    crank_radius=0.170,
-    main_journal_diameter=0.220,
-    pin_diameter=0.180,
-    main_journal_length=0.120,
-    pin_length=0.139,
-    web_width=0.285,
-    web_thickness=0.068,
-    fillet_radius=0.012,
-)
+THROW = FILLETED
 HEAVY = CrankThrow(
     **THROW.model_dump(mode="json") | {"counterweight": {"outer_radius": 0.25, "angle": 2.0}}
 )

@@ -19,8 +19,7 @@ import pytest
 
 from crankbase.calls import Limits
 from crankbase.errors import InputError, MissingLibraryError
-from geometry.throw import CrankThrow
-from plans import plan_of_levels
+from plans import SHARP, plan_of_levels
 from puppets import puppet
 from regression.records import StudyStoppedError
 from regression.runs import cluster as cluster_module
@@ -31,15 +30,7 @@ from regression.runs.dask_cluster import DaskCluster, check_address
 from regression.runs.process_pool import ProcessPool
 from regression.runs.study import run_plan
 
-THROW = CrankThrow(
-    crank_radius=0.170,
-    main_journal_diameter=0.220,
-    pin_diameter=0.180,
-    main_journal_length=0.120,
-    pin_length=0.139,
-    web_width=0.285,
-    web_thickness=0.068,
-)
+THROW = SHARP
 PUPPET = """
 for request in requests():
     key = request["key"]

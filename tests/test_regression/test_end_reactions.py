@@ -15,7 +15,7 @@ from fem.analysis import analyze_throw
 from fem.angle_law import angle_law
 from fem.end_moments import end_moment_numbers
 from fem.supports import Neighbors, reactions, support_throw
-from geometry.throw import CrankThrow
+from plans import FILLETED
 from regression.end_reactions import (
     END_MOMENTS,
     GUIDED_MOMENTS,
@@ -28,16 +28,7 @@ from regression.models.compliance_model import ComplianceModel
 from regression.models.response_model import ResponseModel
 from regression.throw_values import throw_values
 
-THROW = CrankThrow(
-    crank_radius=0.170,
-    main_journal_diameter=0.220,
-    pin_diameter=0.180,
-    main_journal_length=0.120,
-    pin_length=0.139,
-    web_width=0.285,
-    web_thickness=0.068,
-    fillet_radius=0.012,
-)
+THROW = FILLETED
 LENGTHS = ThrowLengths(THROW.length, THROW.length / 2.0, THROW.crank_radius)
 FORCES = np.array([[0.0, -1e5, 0.0], [4e4, 0.0, 0.0], [-3e4, -7e4, 0.0]])
 

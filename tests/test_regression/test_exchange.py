@@ -11,9 +11,8 @@ import pytest
 from comparing import close
 from crankbase.errors import InputError, MissingLibraryError
 from fem.responses import RESPONSES
-from geometry.throw import CrankThrow
 from geometry.throw_dimensions import Counterweight
-from plans import plan_of_levels
+from plans import SHARP, plan_of_levels
 from puppets import puppet
 from regression.plans.factors import Factor
 from regression.plans.plan import StudyPlan, plan_designs
@@ -26,15 +25,7 @@ from regression.runs.study import import_results, read_study, run_plan
 from regression.runs.study_table import study_table
 from regression.throw_values import SAME
 
-THROW = CrankThrow(
-    crank_radius=0.170,
-    main_journal_diameter=0.220,
-    pin_diameter=0.180,
-    main_journal_length=0.120,
-    pin_length=0.139,
-    web_width=0.285,
-    web_thickness=0.068,
-)
+THROW = SHARP
 NAMES = [name for name in RESPONSES if name != "fillet_stress_factor"]
 # All responses of a throw that fails where the web is 280 mm wide, without finite elements; numbers
 # with all digits, so that a file that rounds them is seen.

@@ -17,23 +17,14 @@ from comparing import close
 from crankbase.errors import InputError
 from fem.material import STEEL
 from geometry.throw import CrankThrow
-from plans import plan_of_levels
+from plans import FILLETED, plan_of_levels
 from regression.plans.design_choice import SPACE_FILLING, DesignChoice
 from regression.plans.factors import Factor, rounded
 from regression.plans.plan import MODEL_VERSION, StudyPlan, plan_designs
 from regression.records import HELD_OUT, RUN, content_key
 from regression.runs.store import ResultStore
 
-THROW = CrankThrow(
-    crank_radius=0.170,
-    main_journal_diameter=0.220,
-    pin_diameter=0.180,
-    main_journal_length=0.120,
-    pin_length=0.139,
-    web_width=0.285,
-    web_thickness=0.068,
-    fillet_radius=0.012,
-)
+THROW = FILLETED
 HEAVY = CrankThrow(
     **THROW.model_dump(mode="json")
     | {

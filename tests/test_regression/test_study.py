@@ -17,8 +17,7 @@ from crankbase import memory
 from crankbase.errors import InputError, NotEnoughMemoryError
 from fem.material import STEEL
 from fem.responses import evaluate_throw
-from geometry.throw import CrankThrow
-from plans import plan_of_levels
+from plans import FILLETED, plan_of_levels
 from puppets import puppet
 from regression.plans import plan as plan_module
 from regression.plans.design_choice import DesignChoice
@@ -31,16 +30,7 @@ from regression.runs.store import ResultStore
 from regression.runs.study import import_results, read_study, run_plan
 
 ROOT = Path(__file__).resolve().parents[2]
-THROW = CrankThrow(
-    crank_radius=0.170,
-    main_journal_diameter=0.220,
-    pin_diameter=0.180,
-    main_journal_length=0.120,
-    pin_length=0.139,
-    web_width=0.285,
-    web_thickness=0.068,
-    fillet_radius=0.012,
-)
+THROW = FILLETED
 SHARP = THROW.model_copy(update={"fillet_radius": 0.0})
 # The factors do not stand in alphabetical order: it must not matter.
 THREE = {
