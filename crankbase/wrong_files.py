@@ -10,7 +10,7 @@ CSV = "is a table (CSV)"
 BEGINNINGS = (
     (
         b"SQLite format 3\0",
-        "is the store of a study (SQLite); use it with fit, compare and doe --store",
+        "is the store of a study (SQLite); use it with fit and doe --store",
     ),
     (b"PK\x03\x04", "is a packed file, such as one of a spreadsheet or word processor"),
     (b"%PDF", "is a PDF file"),
