@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any, Literal
 from crankbase.checks.choices import check_choice, check_not_given
 from crankbase.drawing.diagram_style import new_axes
 from crankbase.drawing.legends import legend_inside, write_title
+from crankbase.errors import visible
 from crankbase.summaries import summarized
 from crankfem.analyses.study.fit_diagrams import (
     draw_fit_elasticities,
@@ -194,7 +195,7 @@ def run_study(
 
 
 def _to_stderr(text: str) -> None:
-    print(text, file=sys.stderr, flush=True)
+    print(visible(text), file=sys.stderr, flush=True)
 
 
 def study_key(path: str | Path) -> str:
