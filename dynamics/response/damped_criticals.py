@@ -142,7 +142,8 @@ class DampedCritical:
                 f"{self.undamped_speed * RPM:.4g} 1/min with the damper's ring free, "
                 f"{self.locked_speed * RPM:.4g} 1/min with it locked"
             )
-        found = f"peak at {self.speed_rpm:.4g} 1/min" if self.has_peak else "no peak"
+        peak = f"peak at {self.speed_rpm:.4g} 1/min in {self.place}"
+        found = peak if self.has_peak else "no peak"
         if self.has_peak and not self.in_band:
             found += ", where its forces are largest"
         return f"Order {self.order:g}, mode {self.mode}: {found} ({beside})."
