@@ -1,6 +1,5 @@
 """Jobs: submitted, followed, canceled, their results and files; and files checked before."""
 
-import asyncio
 import json
 import re
 from collections.abc import AsyncIterator, Mapping
@@ -9,7 +8,6 @@ from typing import Any
 
 import anyio.to_thread
 from fastapi import APIRouter
-from pydantic_core import to_json
 from starlette.requests import Request
 from starlette.responses import FileResponse, Response, StreamingResponse
 
@@ -19,6 +17,7 @@ from crankbase.processes import scratch_folder
 from crankfem.service.answers import ENDED, CheckedText, Health, Job, Jobs
 from crankfem.service.asking import AnalysisQuestion, FileQuestion, StressQuestion, read_question
 from crankfem.service.bounds import Bounds
+from crankfem.service.followers import Followers
 from crankfem.service.job_runner import LOADING, JobRunner
 from crankfem.service.job_store import JobStore
 from crankfem.service.problems import ProblemError
@@ -29,7 +28,6 @@ from geometry.isolated import IsolatedProcess
 MOST_LISTED = 100
 RETRY_SECONDS = "5"
 EVENTS = "text/event-stream"
-LOOK, PING = 0.05, 15.0  # seconds between two looks at a job, between two signs of life
 # Pages that jobs have made run apart from the service's: their scripts reach nothing of it.
 SANDBOX = (
     "sandbox allow-scripts allow-popups; default-src 'none'; script-src 'unsafe-inline' 'unsafe-eval'; "
@@ -60,6 +58,7 @@ def job_routes(store: JobStore, runner: JobRunner, bounds: Bounds) -> APIRouter:
     """Make the routes of jobs."""
     routes = APIRouter(prefix="/api")
     checker = IsolatedProcess()
+    followers = Followers(store, lambda: runner.stopping)
 
     def job_named(name: str) -> Job:
         job = store.job(name) if CHECKED.fullmatch(name) else None
@@ -189,19 +188,8 @@ def job_routes(store: JobStore, runner: JobRunner, bounds: Bounds) -> APIRouter:
         job_named(name)
 
         async def events() -> AsyncIterator[bytes]:
-            told, waited = b"", 0.0
-            while not runner.stopping:
-                job = store.job(name)
-                if job is None:
-                    return
-                text = to_json(job)
-                if text != told or waited > PING:
-                    yield b"event: job\ndata: " + text + b"\n\n"
-                    told, waited = text, 0.0
-                if job.state in ENDED:
-                    return
-                await asyncio.sleep(LOOK)
-                waited += LOOK
+            async for text in followers.follow(name):
+                yield b"event: job\ndata: " + text + b"\n\n"
 
         return StreamingResponse(events(), media_type=EVENTS)
 

@@ -188,5 +188,6 @@ def check_upload(question: Mapping[str, Any], folder: str) -> dict[str, Any]:
     path = write_upload(FileQuestion(**question), Path(folder))
     record = check_record(check_file(str(path))) | {"file": path.name}
     return {
-        name: record[name] for name in ("kind", "valid", "commands", "remarks", "dimensions")
+        name: record[name]
+        for name in ("kind", "valid", "commands", "remarks", "warnings", "dimensions")
     } | {"record": record}

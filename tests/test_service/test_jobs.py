@@ -52,6 +52,9 @@ def test_a_file_is_checked_before_it_is_run(service):
     assert status == 200
     assert told["kind"] == "engine"
     assert "run" in told["commands"]
+    thin = STUDY.replace('web_thickness = "68 mm"', 'web_thickness = "20 mm"')
+    _, told = service.json("/api/files/check", {"text": thin, "name": "study.toml"})
+    assert [one.partition(":")[0] for one in told["warnings"]] == ["throw.web_thickness"]
 
 
 @pytest.mark.further
