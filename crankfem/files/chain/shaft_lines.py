@@ -31,7 +31,7 @@ def read_shaft_lines(content: TomlFile) -> dict[str, Chain]:
         if name is None:
             continue
         beside = content.path.parent / name
-        read = load_chain(beside if beside.is_file() else name)
+        read = load_chain(beside if beside.exists() else name)
         if read.kind != kind:
             why = "replaces" if field == PLANT else "continues"
             raise InputError(

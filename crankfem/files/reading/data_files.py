@@ -6,6 +6,7 @@ from typing import Literal
 
 from crankbase.checks.choices import did_you_mean
 from crankbase.errors import InputError, quoted
+from crankbase.wrong_files import not_a_file
 
 InputKind = Literal["engine", "hinge", "chain"]
 # Of each kind of input the folder of those that are shipped, and how a message calls a file.
@@ -54,7 +55,7 @@ def input_path(given: str | Path, kind: InputKind = "engine") -> Path:
         shipped = data_folder() / FOLDERS[kind] / f"{path.name.removesuffix('.toml')}.toml"
         if path.parent == Path() and shipped.is_file():
             return shipped
-        fault = f"{given}: {'is a folder, not a file' if path.is_dir() else 'does not exist'}"
+        fault = f"{given}: {not_a_file(path) or 'does not exist'}"
     except OSError as error:
         fault = f"{given}: cannot be searched for; the system reports: {error.strerror}"
     others = [one for one in FOLDERS if one != kind and path.name in shipped_names(one)]
@@ -104,6 +105,8 @@ def find_table(field: str, beside: Path, name: str) -> Path:
     for path in (beside.parent / name, data_folder() / "tables" / name):
         if path.is_file():
             return path
+        if (entry := not_a_file(path)) is not None:
+            raise InputError(f"{field}: given {name!r}, which {entry}.")
     raise InputError(
         f"{field}: given {name!r}, which is neither in the folder of {beside.name} nor a shipped table."
     )

@@ -7,6 +7,7 @@ from pathlib import Path
 from crankbase.errors import InputError
 from crankbase.text_limits import LARGEST_TABLE_FILE, check_file_size
 from crankbase.units.quantity import parse_quantity
+from crankbase.wrong_files import not_a_file
 from geometry.throw import CrankThrow
 from regression.plans.factors import Factor, ThrowField, throw_fields, unknown_field
 
@@ -71,10 +72,8 @@ def read_design(
 
 def _read_csv(path: Path) -> tuple[list[str], list[tuple[int, list[str]]]]:
     if not path.is_file():
-        found = "that is a folder" if path.is_dir() else "there is no such file"
-        raise InputError(
-            f"study.file: given {path.name!r}; {found} in the folder of the study file."
-        )
+        entry = not_a_file(path) or "is not in the folder of the study file"
+        raise InputError(f"study.file: given {path.name!r}, which {entry}.")
     check_file_size(path, LARGEST_TABLE_FILE, "a table of designs")
     try:
         text = path.read_text(encoding="utf-8-sig")
