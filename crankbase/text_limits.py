@@ -3,6 +3,7 @@
 from pathlib import Path
 
 from crankbase.errors import InputError
+from crankbase.wrong_files import not_a_file
 
 # Characters of a quantity such as "7850 kg/m^3", and of an expression of a study.
 LONGEST_QUANTITY = 200
@@ -21,7 +22,7 @@ MOST_BITS = 63
 
 
 def check_file_size(path: Path, most: int, what: str) -> None:
-    """Refuse a file that is too large for its purpose, before it is read.
+    """Refuse what is no file, or too large for its purpose, before it is read.
 
     Parameters
     ----------
@@ -36,6 +37,8 @@ def check_file_size(path: Path, most: int, what: str) -> None:
     ------
     InputError
     """
+    if (entry := not_a_file(path)) is not None:
+        raise InputError(f"{path}: {entry}.")
     try:
         check_size(path, path.stat().st_size, most, what)
     except OSError:

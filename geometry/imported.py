@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from crankbase.calls import ProcessLostError
 from crankbase.errors import InputError
 from crankbase.summaries import summarized
+from crankbase.wrong_files import not_a_file
 from geometry.isolated import IsolatedProcess, shared_process
 from geometry.parts import Cylinder
 from geometry.sizes import SizePlan
@@ -169,8 +170,8 @@ def import_throw(
     --------
     >>> throw = import_throw("throw.step", pins=("pin",))  # doctest: +SKIP
     """
+    content = file_content(Path(path))
     path = Path(path).resolve()
-    content = file_content(path)
     step = read_step(content, str(path))
     if isinstance(pins, str):
         pins = (pins,)
@@ -207,6 +208,8 @@ def _all_pins(faces: tuple[StepFace, ...]) -> tuple[str, ...]:
 
 def file_content(path: Path) -> bytes:
     """Read a file, or report in one sentence why this is impossible."""
+    if (entry := not_a_file(path)) is not None:
+        raise InputError(f"{path}: {entry}.")
     try:
         return path.read_bytes()
     except FileNotFoundError:

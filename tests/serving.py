@@ -1,5 +1,6 @@
 """A service in a process of its own, as a user starts it, and what asks it."""
 
+import ctypes
 import json
 import os
 import signal
@@ -8,6 +9,7 @@ import sys
 import time
 import urllib.error
 import urllib.request
+from contextlib import ExitStack
 from pathlib import Path
 
 import pytest
@@ -15,6 +17,15 @@ import pytest
 ROOT = Path(__file__).parents[1]
 # Seconds for a service to answer on a busy machine.
 STARTING = 60.0
+
+
+# Linux ends a service with the process that started it, however that ends; see prctl(2).
+PR_SET_PDEATHSIG = 1
+C_LIBRARY = ctypes.CDLL(None) if sys.platform == "linux" else None
+
+
+def end_with_owner():
+    C_LIBRARY.prctl(PR_SET_PDEATHSIG, signal.SIGKILL)
 
 
 # A service with bounds that the command line does not set.
@@ -47,8 +58,21 @@ class Served:
                 stdout=subprocess.DEVNULL,
                 stderr=log,
                 start_new_session=True,
+                preexec_fn=C_LIBRARY and end_with_owner,
             )
-        self.address = self._await_address()
+        try:
+            self.address = self._await_address()
+        except BaseException:
+            self.__exit__()
+            raise
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *_):
+        if self.process.poll() is None:
+            self.process.kill()
+            self.process.wait()
 
     def _await_address(self):
         deadline = time.monotonic() + STARTING
@@ -100,20 +124,11 @@ class Served:
         return self.process.returncode
 
 
-@pytest.fixture(scope="session")
+@pytest.fixture
 def serve():
-    """Start services; all are ended."""
-    started = []
-
-    def start(folder, *options, **bounds):
-        started.append(Served(folder, *options, **bounds))
-        return started[-1]
-
-    yield start
-    for service in started:
-        if service.process.poll() is None:
-            service.process.kill()
-            service.process.wait()
+    """Start services that end with the test."""
+    with ExitStack() as started:
+        yield lambda *options, **bounds: started.enter_context(Served(*options, **bounds))
 
 
 def save_model(folder):
@@ -134,8 +149,9 @@ def models(tmp_path_factory):
 
 
 @pytest.fixture(scope="session")
-def service(serve, tmp_path_factory, models):
-    return serve(tmp_path_factory.mktemp("service"), "--models", str(models))
+def service(tmp_path_factory, models):
+    with Served(tmp_path_factory.mktemp("service"), "--models", str(models)) as served:
+        yield served
 
 
 THROW = {

@@ -68,10 +68,10 @@ _NAMES = {
 _PLACES = {
     "1": "places.acceptability places.safety factors.* finite_elements.* ratios.* shrink_fit.friction "
     "shrink_fit.safety "
-    "axial_forces.difference change.major change.minor comparison.throws constants.* elasticity.* "
+    "axial_forces.difference change.major change.minor constants.* elasticity.* "
     "errors.* first.* kinematics_deviation.* kinetic_shares.* model_difference.maximum "
-    "model_difference.mean modes.axial modes.bending modes.torsional quality.* responses.apart "
-    "responses.by_bands responses.largest responses.mean responses.rms shaft_torque.magnification "
+    "model_difference.mean modes.axial modes.bending modes.torsional quality.* "
+    "shaft_torque.magnification "
     "shapley.* spreads.high spreads.low strain_shares.* surfaces.* total.* used.*",
     "m": "places.depth places.point shrink_fit.largest_bore shrink_fit.distance shrink_fit.least_shrinkage "
     "shrink_fit.most_shrinkage shrink_fit.journal_bore "
@@ -96,8 +96,9 @@ _PLACES = {
     "kg m^2": "balance.dynamic unbalance.dynamic",
     "W": "dampers.* power.largest",
     "s": "seconds.*",
-    "Hz": "bearings.chains.* bearings.shaft.* causes.* differences.chain differences.rigid_chain "
-    "differences.shaft flywheel_tilt.modes.further flywheel_tilt.modes.shaft flywheel_tilt.modes.without "
+    "Hz": "bearings.chains.* bearings.further.* bearings.shaft.* causes.* differences.chain "
+    "differences.rigid_chain differences.shaft flywheel_tilt.modes.further flywheel_tilt.modes.shaft "
+    "flywheel_tilt.modes.without "
     "frequencies.high frequencies.low frequencies.nominal",
     "m/N": "errors.axial_compliance errors.influence_coefficient "
     "angle_law.fe angle_law.formulas.* fe.axial regression.axial.value shaft.axial",

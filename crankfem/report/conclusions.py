@@ -48,12 +48,14 @@ def _of_vibration(vibration: Record) -> str:
     assessment = vibration["assessment"]
     if assessment is None:
         return NOT_JUDGED
-    said = "Undecided" if undecided(assessment) else str(assessment["sentence"]).partition(":")[0]
+    # Results of older runs have no headline.
+    told = assessment.get("headline") or assessment["status"].capitalize()
+    said = "Undecided" if undecided(assessment) else told
     if assessment["status"] == "not acceptable":
         misfiring = misfiring_decides(vibration)
         exceeded = "; with the values used, limits are exceeded, also while a cylinder misfires"
         return f"{said}{exceeded}" if misfiring else said
-    fine = said.startswith("Fine")
+    fine = assessment["status"] == "fine" and not undecided(assessment)
     if misfiring_decides(vibration):
         normal = " with all cylinders firing" if fine else ""
         said = f"{said}{normal}; limits are exceeded while a cylinder misfires"
@@ -110,10 +112,10 @@ def conclusions(results: Record) -> list[str]:
     Returns
     -------
     list of str
-        What looks wrong in the input, what is reached of the limit used most and where, which orders
-        make it and what can help, which speeds may be barred, what misfiring does, what decides by
-        assumption and should be given (before the limits if the verdict is undecided), how the whole
-        crankshaft differs, and whether the crankshaft is strong enough.
+        What looks wrong in the input, what is reached of the limit used most and where, how the whole
+        crankshaft differs, which orders make it and what can help, which speeds may be barred, what
+        misfiring does, what decides by assumption and should be given (before the limits if the verdict
+        is undecided), what the models leave open, and whether the crankshaft is strong enough.
     """
     assessment = results["vibration"]["assessment"]
     if assessment is None:
@@ -125,6 +127,7 @@ def conclusions(results: Record) -> list[str]:
         *_warned(results),
         assumed if open_ else "",
         _reached(assessment),
+        _by_whole(results["vibration"]),
         " ".join(filter(None, ("" if cause is None else _cause(assessment), _advice(results)))),
         " ".join(_ranges(assessment)),
         _misfiring(results["vibration"]),
@@ -279,10 +282,28 @@ def failed_checks(checks: Sequence[dict[str, Any]]) -> str:
     return f"{told} {'; '.join(named)}."
 
 
+def _by_whole(vibration: Record) -> str:
+    """State how the whole crankshaft differs from the chains, also in the force on the thrust bearing."""
+    found = [*vibration["assessment"].get("by_whole", ())]
+    force = vibration.get("axial_force") or {}
+    models = list(filter(None, (force.get(name) for name in ("running", "running_whole"))))
+    if found and len(models) == 2:
+        chain, whole = (
+            f"{quantity(one['amplitude'], 'N', DIGITS)} at {significant(one['speed_rpm'], DIGITS)} 1/min"
+            for one in models
+        )
+        found.append(
+            f"Largest force amplitude on the thrust bearing at running speeds: {whole} by the whole "
+            f"crankshaft, {chain} by the chain."
+        )
+    return with_three_digits(" ".join(found))
+
+
 def _other_models(vibration: Record) -> str:
-    """State how the whole crankshaft differs, and whether the verdict hangs on its bearings."""
-    bearings = vibration.get("bearings") or {}
-    found = [*vibration["assessment"].get("beside", ())]
+    """State what is not modeled, and whether the verdict hangs on the bearings."""
+    bearings, assessment = vibration.get("bearings") or {}, vibration["assessment"]
+    told = assessment.get("by_whole", ())
+    found = [one for one in assessment.get("beside", ()) if one not in told]
     found += bearings.get("sentences", ()) if bearings.get("flips") else ()
     return with_three_digits(
         " ".join(dict.fromkeys(found))

@@ -1,16 +1,15 @@
 """Who may ask, how much and how slowly; and one log line a request, without contents."""
 
 import hmac
-import sys
 import time
 from http.cookies import CookieError, SimpleCookie
 from urllib.parse import urlsplit
 
-from pydantic_core import to_json
 from starlette.requests import ClientDisconnect
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 from crankfem.service.bounds import LOOPBACK, Settings
+from crankfem.service.log import log_line
 from crankfem.service.problems import ProblemError, problem, problem_response
 
 COOKIE = "crankfem_key"
@@ -80,7 +79,13 @@ class Guard:
         finally:
             # What was asked for in a path stays out: the route tells which kind of request it was.
             route = getattr(scope.get("route"), "path", None)
-            _log(scope["method"], route, status, size, time.perf_counter() - start)
+            log_line(
+                method=scope["method"],
+                route=route,
+                status=status,
+                bytes=size,
+                milliseconds=round(1e3 * (time.perf_counter() - start), 3),
+            )
 
     def _refusal(self, scope: Scope, headers: dict[bytes, bytes]) -> tuple[int, str] | None:
         host = headers.get(b"host", b"").decode("latin-1")
@@ -147,15 +152,3 @@ def _host_name(host: str) -> str:
 
 def _too_large(most: int) -> str:
     return f"The body of the request is larger than {most / 1e6:g} MB."
-
-
-def _log(method: str, route: str | None, status: int, size: int, seconds: float) -> None:
-    line = {
-        "time": round(time.time(), 3),
-        "method": method,
-        "route": route,
-        "status": status,
-        "bytes": size,
-        "milliseconds": round(1e3 * seconds, 3),
-    }
-    sys.stderr.write(f"{to_json(line).decode()}\n")

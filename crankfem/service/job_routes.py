@@ -15,7 +15,7 @@ from starlette.responses import FileResponse, Response, StreamingResponse
 
 from crankbase.calls import ProcessLostError
 from crankbase.errors import InputError
-from crankfem.service.answers import ENDED, CheckedText, Job, Jobs
+from crankfem.service.answers import ENDED, CheckedText, Health, Job, Jobs
 from crankfem.service.asking import AnalysisQuestion, FileQuestion, StressQuestion, read_question
 from crankfem.service.bounds import Bounds
 from crankfem.service.job_runner import LOADING, JobRunner
@@ -103,7 +103,7 @@ def job_routes(store: JobStore, runner: JobRunner, bounds: Bounds) -> APIRouter:
     @routes.post(
         "/throws/analysis",
         tags=["throws"],
-        **described(Job, AnalysisQuestion, 429, status=202, says="queued"),
+        **described(Job, AnalysisQuestion, 429, 507, status=202, says="queued"),
     )
     async def analyze_throw(request: Request) -> Response:
         """Analyze a throw by finite elements: compliances, 12 x 12 stiffness, reactions, error bars."""
@@ -114,7 +114,7 @@ def job_routes(store: JobStore, runner: JobRunner, bounds: Bounds) -> APIRouter:
     @routes.post(
         "/throws/stress",
         tags=["throws"],
-        **described(Job, StressQuestion, 429, status=202, says="queued"),
+        **described(Job, StressQuestion, 429, 507, status=202, says="queued"),
     )
     async def analyze_stress(request: Request) -> Response:
         """Find the stresses at a throw's fillets."""
@@ -129,18 +129,27 @@ def job_routes(store: JobStore, runner: JobRunner, bounds: Bounds) -> APIRouter:
         return answer(await anyio.to_thread.run_sync(check, asked))
 
     @routes.post(
-        "/studies", tags=["files"], **described(Job, FileQuestion, 429, status=202, says="queued")
+        "/studies",
+        tags=["files"],
+        **described(Job, FileQuestion, 429, 507, status=202, says="queued"),
     )
     async def run_study(request: Request) -> Response:
         """Run the study of a file with the sections [throw] and [study], and fit its equations."""
         return await submit_file(request, "study", "doe")
 
     @routes.post(
-        "/engines", tags=["files"], **described(Job, FileQuestion, 429, status=202, says="queued")
+        "/engines",
+        tags=["files"],
+        **described(Job, FileQuestion, 429, 507, status=202, says="queued"),
     )
     async def run_engine(request: Request) -> Response:
         """Run a whole engine file: everything, and a report."""
         return await submit_file(request, "engine", "run")
+
+    @routes.get("/health", tags=["service"], **described(Health))
+    async def read_health() -> Response:
+        """Return whether jobs run, and what is wrong."""
+        return answer(runner.health())
 
     @routes.get("/jobs", tags=["jobs"], **described(Jobs))
     async def list_jobs() -> Response:
@@ -152,16 +161,16 @@ def job_routes(store: JobStore, runner: JobRunner, bounds: Bounds) -> APIRouter:
         """Return how far a job is."""
         return answer(job_named(name))
 
-    @routes.delete("/jobs/{name}", tags=["jobs"], **described(Job, None, 404, 409))
+    @routes.delete("/jobs/{name}", tags=["jobs"], **described(Job, None, 404, 409, 507))
     async def remove_job(name: str) -> Response:
         """Forget a job that has ended, with its files."""
         job = job_named(name)
         if job.state not in ENDED:
             raise ProblemError(409, "The job has not ended; cancel it first.")
-        await anyio.to_thread.run_sync(runner.remove, name)
+        await anyio.to_thread.run_sync(store.remove, name)
         return answer(job)
 
-    @routes.post("/jobs/{name}/cancel", tags=["jobs"], **described(Job, None, 404, 409))
+    @routes.post("/jobs/{name}/cancel", tags=["jobs"], **described(Job, None, 404, 409, 507))
     async def cancel_job(name: str) -> Response:
         """Cancel a job that waits or runs."""
         if job_named(name).state in ENDED:

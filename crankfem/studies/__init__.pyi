@@ -1,7 +1,5 @@
 """Public names of this topic and their homes."""
 
-from crankfem.analyses.study.model_comparison import ModelComparison as ModelComparison
-from crankfem.analyses.study.model_comparison import compare_models as compare_models
 from crankfem.analyses.study.response_fits import ResponseFits as ResponseFits
 from regression.fits.fits import Fit as Fit
 from regression.models.lookup import Lookups as Lookups

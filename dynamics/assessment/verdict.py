@@ -229,15 +229,20 @@ class Verdict:
     @property
     def sentence(self) -> str:
         """The verdict in words, with the ranges and the worst finding."""
-        worst = self.checks[0]
+        said = f"{self.headline}: {self.checks[0].sentence}"
+        if self.status != "not acceptable":
+            return said
+        exceeded = (*self.barred, *self.started_through)
+        return f"{said} {' '.join(f'{one.sentence}.' for one in exceeded if not one.allowed)}"
+
+    @property
+    def headline(self) -> str:
+        """The status in words, with the running range or the ranges to bar."""
         if self.status == "fine":
-            return f"Fine from {shown_range(*self.running_range)}: {worst.sentence}"
+            return f"Fine from {shown_range(*self.running_range)}"
         if self.status == "not acceptable":
-            exceeded = (*self.barred, *self.started_through)
-            why = " ".join(f"{one.sentence}." for one in exceeded if not one.allowed)
-            return f"Not acceptable: {worst.sentence} {why}"
-        ranges = ", ".join(one.shown for one in self.barred)
-        return f"Barred range needed, {ranges}: {worst.sentence}"
+            return "Not acceptable"
+        return f"Barred range needed, {', '.join(one.shown for one in self.barred)}"
 
     def plot(self, axes: Axes | None = None) -> Axes:
         """Draw the share of each limit that is used over the speed, with barred ranges shaded.

@@ -9,6 +9,7 @@ from pathlib import Path
 import psutil
 
 from crankbase.errors import InputError
+from crankbase.wrong_files import not_a_file
 from regression.runs.store_schema import (
     APPLICATION_ID,
     SCHEMA_VERSION,
@@ -156,11 +157,8 @@ def check_place(path: Path, readonly: bool) -> None:
     ------
     InputError
     """
-    if path.is_dir():
-        raise InputError(
-            f"store: given {str(path)!r}, which is a folder; allowed is a file, like "
-            f"{path / 'runs.sqlite'}."
-        )
+    if (entry := not_a_file(path)) is not None:
+        raise InputError(f"store: given {str(path)!r}, which {entry}.")
     if readonly and not path.is_file():
         raise InputError(f"store: given {str(path)!r}; there is no such file.")
     if not path.absolute().parent.is_dir():

@@ -11,6 +11,7 @@ import numpy as np
 from crankbase.calls import Limits
 from crankbase.checks.scalars import is_whole_within
 from crankbase.errors import InputError
+from crankbase.wrong_files import not_a_file
 from regression.plans.plan import (
     MODEL_VERSION,
     PlannedStudy,
@@ -335,8 +336,8 @@ def import_results(
         With line and column if the table cannot be used; if nothing in the store fits the study.
     """
     path = Path(file)
-    if path.is_dir():
-        raise InputError(f"import: given {str(path)!r}, which is a folder; allowed is a file.")
+    if (entry := not_a_file(path)) is not None:
+        raise InputError(f"import: given {str(path)!r}, which {entry}.")
     if not path.is_file():
         raise InputError(f"import: given {str(path)!r}; there is no such file.")
     planned = known_designs(store, plan)

@@ -30,6 +30,7 @@ from crankfem.files.reading.data_files import input_path
 from crankfem.report.interactive.vibration import VIBRATION
 from dynamics.excitation.chain_excitation import axial_excitation
 from dynamics.response.forced import forced_response
+from dynamics.response.order_excitation import OrderExcitation
 from dynamics.torque.torque import engine_torque
 from fem.analysis import analyze_throw
 
@@ -130,6 +131,43 @@ def test_damping_of_its_own_takes_the_magnifiers_place(tmp_path):
     guess = 'torsional_magnifier = { value = 25, assumed = "of a like engine" }'
     (guessed,) = record(f"[damping]\n{guess}\n\n[gas]\n")
     assert guessed == "magnifier 25 of every elastic mode: assumed: of a like engine"
+
+
+@pytest.mark.parametrize("loss", [0.05, 0.3])
+def test_an_assumed_magnifier_does_not_damp_a_coupling_whose_damping_is_given(tmp_path, loss):
+    driven = (
+        f'[driven]\ninertia = "60 kg m^2"\ncoupling_stiffness = "40 kN m/rad"\n'
+        f"coupling_loss_factor = {loss}\n\n[gas]\n"
+    )
+
+    def system(text):
+        engine = load_engine(written(tmp_path, text))
+        chain = engine_torsional_chain(engine, np.full(6, 1e-9), np.full(6, 8.0))
+        return damped_engine_chain(engine, chain)
+
+    found = system(driven)
+    assert "by its share of strain in parts without damping of their own" in found.record[-1]
+    # The coupling's mode has its own loss, the crankshaft's modes the magnifier.
+    ratios = found.system.damping_ratios()
+    assert ratios[0] == close(0.5 * loss, rel=0.01)
+    np.testing.assert_allclose(ratios[1:], 0.0125, rtol=0.02)
+    # The same as loss factors 1/40 of the throws alone, beside that of the coupling.
+    chain = found.chain
+    eta = np.where(chain.loss_factor > 0.0, chain.loss_factor, 1.0 / 40.0)
+    rows = chain.elongations()
+    stiffness = rows.T @ np.diag(chain.stiffness * (1.0 + 1j * eta)) @ rows
+    forces = np.linspace(1.0, -1.0, chain.inertia.size)
+    peaks = found.system.elastic_frequencies[:2] * 2.0 * np.pi
+    excitation = OrderExcitation([1.0], peaks, np.tile(forces, (1, 2, 1)))
+    twist = forced_response(found, excitation).motion[0] @ rows[-1]
+    by_hand = [
+        np.linalg.solve(stiffness - w**2 * np.diag(chain.inertia), forces) @ rows[-1] for w in peaks
+    ]
+    np.testing.assert_allclose(np.abs(twist), np.abs(by_hand), rtol=0.03)
+    # One that is given for every mode adds to it.
+    given = "[damping]\ntorsional_magnifier = 40\n\n"
+    both = system(given + driven).system.damping_ratios()
+    assert both[0] == close(0.5 * loss + 0.0125, rel=0.01)
 
 
 @pytest.mark.slow

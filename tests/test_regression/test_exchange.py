@@ -496,9 +496,7 @@ def test_what_is_no_table_is_refused(store, tmp_path, name, content, message):
         import_results(PLAN, store, tmp_path / name)
     assert str(caught.value).startswith(f"{name}: {message}")
     assert "codec" not in str(caught.value)
-    with pytest.raises(
-        InputError, match=r"^import: given '.*', which is a folder; allowed is a file"
-    ):
+    with pytest.raises(InputError, match=r"^import: given '.*', which is a folder, not a file"):
         import_results(PLAN, store, tmp_path)
     with pytest.raises(InputError, match=r"^import: given '.*none\.csv'; there is no such file\.$"):
         import_results(PLAN, store, tmp_path / "none.csv")

@@ -441,7 +441,7 @@ def test_the_database_of_another_program_is_refused_and_left_alone(tmp_path, tab
 
 def test_a_folder_is_no_store(tmp_path):
     for readonly in (False, True):
-        with pytest.raises(InputError, match=r"^store: given '.*', which is a folder; allowed"):
+        with pytest.raises(InputError, match=r"^store: given '.*', which is a folder"):
             ResultStore(tmp_path, readonly=readonly)
     (tmp_path / "file").write_text("", encoding="utf-8")
     with pytest.raises(InputError, match=r"^store: given"):

@@ -14,16 +14,18 @@ import pytest
 from crankbase.errors import InputError
 from crankfem.client import Client, RefusedError
 from crankfem.service.bounds import Settings
+from serving import Served
 
 KEY = "a key of twenty chars"
 
 
 @pytest.fixture(scope="module")
-def locked(serve, tmp_path_factory):
+def locked(tmp_path_factory):
     """A service with a key."""
     folder = tmp_path_factory.mktemp("locked")
     (folder / "key").write_text(f"{KEY}\n")
-    return serve(folder, "--key-file", str(folder / "key"))
+    with Served(folder, "--key-file", str(folder / "key")) as served:
+        yield served
 
 
 def test_other_machines_need_a_key():

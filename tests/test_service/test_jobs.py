@@ -19,9 +19,7 @@ def engine_text():
 @pytest.fixture
 def own_service(serve, tmp_path):
     """A service of the test's own."""
-    made = serve(tmp_path)
-    yield made
-    made.end()
+    return serve(tmp_path)
 
 
 def test_a_file_is_checked_before_it_is_run(service):

@@ -364,6 +364,7 @@ def compare_with_chains(
     coupled: CoupledResponse | None = None,
     axial_response: ForcedResponse | None = None,
     torsional_response: ForcedResponse | None = None,
+    running_range: tuple[float, float] = (0.0, math.inf),
 ) -> ShaftComparison:
     """Compare the whole shaft with its chains, and decide whether these are adequate.
 
@@ -374,6 +375,8 @@ def compare_with_chains(
         Of the same engine.
     coupled, axial_response, torsional_response : optional
         Forced vibration under the same forces at the same speeds; by default only modes are compared.
+    running_range : tuple of two floats, optional
+        Speeds [rad/s] within which the largest amplitudes are compared.
 
     Returns
     -------
@@ -389,6 +392,6 @@ def compare_with_chains(
         matches = matching_modes(whole.crankshaft, chain, max(highest, whole.exciting_frequency))
         response = None
         if coupled is not None and answer is not None:
-            response = matching_response(coupled, chain, answer)
+            response = matching_response(coupled, chain, answer, running_range)
         verdicts.append(chain_verdict(matches, response))
     return ShaftComparison(coupled, verdicts[0], verdicts[1])

@@ -118,11 +118,13 @@ class Assessment:
         What was not assessed, or assumed.
     axial, torsional : Uncertainty
     beside : tuple of str
-        What the engine drives where it is not modeled, how far a calculation of the whole crankshaft
-        differs from the chains that were judged, and where the verdict changes within the range of the
-        bearings' stiffness, a sentence each.
+        What the engine drives where it is not modeled, and where the verdict changes within the range of
+        the bearings' stiffness, a sentence each.
     whole : Verdict or None
         That of the whole crankshaft by the same limits, where a chain that they judge is inadequate.
+    by_whole : tuple of str
+        How far the whole crankshaft differs from the chains that were judged, and its own verdict, a
+        sentence each.
     """
 
     verdict: Verdict
@@ -133,6 +135,17 @@ class Assessment:
     torsional: Uncertainty
     beside: tuple[str, ...] = ()
     whole: Verdict | None = None
+    by_whole: tuple[str, ...] = ()
+
+    @property
+    def conclusion(self) -> str:
+        """What can be concluded despite the assumptions, then the verdict with the values used."""
+        decision, said = self.decision, self.verdict.sentence
+        if decision.status == "undecided":
+            with_used = f"{said[0].lower()}{said[1:]}"
+            return f"Undecided: {decision.sentence}. With the values used, {with_used}"
+        depends = "It depends on assumed or uncertain values"
+        return f"{said} {depends}: {decision.sentence}." if decision.sentence else said
 
     def limit_curve(self, name: str, speeds: FloatArray) -> dict[str, FloatArray]:
         """Return a limit over speeds [rad/s] with its name in a legend; empty if there is none."""

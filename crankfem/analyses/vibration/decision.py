@@ -124,11 +124,14 @@ def _magnifiers(
         judges = kind == "torsional" or any(name.startswith("axial") for name in limits)
         if value is None or not judges:
             continue
-        if source != ASSUMED and not is_assumed(engine_file, f"damping.{field}"):
+        if not source.startswith(ASSUMED):
             continue
 
         def judged(magnifier: float, field: str = field) -> Status:
             changed = engine_file.changed(damping={field: magnifier})
+            # What is tried is still assumed, so parts with damping of their own do without it.
+            sources = changed.provenance | {f"damping.{field}": ("tried", True)}
+            changed = replace(changed, provenance=sources)
             return engine_verdict(changed, limit_findings(changed, *again(changed))).status
 
         made = Trial(f"damping.{field}", f"{kind} magnifier", value, "", status, taken=True)

@@ -41,6 +41,7 @@ def run_record(run: EngineVibration) -> Record:
     Null for results that were not calculated.
     """
     forced = (run.forced_axial, run.forced_torsional)
+    running = (run.engine_file.engine.lowest_speed, run.engine_file.engine.highest_speed)
     return {
         **{own.kind: vibration_record(own) for own in (run.axial, run.torsional)},
         "forced": {own.kind: forced_record(own) for own in forced if own is not None} or None,
@@ -50,7 +51,7 @@ def run_record(run: EngineVibration) -> Record:
         "assessment": None if run.assessment is None else assessment_record(run.assessment),
         "misfiring": None if run.misfiring is None else misfiring_record(run.misfiring),
         "misfiring_note": run.misfiring_note or None,
-        "whole": None if run.whole is None else whole_record(run.whole, run.comparison),
+        "whole": None if run.whole is None else whole_record(run.whole, run.comparison, running),
         "bearings": None if run.bearings is None else sweep_record(run.bearings),
     }
 
@@ -85,7 +86,7 @@ def load_record(load: EngineLoad) -> Record:
 
 def sweep_record(sweep: BearingSweep) -> Record:
     """Return the effect of the range of the main bearings' stiffness, in SI units."""
-    names = ("stiffness", "chains", "shaft", "used", "statuses", "flips", "sentences")
+    names = ("stiffness", "chains", "shaft", "further", "used", "statuses", "flips", "sentences")
     return {"assumed": sweep.bearings.assumed, **attributes(sweep, *names)}
 
 

@@ -336,6 +336,7 @@ def engine_vibration(
                 answer,
                 None if lengthened is None else lengthened.response,
                 None if twisted is None else twisted.response,
+                (read.engine.lowest_speed, read.engine.highest_speed),
             )
         )
         rigid = held_chains(read, analyses, model, math.inf)

@@ -15,7 +15,7 @@ from dynamics.assessment.decided import Decision, decide
 from dynamics.assessment.limit_sentences import limit_at, use_in_words
 from dynamics.assessment.limits import AmplitudeCurve
 from dynamics.assessment.response_curves import curves_of
-from dynamics.assessment.verdict import Verdict
+from dynamics.assessment.verdict import LimitCheck, Verdict
 from dynamics.chains.engine_chains import EngineChain
 from dynamics.response.series import OrderSeries
 
@@ -51,12 +51,12 @@ def with_whole_shaft(
     said = whole_shaft_remark(comparison)
     whole = whole_verdict(engine_file, comparison, cranks, moduli, assessment.verdict)
     if whole is None:
-        return replace(assessment, beside=(*said, *assessment.beside))
+        return replace(assessment, by_whole=said)
     return replace(
         assessment,
         whole=whole,
         decision=decision_by_both(assessment.decision, whole, assessment.verdict),
-        beside=(*said, whole_sentence(whole, assessment.verdict), *assessment.beside),
+        by_whole=(*said, whole_sentence(whole, assessment.verdict)),
     )
 
 
@@ -132,10 +132,16 @@ def whole_verdict(
 
 
 def whole_sentence(whole: Verdict, chains: Verdict) -> str:
-    """Say what the whole crankshaft reaches of the limit used most, and whether the verdicts agree."""
+    """Say what the whole crankshaft reaches of the limit used most, and whether the verdicts agree.
+
+    Beside it stands what the chains reach of the same limit, each at its own worst of the speeds judged.
+    """
     by_chains = {id(one.curve) for one in chains.checks}
     worst = next(one for one in whole.checks if id(one.curve) not in by_chains)
-    found = use_in_words(worst.limit, worst.worst_speed, worst.worst_value, worst.permitted, DIGITS)
+    found = _use(worst)
+    same = next((one for one in chains.checks if one.limit.name == worst.limit.name), None)
+    if same is not None:
+        found += f" (by the chains {same.curve.name}, {_use(same)})"
     agrees = "the same verdict" if whole.status == chains.status else "another verdict"
     ranges = ""
     if whole.status == "barred range needed":
@@ -147,6 +153,10 @@ def whole_sentence(whole: Verdict, chains: Verdict) -> str:
         f"The whole crankshaft held against the same limits: {limit_at(worst.limit.name, worst.curve.name)}, "
         f'{found}; with the values used, {agrees}, "{whole.status}"{ranges}.'
     )
+
+
+def _use(check: LimitCheck) -> str:
+    return use_in_words(check.limit, check.worst_speed, check.worst_value, check.permitted, DIGITS)
 
 
 def decision_by_both(decision: Decision, whole: Verdict, chains: Verdict) -> Decision:

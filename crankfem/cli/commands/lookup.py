@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from crankbase.errors import InputError
+from crankbase.wrong_files import not_a_file
 from crankfem.cli.commands import completion
 from crankfem.cli.commands.options import (
     GammaOption,
@@ -84,7 +85,7 @@ def lookup(
     else:
         from regression.models.compliance_model import ComplianceModel
 
-        if not model.exists():
+        if not_a_file(model) is None and not model.exists():
             raise InputError(
                 f"{model}: does not exist; allowed are law and the path of a model file."
             )

@@ -102,7 +102,7 @@ def _print_whole(record: Record, units: OutputUnits) -> None:
         motion = units.of(MOTION[kind].printed)
         if chain["chain_amplitude"] is not None or chain["shaft_amplitude"] is not None:
             print_line(
-                f"{kind.capitalize()} amplitude of the free end, largest over the speeds: chain "
+                f"{kind.capitalize()} amplitude of the free end, largest at running speeds: chain "
                 f"{motion.number(chain['chain_amplitude'])}, whole crankshaft "
                 f"{motion.number(chain['shaft_amplitude'])} {motion.name}"
             )
@@ -128,7 +128,7 @@ def _print_whole(record: Record, units: OutputUnits) -> None:
             for name, cause in causes.items()
         ]
         print_line(
-            f"Axial amplitude of the free end, each at its own worst speed: {', '.join(told)}"
+            f"Axial amplitude of the free end, each at its own worst running speed: {', '.join(told)}"
         )
 
 

@@ -9,6 +9,7 @@ from typing import Literal
 from crankbase.checks.choices import did_you_mean
 from crankbase.errors import InputError, quoted
 from crankbase.input_file import InputFile
+from crankbase.wrong_files import not_a_file
 
 InputKind = Literal["engine", "hinge", "chain"]
 # Of each kind of input the folder of those that are shipped, and how a message calls a file.
@@ -57,7 +58,7 @@ def input_path(given: str | Path, kind: InputKind = "engine") -> Path:
         shipped = data_folder() / FOLDERS[kind] / f"{path.name.removesuffix('.toml')}.toml"
         if path.parent == Path() and shipped.is_file():
             return shipped
-        fault = f"{given}: {'is a folder, not a file' if path.is_dir() else 'does not exist'}"
+        fault = f"{given}: {not_a_file(path) or 'does not exist'}"
     except OSError as error:
         fault = f"{given}: cannot be searched for; the system reports: {error.strerror}"
     others = [one for one in FOLDERS if one != kind and path.name in shipped_names(one)]
@@ -130,6 +131,8 @@ class InputFiles:
             path = self.path.parent / name
             if os.path.isfile(path):  # False for what is no path, too
                 return InputFile(path)
+            if (entry := not_a_file(path)) is not None:
+                raise InputError(f"{field}: given {name!r}, which {entry}.")
         elif name in sent:
             return InputFile(Path(name), sent[name])
         for known in (data_folder() / shipped).iterdir() if shipped else ():
