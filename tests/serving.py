@@ -173,3 +173,23 @@ THROW = {
 @pytest.fixture
 def throw():
     return dict(THROW)
+
+
+STUDY = """
+[throw]
+crank_radius = "170 mm"
+main_journal_diameter = "220 mm"
+pin_diameter = "180 mm"
+main_journal_length = "120 mm"
+pin_length = "139 mm"
+web_width = "285 mm"
+web_thickness = "68 mm"
+
+[study]
+design = "full factorial"
+accuracy = 0.1
+
+[study.factors]
+web_width = ["270 mm", "330 mm"]
+web_thickness = ["55 mm", "98 mm"]
+"""

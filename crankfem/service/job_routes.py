@@ -13,7 +13,6 @@ from starlette.responses import FileResponse, Response, StreamingResponse
 
 from crankbase.calls import ProcessLostError
 from crankbase.errors import InputError
-from crankbase.processes import scratch_folder
 from crankfem.service.answers import ENDED, CheckedText, Health, Job, Jobs
 from crankfem.service.asking import AnalysisQuestion, FileQuestion, StressQuestion, read_question
 from crankfem.service.bounds import Bounds
@@ -88,20 +87,16 @@ def job_routes(store: JobStore, runner: JobRunner, bounds: Bounds) -> APIRouter:
 
     def check(asked: FileQuestion) -> dict[str, Any]:
         """Check a file in a separate process with a limit of time."""
-        with scratch_folder() as folder:
-            try:
-                # A process that has just started takes its time on a busy machine.
-                checker.call("crankfem.service.tasks:load_checks", time_limit=LOADING)
-                found: dict[str, Any] = checker.call(
-                    "crankfem.service.tasks:check_upload",
-                    asked.model_dump(),
-                    str(folder),
-                    time_limit=bounds.check_seconds,
-                )
-            except ProcessLostError as lost:
-                raise InputError(f"text: given a file that cannot be checked: {lost}.") from None
-            except InputError as error:
-                raise InputError(str(error).replace(f"{folder}/", "")) from None
+        try:
+            # A process that has just started takes its time on a busy machine.
+            checker.call("crankfem.service.tasks:load_checks", time_limit=LOADING)
+            found: dict[str, Any] = checker.call(
+                "crankfem.service.tasks:check_upload",
+                asked.model_dump(),
+                time_limit=bounds.check_seconds,
+            )
+        except ProcessLostError as lost:
+            raise InputError(f"text: given a file that cannot be checked: {lost}.") from None
         return found
 
     @routes.post(
