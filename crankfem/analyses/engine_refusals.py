@@ -20,7 +20,7 @@ def refuse_what_cannot_run(engine_file: EngineFile) -> None:
     """
     refuse_limits(engine_file)
     refuse_law(engine_file)
-    if engine_file.model_path is not None:
+    if engine_file.vibration.model is not None:
         usable_model(engine_file, None)
     elif engine_file.study is not None:
         check_study_can_be_fitted(engine_file.study.planned)

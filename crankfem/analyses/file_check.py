@@ -76,20 +76,20 @@ class CheckedFile:
     material: Material = STEEL
 
 
-def check_file(given: str) -> CheckedFile:
+def check_file(given: str | TomlFile) -> CheckedFile:
     """Read a file of any kind, and check it.
 
     Parameters
     ----------
     given : str
-        Path, or the name of a shipped engine, hinge or chain.
+        Path, or the name of a shipped engine, hinge or chain; or its sections, if already read.
 
     Raises
     ------
     InputError
         With one sentence that names the field, what was given and what is allowed.
     """
-    content = any_sections(given)
+    content = given if isinstance(given, TomlFile) else any_sections(given)
     if content is None or file_kind(content) == "chain":
         return _chain(load_chain(content or given))
     if file_kind(content) == "hinge":
@@ -243,7 +243,7 @@ def _engine(read: EngineFile, content: TomlFile) -> CheckedFile:
             "without the section [limits], a classification society's rule for crankshafts is used: "
             + rule_reason(read)
         )
-    fitted_by_run = bool(chosen_regressions(read.vibration)) and read.model_path is None
+    fitted_by_run = bool(chosen_regressions(read.vibration)) and read.vibration.model is None
     if fitted_by_run:
         remarks.append(
             "crankfem run fits the source regression; crankfem vibration needs a saved model: "
@@ -251,9 +251,10 @@ def _engine(read: EngineFile, content: TomlFile) -> CheckedFile:
         )
     has_gas = read.gas is not None or read.gas_map is not None
     vibration = ("vibration", "class") if has_gas else ("vibration",)
-    if read.model_path is not None:
+    model = read.model_file
+    if model is not None:
         beside = "" if read.study is None else "; the section [study] is not run"
-        remarks.append(f"regression: the saved model {read.model_path}{beside}")
+        remarks.append(f"regression: the saved model {model.path}{beside}")
     elif read.study is None:
         remarks.append("without the section [study] no regression is fitted")
     else:
@@ -300,7 +301,7 @@ def _checked_mechanism(read: EngineFile) -> MechanismFile:
     from crankfem.files.sections.excitation_sections import gas_map_pressure
 
     if read.gas_map is not None:
-        gas_map_pressure(read.gas_map, read.engine.strokes, read.path)
+        gas_map_pressure(read.gas_map, read.engine.strokes, read.files)
     mechanism = mechanism_of(read)
     if not full_load_only(mechanism):
         pressures_at(mechanism, [read.engine.lowest_speed, read.engine.highest_speed])

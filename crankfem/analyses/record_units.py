@@ -96,8 +96,9 @@ _PLACES = {
     "kg m^2": "balance.dynamic unbalance.dynamic",
     "W": "dampers.* power.largest",
     "s": "seconds.*",
-    "Hz": "bearings.chains.* bearings.shaft.* causes.* differences.chain differences.rigid_chain "
-    "differences.shaft flywheel_tilt.modes.further flywheel_tilt.modes.shaft flywheel_tilt.modes.without "
+    "Hz": "bearings.chains.* bearings.further.* bearings.shaft.* causes.* differences.chain "
+    "differences.rigid_chain differences.shaft flywheel_tilt.modes.further flywheel_tilt.modes.shaft "
+    "flywheel_tilt.modes.without "
     "frequencies.high frequencies.low frequencies.nominal",
     "m/N": "errors.axial_compliance errors.influence_coefficient "
     "angle_law.fe angle_law.formulas.* fe.axial regression.axial.value shaft.axial",

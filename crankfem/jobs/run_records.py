@@ -193,14 +193,8 @@ def _engine_record(engine_file: EngineFile) -> Record:
 
 def _angle_record(engine_file: EngineFile, analysis: ThrowAnalysis) -> Record:
     """FE and formulas over the angle between neighboring cranks."""
-    material = engine_file.material
     tables = [
-        axial_formulas(
-            engine_file.throw,
-            float(gamma),
-            youngs_modulus=material.youngs_modulus,
-            poisson_ratio=material.poisson_ratio,
-        )
+        axial_formulas(engine_file.throw, float(gamma), material=engine_file.material)
         for gamma in ANGLES_SHOWN_DEG
     ]
     return {

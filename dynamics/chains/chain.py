@@ -125,7 +125,7 @@ class Chain:
             stiffnesses.size,
             "kg m^2 (torsional) or kg (axial)",
         )
-        inertias = _checked_inertias(inertia, zero_allowed=bool(np.any(spread)) or len(gears) > 0)
+        inertias = _checked_inertias(inertia, zero_allowed=bool(np.any(spread)) or bool(gears))
         count = inertias.size
         pairs = checked_pairs(connections, count)
         if stiffnesses.size != len(pairs):

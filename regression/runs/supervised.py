@@ -2,6 +2,7 @@
 
 import subprocess
 from collections.abc import Mapping
+from pathlib import Path
 from typing import Any
 
 from crankbase.calls import GIGABYTE, CallProcess, Limits, Message, Messages, answered
@@ -86,12 +87,13 @@ class SupervisedProcess(CallProcess):
         return kind, answer
 
 
-def spawn_worker() -> subprocess.Popen[bytes]:
-    """Start a worker process; with one thread, so that its results do not depend on the machine."""
+def spawn_worker(folder: Path | None = None) -> subprocess.Popen[bytes]:
+    """Start a worker process in a folder; with one thread, so that no result depends on the machine."""
     return start_child(
         "crankbase.calls",
         "geometry.built_solid:keep_solids",
         environment=ONE_THREAD | KEPT_MEMORY,
+        cwd=folder,
         stdin=subprocess.PIPE,
         stdout=subprocess.PIPE,
         stderr=subprocess.DEVNULL,

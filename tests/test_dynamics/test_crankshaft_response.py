@@ -11,6 +11,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from scipy.linalg import eigh
 
 from comparing import close
 from crankbase.errors import InputError
@@ -23,7 +24,7 @@ from dynamics.crankshaft.chain_comparison import (
     matching_response,
 )
 from dynamics.crankshaft.coupled_response import coupled_response
-from dynamics.crankshaft.mode_matches import matching_modes
+from dynamics.crankshaft.mode_matches import followed_modes, matching_modes
 from dynamics.crankshaft.pin_excitation import pins_of_cylinders, shaft_excitation
 from dynamics.crankshaft.shaft_system import crankshaft_system
 from dynamics.crankshaft.shaft_throw import ShaftThrow
@@ -148,6 +149,22 @@ def test_a_mode_that_coupling_divides_is_told_by_both(monkeypatch):
         f"{own * math.sqrt(0.7):.1f} Hz (50 % axial) and {own * math.sqrt(1.3):.1f} Hz (50 % axial)."
     )
     assert matching_modes(straight(), chains()[0], 1e4)[0].divided == ()
+
+
+def test_modes_that_cross_are_followed_by_their_shapes():
+    """Two masses on springs of their own, a weak one between: the stiffer becomes the softer one."""
+    mass = np.diag([2.0, 3.0])
+    shapes = []
+    for ratio in (0.25, 0.5, 2.0, 4.0):
+        stiffness = np.diag([2.0, 3.0 * ratio]) + 0.02 * np.array([[1.0, -1.0], [-1.0, 1.0]])
+        shapes.append(eigh(stiffness, mass)[1])
+    assert followed_modes(mass, shapes).tolist() == [[0, 1], [0, 1], [1, 0], [1, 0]]
+
+
+def test_no_mode_of_the_shaft_stands_for_two_of_the_chain():
+    matches = matching_modes(straight(0.9), chains()[0], 1e4)
+    taken = [match.shaft_mode for match in matches if match.shaft_mode is not None]
+    assert len(taken) == len(set(taken)) > 1
 
 
 def test_tangential_forces_move_the_free_end_only_where_torsion_is_coupled(forces):

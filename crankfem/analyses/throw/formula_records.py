@@ -43,16 +43,9 @@ def formula_records(
         As `axial_formulas`.
     """
     axial = axial_formulas(
-        throw,
-        gamma_deg,
-        youngs_modulus=material.youngs_modulus,
-        poisson_ratio=material.poisson_ratio,
-        variant=variant,
-        constants=constants,
+        throw, gamma_deg, material=material, variant=variant, constants=constants
     )
-    torsional = torsional_formulas(
-        throw, youngs_modulus=material.youngs_modulus, poisson_ratio=material.poisson_ratio
-    )
+    torsional = torsional_formulas(throw, material=material)
     faults = axial_formula_faults(throw, variant) if variant in ("printed", "corrected") else {}
     law = law_record(throw, material, gamma_deg)
     if law["answers"] is None:

@@ -137,6 +137,16 @@ class Assessment:
     whole: Verdict | None = None
     by_whole: tuple[str, ...] = ()
 
+    @property
+    def conclusion(self) -> str:
+        """What can be concluded despite the assumptions, then the verdict with the values used."""
+        decision, said = self.decision, self.verdict.sentence
+        if decision.status == "undecided":
+            with_used = f"{said[0].lower()}{said[1:]}"
+            return f"Undecided: {decision.sentence}. With the values used, {with_used}"
+        depends = "It depends on assumed or uncertain values"
+        return f"{said} {depends}: {decision.sentence}." if decision.sentence else said
+
     def limit_curve(self, name: str, speeds: FloatArray) -> dict[str, FloatArray]:
         """Return a limit over speeds [rad/s] with its name in a legend; empty if there is none."""
         limit = self.limits.get(name)

@@ -86,7 +86,7 @@ def load_record(load: EngineLoad) -> Record:
 
 def sweep_record(sweep: BearingSweep) -> Record:
     """Return the effect of the range of the main bearings' stiffness, in SI units."""
-    names = ("stiffness", "chains", "shaft", "used", "statuses", "flips", "sentences")
+    names = ("stiffness", "chains", "shaft", "further", "used", "statuses", "flips", "sentences")
     return {"assumed": sweep.bearings.assumed, **attributes(sweep, *names)}
 
 

@@ -77,7 +77,7 @@ def vibration(
     from crankfem.cli.tables.run_tables import print_verdict
     from crankfem.cli.tables.vibration_tables import print_run, print_run_up
     from crankfem.files.engine.engine_file import load_engine
-    from crankfem.files.engine.input_files import engine_tables
+    from crankfem.files.engine.input_files import engine_inputs
     from crankfem.files.engine.mechanism_file import mechanism_of
     from crankfem.jobs.outputs import make_output_folder
     from crankfem.report.interactive.vibration import VIBRATION
@@ -88,7 +88,7 @@ def vibration(
         check_has_limits(read)
     mechanism = mechanism_of(read)
     if csv is not None or pictures is not None:
-        protect(read.path, *engine_tables(read, mechanism))
+        protect(*(file.path for file in engine_inputs(read)))
     tables = make_output_folder(
         "--csv", csv, [f"{one}.csv" for one in (*MOTION, "axial_force")], "table"
     )
