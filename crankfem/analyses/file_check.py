@@ -75,20 +75,20 @@ class CheckedFile:
     material: Material = STEEL
 
 
-def check_file(given: str) -> CheckedFile:
+def check_file(given: str | TomlFile) -> CheckedFile:
     """Read a file of any kind, and check it.
 
     Parameters
     ----------
     given : str
-        Path, or the name of a shipped engine, hinge or chain.
+        Path, or the name of a shipped engine, hinge or chain; or its sections, if already read.
 
     Raises
     ------
     InputError
         With one sentence that names the field, what was given and what is allowed.
     """
-    content = any_sections(given)
+    content = given if isinstance(given, TomlFile) else any_sections(given)
     if content is None or file_kind(content) == "chain":
         return _chain(load_chain(content or given))
     if file_kind(content) == "hinge":
@@ -231,7 +231,7 @@ def _in_mechanism(read: MechanismFile, content: TomlFile) -> dict[str, CrankThro
 
 
 def _engine(read: EngineFile, content: TomlFile) -> CheckedFile:
-    refuse_what_cannot_run(read)
+    refuse_what_cannot_run(read, content)
     study = ("doe",) if read.study is not None else ()
     mechanism = mechanism_of(read)
     remarks = [_thrust_bearing(read), *mechanism.remarks, *_power(mechanism)]
@@ -245,7 +245,7 @@ def _engine(read: EngineFile, content: TomlFile) -> CheckedFile:
             "without the section [limits], a classification society's rule for crankshafts is used: "
             + rule_reason(read)
         )
-    fitted_by_run = bool(chosen_regressions(read.vibration)) and read.model_path is None
+    fitted_by_run = bool(chosen_regressions(read.vibration)) and read.vibration.model is None
     if fitted_by_run:
         remarks.append(
             "crankfem run fits the source regression; crankfem vibration needs a saved model: "
@@ -253,9 +253,10 @@ def _engine(read: EngineFile, content: TomlFile) -> CheckedFile:
         )
     has_gas = read.gas is not None or read.gas_map is not None
     vibration = ("vibration", "class") if has_gas else ("vibration",)
-    if read.model_path is not None:
+    model = read.model_file
+    if model is not None:
         beside = "" if read.study is None else "; the section [study] is not run"
-        remarks.append(f"regression: the saved model {read.model_path}{beside}")
+        remarks.append(f"regression: the saved model {model.path}{beside}")
     elif read.study is None:
         remarks.append("without the section [study] no regression is fitted")
     else:

@@ -240,7 +240,9 @@ def engine_verdict(engine_file: EngineFile, findings: Findings) -> Verdict:
     engine = engine_file.engine
     rule = (engine_file.limits or LimitsInput()).barred_rule(engine.rated_speed)
     running = (engine.lowest_speed, engine.highest_speed)
-    return judge(findings, running, rule)
+    load = engine_file.load
+    full_load = engine_file.gas_map is None and (load is None or load.law == "constant")
+    return judge(findings, running, rule, full_load)
 
 
 def even_firing_interval(firing_angles: Sequence[float], strokes: int) -> float | None:
