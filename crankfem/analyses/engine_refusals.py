@@ -3,8 +3,8 @@
 from crankfem.analyses.shaft.law_source import refuse_law
 from crankfem.analyses.shaft.regression_source import chosen_regressions, refused
 from crankfem.analyses.shaft.saved_model import usable_model
-from crankfem.analyses.study.fitting import check_study_can_be_fitted
 from crankfem.analyses.study.nominal_throw import outside_study
+from crankfem.analyses.study.response_fits import check_study_can_be_fitted
 from crankfem.analyses.vibration.engine_limits import refuse_limits
 from crankfem.files.engine.engine_file import EngineFile
 from dynamics.torque_table import read_torque_table

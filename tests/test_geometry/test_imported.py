@@ -9,7 +9,7 @@ import pytest
 from comparing import close
 from crankbase.errors import InputError, MeshError
 from fem.assembly import assemble_stiffness
-from fem.class_compliances import class_axial_compliances
+from fem.axial_analysis import class_axial_compliances
 from fem.condensation import condense
 from fem.loads import unit_pin_loads
 from fem.material import STEEL
