@@ -31,25 +31,29 @@ def end_with_owner():
 # A service with bounds that the command line does not set.
 BOUNDED = """
 import sys
+sys.modules.update(dict.fromkeys({hidden}))
 from pathlib import Path
 from crankfem.service.bounds import Bounds, Settings
 from crankfem.service.server import serve
-settings = Settings(Path(sys.argv[1]), port=0, bounds=Bounds(**{bounds}))
+settings = Settings(Path(sys.argv[1]), port=0, key={key!r}, bounds=Bounds(**{bounds}))
 serve(settings, lambda address: print("crankfem serves at", address, "", file=sys.stderr, flush=True))
 """
 
 
 class Served:
-    """A service, its folder and its log; with bounds in place of options if such are given."""
+    """A service, its folder and its log; with bounds in place of options if such are given.
 
-    def __init__(self, folder, *options, **bounds):
+    It has no package whose name is hidden.
+    """
+
+    def __init__(self, folder, *options, key=None, hidden=(), **bounds):
         self.folder = folder
         self.log = folder / "log"
         paths = [str(ROOT), *filter(None, [os.environ.get("PYTHONPATH")])]
         own = str(folder / "service")
         command = ["-m", "crankfem", "serve", "--port", "0", "--folder", own, *options]
         if bounds:
-            command = ["-c", BOUNDED.format(bounds=bounds), own]
+            command = ["-c", BOUNDED.format(bounds=bounds, key=key, hidden=hidden), own]
         with self.log.open("ab") as log:
             self.process = subprocess.Popen(
                 [sys.executable, "-P", *command],
@@ -169,3 +173,23 @@ THROW = {
 @pytest.fixture
 def throw():
     return dict(THROW)
+
+
+STUDY = """
+[throw]
+crank_radius = "170 mm"
+main_journal_diameter = "220 mm"
+pin_diameter = "180 mm"
+main_journal_length = "120 mm"
+pin_length = "139 mm"
+web_width = "285 mm"
+web_thickness = "68 mm"
+
+[study]
+design = "full factorial"
+accuracy = 0.1
+
+[study.factors]
+web_width = ["270 mm", "330 mm"]
+web_thickness = ["55 mm", "98 mm"]
+"""

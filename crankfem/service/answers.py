@@ -188,6 +188,7 @@ class CheckedText(Answer):
     valid: bool
     commands: list[str]
     remarks: list[str]
+    warnings: list[str]
     dimensions: list[dict[str, Any]] | None
     record: dict[str, Any]
 

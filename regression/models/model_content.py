@@ -10,6 +10,7 @@ from pydantic import ConfigDict, Field, FiniteFloat, model_validator
 
 from crankbase.checks.choices import did_you_mean
 from crankbase.errors import InputError
+from crankbase.input_file import GivenFile, InputFile
 from crankbase.model import InputModel
 from regression.models.error_band import error_band
 from regression.models.family import Family
@@ -149,7 +150,7 @@ class ModelContent(InputModel):
         write_model(self.model_dump(mode="json"), path)
 
     @classmethod
-    def load(cls, path: str | os.PathLike[str]) -> Self:
+    def load(cls, path: GivenFile) -> Self:
         """Read a model written by `save`; it gives the same numbers to the last digit.
 
         Parameters
@@ -167,9 +168,8 @@ class ModelContent(InputModel):
         try:
             return cls(**content)
         except (InputError, TypeError) as error:
-            raise InputError(
-                f"{os.fspath(path)}: given a damaged compliance model; {error}"
-            ) from None
+            shown = InputFile.of(path).path
+            raise InputError(f"{shown}: given a damaged compliance model; {error}") from None
 
     def __getstate__(self) -> dict[Any, Any]:
         """Leave the compiled equations out of what goes to other processes."""

@@ -8,9 +8,10 @@ from pathlib import Path
 from typing import Any
 
 from crankbase.errors import InputError
+from crankbase.input_file import GivenFile, InputFile
 from crankbase.outputs import write_text
-from crankbase.text_limits import LARGEST_TABLE_FILE, check_file_size
-from crankbase.wrong_files import JSON, LOOKED_AT, wrong_kind
+from crankbase.text_limits import LARGEST_TABLE_FILE
+from crankbase.wrong_files import JSON
 from regression.fits.terms import polynomial_terms
 from regression.response_kinds import TOO_SMALL
 
@@ -18,7 +19,8 @@ FILE_FORMAT = "crankfem compliance model"
 FORMAT_VERSION = 4
 # Files of these versions are brought up to date when read.
 OLD_VERSIONS = (1, 2, 3)
-_WANTED = "allowed is a compliance model file as crankfem saves it"
+_MODEL_FILE = "a compliance model file as crankfem saves it"
+_WANTED = f"allowed is {_MODEL_FILE}"
 
 
 def write_model(content: Mapping[str, object], path: str | os.PathLike[str]) -> None:
@@ -60,7 +62,7 @@ def is_model(path: Path) -> bool:
     return True
 
 
-def read_model(path: str | os.PathLike[str]) -> dict[str, Any]:
+def read_model(path: GivenFile) -> dict[str, Any]:
     """Read the content that `write_model` wrote.
 
     Parameters
@@ -73,24 +75,13 @@ def read_model(path: str | os.PathLike[str]) -> dict[str, Any]:
         If the file cannot be read, is not a compliance model, is of a newer format, or was changed or
         truncated since it was written.
     """
-    shown = os.fspath(path)
-    check_file_size(Path(path), LARGEST_TABLE_FILE, "a compliance model")
-    try:
-        raw = Path(path).read_bytes()
-        wrong = wrong_kind(raw[:LOOKED_AT])
-        if wrong is not None and not raw.lstrip().startswith(JSON):
-            raise InputError(f"{shown}: {wrong}; {_WANTED}.")
-        text = raw.decode("utf-8")
-    except OSError as error:
-        raise InputError(
-            f"{shown}: cannot be read ({error.strerror}); give the path of a compliance model file."
-        ) from None
-    except UnicodeDecodeError:
-        raise InputError(f"{shown}: given a file that is not text; {_WANTED}.") from None
+    file = InputFile.of(path)
+    shown = file.path
+    text = file.text(LARGEST_TABLE_FILE, "a compliance model", _MODEL_FILE, JSON)
     try:
         record = json.loads(text)
     except (json.JSONDecodeError, RecursionError) as error:
-        toml = Path(path).suffix.lower() == ".toml"
+        toml = shown.suffix.lower() == ".toml"
         fault = "is a TOML file" if toml else f"given a file that is not complete JSON ({error})"
         raise InputError(f"{shown}: {fault}; {_WANTED}.") from None
     except ValueError:  # Python reads no integers of thousands of digits

@@ -473,7 +473,7 @@ def test_a_table_of_ones_own_comes_before_the_shipped_one(call, tmp_path):
 @pytest.mark.parametrize(
     ("arguments", "fragment"),
     [
-        (("nowhere.csv",), "nowhere.csv: the torque table cannot be read"),
+        (("nowhere.csv",), "nowhere.csv: cannot be read as a torque table"),
         (
             ("yamz5340_torque_one_throw.csv", "--strokes", "3"),
             "strokes: given 3; allowed are 2 and",

@@ -10,6 +10,7 @@ import pytest
 
 from comparing import close
 from crankbase.errors import InputError
+from crankbase.input_file import InputFile
 from crankfem.analyses.study.studies import run_study, study_key
 from crankfem.cli import console
 from crankfem.cli.tables.design_tables import plan_record, print_plan
@@ -494,4 +495,4 @@ def test_tables_that_are_too_large(tmp_path, table, message):
     path = tmp_path / "designs.csv"
     path.write_text(table, encoding="utf-8")
     with pytest.raises(InputError, match=message):
-        read_design(tmp_path, "designs.csv", (), THROW)
+        read_design(InputFile(path), (), THROW)

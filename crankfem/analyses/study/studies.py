@@ -23,6 +23,7 @@ from crankfem.analyses.study.nominal_throw import sensitivities
 from crankfem.analyses.study.response_fits import ResponseFits
 from crankfem.analyses.study.study_model import compliance_model
 from crankfem.files.engine.throw_file import load_study
+from crankfem.files.reading.toml_file import TomlFile
 from regression.factor_labels import factor_text
 from regression.models.compliance_model import ComplianceModel
 from regression.plots.factor_axis import response_text
@@ -129,7 +130,7 @@ class StudyResult:
 
 
 def run_study(
-    study: str | Path,
+    study: str | Path | TomlFile,
     store: str | Path = "runs.sqlite",
     workers: int = 2,
     progress: Progress | None = None,
@@ -145,7 +146,8 @@ def run_study(
     Parameters
     ----------
     study : path
-        TOML file with the sections [throw] and [study], or an engine file.
+        TOML file with the sections [throw] and [study], or an engine file; or its sections, if already
+        read.
     store : path
         SQLite file of results. Finished designs are not computed again.
     workers : int

@@ -47,7 +47,7 @@ def study_plan(
     throw = throw_of_name(throws, given.throw, "study.throw", default)
     factors, rows = _factors(given.factors, throw), None
     if given.file is not None:
-        factors, rows = read_design(content.path.parent, given.file, factors, throw)
+        factors, rows = read_design(content.files.named("study.file", given.file), factors, throw)
     return StudyPlan(
         throw=throw,
         factors=factors,
