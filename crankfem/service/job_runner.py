@@ -15,7 +15,7 @@ from crankfem.service.bounds import Bounds
 from crankfem.service.job_store import FULL, NO_SPACE, JobStore, StoreError
 from crankfem.service.log import log_line
 from crankfem.service.problems import ProblemError, field_errors, problem
-from regression.runs.supervised import spawn_worker
+from regression.runs.workers import spawn_worker
 
 # A job whose process was lost is tried once more; one that the service did not outlive, too. One that finds
 # the disk full waits for space several times.

@@ -17,6 +17,7 @@ from random import Random
 
 import fault_disk
 import fault_kills
+import fault_names
 import fault_service
 from fault_tools import Bench, Finding
 
@@ -46,6 +47,7 @@ ATTACKS: dict[str, tuple[Attack, int]] = {
     "files limited in size": (fault_disk.file_limit, 4),
     "folder read-only": (fault_disk.read_only, 3),
     "results folder half written or cut": (fault_disk.results_folder, 3),
+    "files named in every field": (fault_names.named_files, 3000),
 }
 COLUMNS = ("inputs", "lost", "silent", "tracebacks", "hangs")
 BEGIN, END = "<!-- table: begin -->", "<!-- table: end -->"

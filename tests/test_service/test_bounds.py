@@ -294,6 +294,13 @@ def test_paths_lead_nowhere_else(service, path):
         {"tables": {"../table.csv": "1"}},
         {"tables": {"a/b.csv": "1"}},
         {"tables": {"engine.toml": "1"}},
+        {"tables": {"a\0.csv": "1"}},
+        {"tables": {"..\\a.csv": "1"}},
+        {"tables": {"C:a.csv": "1"}},
+        {"tables": {"..%2fa.csv": "1"}},
+        {"tables": {"\uff0e\uff0e\uff0fa.csv": "1"}},
+        {"tables": {f"{'a' * 77}.csv": "1"}},
+        {"tables": {"a.csv\n": "1"}},
         {"text": "\ud800"},
     ],
 )

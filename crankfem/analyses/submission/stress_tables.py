@@ -262,7 +262,7 @@ def barred_table(verdict: Verdict) -> Table:
             [
                 one.low,
                 one.high,
-                "yes" if one.allowed else "no",
+                "not judged" if one.full_load else "yes" if one.allowed else "no",
                 "; ".join((*one.refusals, one.ends, *one.remarks)),
             ]
             for one in ranges

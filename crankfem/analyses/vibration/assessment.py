@@ -203,9 +203,9 @@ def assess(
         for series in (limited_series(name, engine_file, axial, torsional),)
         for place in series.names
     }
-    checks = tuple(
+    *checks, worst = (
         replace(one, cause=_cause(one, *limited[one.limit.name, one.curve.name], torsional))
-        for one in verdict.checks
+        for one in (*verdict.checks, verdict.worst)
     )
     spreads = {own.kind: _spreads(engine_file, own, errors[own.kind]) for own in (axial, torsional)}
     trials: tuple[Trial, ...] = ()
@@ -223,7 +223,7 @@ def assess(
             trials, barred = (*trials, *found.trials), barred | {kind: found.barred}
     decision = engine_decision(engine_file, verdict.status, findings, damped)
     return Assessment(
-        verdict=replace(verdict, checks=checks),
+        verdict=replace(verdict, checks=tuple(checks), worst=worst),
         limits=limits,
         decision=decide(verdict.status, (*decision.trials, *trials)),
         remarks=remarks,
