@@ -13,12 +13,11 @@ from crankfem.analyses.engine_refusals import refuse_what_cannot_run
 from crankfem.analyses.record import Record, attributes, input_records
 from crankfem.analyses.shaft.regression_source import chosen_regressions
 from crankfem.analyses.throw.law_record import law_record
-from crankfem.analyses.vibration.engine_limits import rule_reason
+from crankfem.analyses.vibration.engine_limits import engine_limits, rule_reason
 from crankfem.files.chain.chain_file import ChainFile, load_chain
 from crankfem.files.engine.engine_file import EngineFile
 from crankfem.files.engine.file_kinds import any_sections, file_kind
 from crankfem.files.engine.mechanism_file import MechanismFile, load_any, mechanism_of
-from crankfem.files.engine.mechanism_load import full_load_only, pressures_at
 from crankfem.files.engine.throw_file import ThrowFile, load_study
 from crankfem.files.engine.usual_sizes import throw_warnings
 from crankfem.files.hinge.hinge_file import SECTIONS as HINGE_SECTIONS
@@ -232,12 +231,15 @@ def _in_mechanism(read: MechanismFile, content: TomlFile) -> dict[str, CrankThro
 
 
 def _engine(read: EngineFile, content: TomlFile) -> CheckedFile:
-    refuse_what_cannot_run(read)
+    refuse_what_cannot_run(read, content)
     study = ("doe",) if read.study is not None else ()
-    mechanism = _checked_mechanism(read)
+    mechanism = mechanism_of(read)
     remarks = [_thrust_bearing(read), *mechanism.remarks, *_power(mechanism)]
     if read.gas is None:
         remarks.append(_without_gas())
+    if read.limits is not None or read.strength is not None:
+        limits, _ = engine_limits(read)
+        remarks += [f"{limit.name}: {limit.remark}" for limit in limits.values() if limit.remark]
     if read.limits is None and read.gas is not None:
         remarks.append(
             "without the section [limits], a classification society's rule for crankshafts is used: "
@@ -294,18 +296,6 @@ def _thrust_bearing(read: EngineFile) -> str:
     """State which bearing is meant."""
     place, count = read.thrust_bearing.main_bearing, len(read.throw_angles_deg) + 1
     return f"thrust bearing at main bearing {place} of {count}, counted from 1 at the free end"
-
-
-def _checked_mechanism(read: EngineFile) -> MechanismFile:
-    """Return the mechanism of an engine whose gas pressure can be reached."""
-    from crankfem.files.sections.excitation_sections import gas_map_pressure
-
-    if read.gas_map is not None:
-        gas_map_pressure(read.gas_map, read.engine.strokes, read.files)
-    mechanism = mechanism_of(read)
-    if not full_load_only(mechanism):
-        pressures_at(mechanism, [read.engine.lowest_speed, read.engine.highest_speed])
-    return mechanism
 
 
 def _power(mechanism: MechanismFile) -> tuple[str, ...]:

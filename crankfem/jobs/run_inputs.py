@@ -81,7 +81,7 @@ def read_inputs(engine: str | Path | TomlFile, model: Path | None = None) -> Run
     """
     content = engine_sections(engine)
     engine_file = load_engine(content if model is None else with_model(content, model))
-    refuse_what_cannot_run(engine_file)
+    refuse_what_cannot_run(engine_file, content)
     mechanism = mechanism_of(engine_file)
     torque, table = None, engine_file.torque_table
     if table is not None:

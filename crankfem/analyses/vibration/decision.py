@@ -72,7 +72,8 @@ def _steels(engine_file: EngineFile, status: Status, findings: Findings) -> list
     tensile, yielding = strengths(engine_file)
 
     def judged(**given: float) -> Status:
-        strong = given.get(TENSILE, tensile) > CRANKSHAFT_STRENGTHS[False]
+        told = None if TENSILE in given else limits.tensile_strength
+        strong = told is None and given.get(TENSILE, tensile) > CRANKSHAFT_STRENGTHS[False]
         changed = engine_file.changed(limits={**given, "alloy": limits.alloy or strong})
         own = {limit.name: limit for limit in engine_limits(changed)[0].values()}
         return engine_verdict(changed, [(own[lim.name], curve) for lim, curve in findings]).status

@@ -12,6 +12,7 @@ from crankfem.analyses.mechanism.mechanism_records import power_record
 from crankfem.analyses.record import ASSUMED, Record, assumed_values, attributes, plain
 from crankfem.analyses.shaft.motion import MOTION
 from crankfem.analyses.shaft.whole_records import whole_record
+from crankfem.analyses.shaft.whole_shaft import not_comparable
 from crankfem.analyses.vibration.assessment_records import assessment_record
 from crankfem.analyses.vibration.axial_cycle import axial_cycle_record
 from crankfem.analyses.vibration.bearing_sweep import BearingSweep
@@ -52,6 +53,7 @@ def run_record(run: EngineVibration) -> Record:
         "misfiring": None if run.misfiring is None else misfiring_record(run.misfiring),
         "misfiring_note": run.misfiring_note or None,
         "whole": None if run.whole is None else whole_record(run.whole, run.comparison, running),
+        "not_comparable": not_comparable(run.engine_file) or None,
         "bearings": None if run.bearings is None else sweep_record(run.bearings),
     }
 
@@ -60,7 +62,7 @@ def _axial_force(run: EngineVibration) -> Record | None:
     if run.axial_force is None or run.forced_axial is None:
         return None
     compared = run.comparison
-    # Without a chain to compare with, the whole crankshaft lacks what follows the flywheel.
+    # Without a chain to compare with, the whole crankshaft lacks the plant.
     coupled = None if compared is None or compared.axial is None else compared.coupled
     return axial_cycle_record(run.axial_force, run.forced_axial, run.engine_file, coupled)
 

@@ -65,6 +65,7 @@ def vibration(
         _print_chain_modes(engine, content, out.json, out.units, only_engines=others)
         return
     from crankbase.outputs import protect
+    from crankfem.analyses.engine_refusals import refuse_what_cannot_run
     from crankfem.analyses.shaft.motion import MOTION
     from crankfem.analyses.shaft.saved_model import with_model
     from crankfem.analyses.vibration.axial_cycle import axial_cycle_columns
@@ -84,6 +85,7 @@ def vibration(
 
     duration = None if run_up is None else parse_duration(run_up)
     read = load_engine(content if model is None else with_model(content, model))
+    refuse_what_cannot_run(read, content)
     if strict:
         check_has_limits(read)
     mechanism = mechanism_of(read)

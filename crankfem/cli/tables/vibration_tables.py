@@ -24,9 +24,9 @@ NOT_FORCED = (
     "Amplitudes are not calculated, because the engine file gives no gas pressure: add [gas]."
 )
 
+CHAINS_USED = "the verdict uses lumped models (chains)"
 CHAINS_ALONE = (
-    "the verdict uses lumped models (chains); --coupled also holds the whole crankshaft against the limits "
-    "where they are inadequate"
+    "--coupled also holds the whole crankshaft against the limits where they are inadequate"
 )
 
 
@@ -67,7 +67,8 @@ def print_run(record: Record, units: OutputUnits = SI) -> None:
             filter(None, found["remarks"] if found else [record.get("misfiring_note")]), units
         )
         if record["whole"] is None:
-            print_notes([CHAINS_ALONE], units)
+            reason = record.get("not_comparable")
+            print_notes([f"{CHAINS_USED}; {reason or CHAINS_ALONE}"], units)
         print_judgment(record["assessment"], units)
         if found is not None:
             print_line(units.text(f"Misfiring: {found['sentence']}"))

@@ -166,8 +166,21 @@ class TomlFile:
                         others[name](self)
             told = {line for error in errors.found for line in error.sentences}
             alone = [] if told.issuperset(first.sentences) else [first]
-            every = InputError.of_all([*alone, *errors.found])
-            raise InputError("\n".join(map(self._with_line, every.sentences))) from None
+            with self.with_lines():
+                raise InputError.of_all([*alone, *errors.found]) from None
+
+    @contextmanager
+    def with_lines(self) -> Iterator[None]:
+        """Say of errors about fields in which lines of the file these are.
+
+        Raises
+        ------
+        InputError
+        """
+        try:
+            yield
+        except InputError as error:
+            raise InputError("\n".join(map(self._with_line, error.sentences))) from None
 
     def _with_line(self, sentence: str) -> str:
         """Add to a sentence about a field in which line of the file it is."""
