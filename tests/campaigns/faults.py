@@ -18,6 +18,7 @@ from random import Random
 import fault_disk
 import fault_kills
 import fault_names
+import fault_service
 from fault_tools import Bench, Finding
 
 Attack = Callable[[Bench, Random, Path], Finding]
@@ -28,7 +29,11 @@ ATTACKS: dict[str, tuple[Attack, int]] = {
     "worker killed (SIGKILL, SIGABRT or SIGSEGV)": (fault_kills.worker, 25),
     "Dask worker killed": (fault_kills.dask_worker, 12),
     "Dask scheduler killed": (fault_kills.dask_scheduler, 5),
-    "service killed during a job": (fault_kills.server, 10),
+    "service killed during a job": (fault_service.server, 10),
+    "worker of the service killed, jobs in the queue": (fault_service.worker_killed, 9),
+    "disk of the service full, jobs in the queue": (fault_service.disk_full, 9),
+    "pairs of headers, under both parsers": (fault_service.header_pairs, 3000),
+    "400 followers of the service's jobs": (fault_service.followers, 1200),
     "mesher killed or aborted": (fault_kills.mesher_killed, 15),
     "mesher stopped (hangs)": (fault_kills.mesher_hang, 3),
     "worker stopped (hangs)": (fault_kills.worker_hang, 3),
