@@ -28,6 +28,7 @@ from crankfem.files.engine.engine_file import load_engine
 from crankfem.files.engine.mechanism_file import load_mechanism, mechanism_of
 from crankfem.files.reading.data_files import input_path
 from crankfem.report.interactive.vibration import VIBRATION
+from dynamics.assessment.limit_sentences import shown_range
 from dynamics.excitation.chain_excitation import axial_excitation
 from dynamics.response.forced import forced_response
 from dynamics.response.order_excitation import OrderExcitation
@@ -411,6 +412,53 @@ def test_ranges_exceeded_while_misfiring_with_next_to_nothing_between_them_are_o
     assert _ranges(speeds, flags) == ((1.0, 5.0), (6.0, 9.0))
     assert _ranges(speeds[:1], flags[1:2]) == ((1.0, 1.0),)
     assert _ranges(speeds[:2], flags[:2]) == ((1.0, 2.0),)
+
+
+@pytest.mark.slow
+def test_misfiring_is_held_against_the_continuous_limit_unless_the_file_says_otherwise(coarse, run):
+    """A coupling that normal firing keeps anywhere, and misfiring does not."""
+    driven = {"inertia": 200.0, "coupling_stiffness": 1e5, "coupling_loss_factor": 0.2}
+    limits = {"coupling_torque": 3e3, "coupling_torque_passing": 4e4, "crankshaft_stress": 90e6}
+    engine = run.engine_file.changed(driven=driven, limits=limits)
+    strict = engine_vibration(engine, analysis=coarse)
+    found = strict.misfiring
+    check = found.worst
+    assert check.quantity == "torque of coupling"
+    assert check.normal.used < 1.0 < check.misfiring.used
+    # What is permitted does not change by misfiring, so misfiring is never better by another limit.
+    for one in found.checks:
+        for reached in (one.normal, one.misfiring):
+            if one.limit is not None:
+                at = np.array([reached.speed])
+                assert reached.permitted == one.limit.continuous.at(at)[0]
+    assert not found.passed
+    assert ": exceeded by misfiring alone. Order" in found.sentence
+    assert f"{100.0 * check.misfiring.value / 4e4:.3g} % of the 40 kN m that may be passed" in (
+        found.sentence
+    )
+    # Its cause: the orders add up to what is reached there.
+    cause = check.new.cause
+    assert sum(one.contribution for one in cause.parts) == close(check.misfiring.value, rel=1e-3)
+    assert cause.speed == check.misfiring.speed
+    assert "order" in found.sentence.lower()
+    # The remedy: the speeds that remain and those exceeded are all running speeds, and apart.
+    ends = sorted(end for one in (*found.exceeded, *found.remaining) for end in one)
+    assert ends[0] == close(engine.engine.lowest_speed)
+    assert ends[-1] == close(engine.engine.highest_speed)
+    for low, high in found.remaining:
+        assert not any(one[0] < low < one[1] or one[0] < high < one[1] for one in found.exceeded)
+    low, high = found.remaining[-1]
+    assert f"restrict running to {shown_range(*found.remaining[0])}" in found.sentence
+    # Of the class or the maker's word the limit for passing serves, and the sentence says so.
+    said = engine_vibration(
+        engine.changed(limits=limits | {"passing_while_misfiring": True}), analysis=coarse
+    ).misfiring
+    assert said.passed
+    (passed,) = (one for one in said.checks if one.quantity == check.quantity)
+    assert passed.misfiring.value == close(check.misfiring.value, rel=1e-6)
+    by = "for passing, which serves while a cylinder misfires by limits.passing_while_misfiring"
+    assert by in passed.sentence
+    assert "permitted continuously" in passed.sentence
 
 
 @pytest.mark.slow

@@ -137,6 +137,9 @@ def engine_limits(
         f"orders above {engine_file.vibration.highest_order:g} are neither calculated nor judged "
         "(vibration.highest_order)"
     )
+    if given.passing_while_misfiring:
+        basis = "limits.passing_while_misfiring"
+        found = {name: replace(limit, misfiring_basis=basis) for name, limit in found.items()}
     return found, tuple(remarks)
 
 

@@ -22,6 +22,7 @@ from crankfem.analyses.vibration.misfiring_records import misfiring_record
 from crankfem.analyses.vibration.modes import SourceResult, Vibration
 from crankfem.analyses.vibration.run import EngineVibration
 from crankfem.analyses.vibration.run_up import RunUp
+from crankfem.analyses.vibration.whole_verdict import whole_criticals
 from dynamics.chains.engine_chains import CRANKSHAFT_MODE
 from dynamics.excitation.axial_comparison import AxialForceComparison
 from dynamics.response.damped_criticals import DampedCritical
@@ -52,10 +53,38 @@ def run_record(run: EngineVibration) -> Record:
         "assessment": None if run.assessment is None else assessment_record(run.assessment),
         "misfiring": None if run.misfiring is None else misfiring_record(run.misfiring),
         "misfiring_note": run.misfiring_note or None,
-        "whole": None if run.whole is None else whole_record(run.whole, run.comparison, running),
+        "whole": None
+        if run.whole is None
+        else whole_record(run.whole, run.comparison, running)
+        | {"criticals": _whole_criticals(run, running[1])},
         "not_comparable": not_comparable(run.engine_file) or None,
         "bearings": None if run.bearings is None else sweep_record(run.bearings),
     }
+
+
+def _whole_criticals(run: EngineVibration, highest: float) -> Record:
+    """Return the whole crankshaft's critical speeds of each kind whose chain is inadequate."""
+    if run.comparison is None:
+        return {}
+    found = whole_criticals(run.engine_file, run.comparison, run.torsional.chosen.chain)
+    return plain(
+        {
+            kind: {
+                "left_out": left_out,
+                "peaks": [
+                    {
+                        **attributes(one, "order", "place", "value", "mode", "frequency"),
+                        **attributes(one, "damping_ratio"),
+                        "speed_rpm": one.speed * RPM,
+                        "in_running_range": one.speed <= highest * (1.0 + 1e-9),
+                        "unit": "m" if kind == "axial" else "N m",
+                    }
+                    for one in criticals
+                ],
+            }
+            for kind, (criticals, left_out) in found.items()
+        }
+    )
 
 
 def _axial_force(run: EngineVibration) -> Record | None:
