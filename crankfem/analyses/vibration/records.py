@@ -117,8 +117,14 @@ def load_record(load: EngineLoad) -> Record:
 
 def sweep_record(sweep: BearingSweep) -> Record:
     """Return the effect of the range of the main bearings' stiffness, in SI units."""
-    names = ("stiffness", "chains", "shaft", "further", "used", "statuses", "flips", "sentences")
-    return {"assumed": sweep.bearings.assumed, **attributes(sweep, *names)}
+    names = ("stiffness", "used", "statuses", "flips", "sentences")
+    frequencies = {  # null where there is no such mode
+        name: {
+            kind: np.where(np.isnan(own), np.inf, own) for kind, own in getattr(sweep, name).items()
+        }
+        for name in ("chains", "shaft", "further")
+    }
+    return {"assumed": sweep.bearings.assumed, **attributes(sweep, *names), **plain(frequencies)}
 
 
 def vibration_record(vibration: Vibration) -> Record:
