@@ -161,6 +161,7 @@ def barred_ranges(
     findings: Sequence[tuple[VibrationLimit, AmplitudeCurve]],
     rule: BarredRangeRule,
     running_range: tuple[float, float],
+    full_load: bool = False,
 ) -> tuple[BarredRange, ...]:
     """Propose the ranges of speed to be barred.
 
@@ -171,6 +172,9 @@ def barred_ranges(
     running_range : tuple of two floats
         Lowest and highest running speed [rad/s]. Ranges that end below the lowest one are passed on
         every start, and only have to be passable.
+    full_load : bool, optional
+        Whether the amplitudes are those of full load also below the running range, where no engine
+        starts with it: these ranges are then told, and not judged.
 
     Returns
     -------
@@ -196,7 +200,7 @@ def barred_ranges(
             groups.append([])
         groups[-1].append(item)
         reach = max(reach, item.high)
-    return tuple(_barred(group, findings, rule, running_range) for group in groups)
+    return tuple(_barred(group, findings, rule, running_range, full_load) for group in groups)
 
 
 def limit_end_speed(limit: VibrationLimit, running_range: tuple[float, float]) -> float:
@@ -221,6 +225,7 @@ def _barred(
     findings: Sequence[tuple[VibrationLimit, AmplitudeCurve]],
     rule: BarredRangeRule,
     running_range: tuple[float, float],
+    full_load: bool,
 ) -> BarredRange:
     low, high = min(item.low for item in group), max(item.high for item in group)
     names = tuple(dict.fromkeys(item.limit.name for item in group))
@@ -232,7 +237,7 @@ def _barred(
         else "above"
     )
     refusals, remarks = [], []
-    too_much: list[tuple[float, str]] = []
+    too_much: list[tuple[bool, float, str]] = []
     if at_most(low, running_range[0]) and at_most(running_range[1], high):
         refusals.append("it leaves no speed to run at")
     end = min(rule.highest_by(item.limit) for item in group)
@@ -244,11 +249,20 @@ def _barred(
             "only less vibration or another critical speed helps"
         )
     elif not at_most(high, end):
-        refusals.append(
-            f"it reaches {high / rule.rated_speed:.2f} of the rated speed, and nothing may be barred "
-            f"above {end / rule.rated_speed:.2f} ({_speed(end)})"
+        # What counts is where the engine runs: a range goes on above it as far as a limit applies.
+        top = min(high, running_range[1]) if at_most(end, running_range[1]) else high
+        rated = at_most(low, rule.rated_speed) and at_most(rule.rated_speed, top)
+        reaches = (
+            f"it holds the rated speed of {_speed(rule.rated_speed)}"
+            if rated
+            else f"it reaches {top / rule.rated_speed:.2f} of the rated speed"
         )
-    for limit, curve in () if position == "above" else findings:
+        refusals.append(
+            f"{reaches}, and nothing may be barred above {end / rule.rated_speed:.2f} "
+            f"{'of it ' if rated else ''}({_speed(end)})"
+        )
+    unjudged = position == "above" or (position == "below" and full_load)
+    for limit, curve in () if unjudged else findings:
         inside = within(curve.speeds, low, high)
         values = curve.values[inside]
         if not values.size or limit.name not in names:
@@ -261,19 +275,22 @@ def _barred(
         passing = limit.passing.at(curve.speeds[inside])
         share = np.zeros(values.shape)
         np.divide(values, passing, out=share, where=np.isfinite(passing))
-        worst = int(np.argmax(share))
+        # Running speeds first: others are only passed on starting, or never reached.
+        speeds = curve.speeds[inside]
+        runs = within(speeds, *running_range) & (share > 1.0)
+        worst = int(np.argmax(np.where(runs, share, 0.0) if np.any(runs) else share))
         if share[worst] > 1.0:
             said = (
                 f"{curve.name} reaches {_amount(values[worst], limit.unit)} at "
-                f"{_speed(float(curve.speeds[inside][worst]))}, where "
+                f"{_speed(float(speeds[worst]))}, where "
                 f"{_amount(passing[worst], limit.unit)} may be passed"
             )
-            too_much.append((float(share[worst]), said))
+            too_much.append((bool(runs[worst]), float(share[worst]), said))
     if too_much:
         others = len(too_much) - 1
         more = "location exceeds" if others == 1 else "locations exceed"
         more = f"; {others} more {more} what may be passed" if others else ""
-        refusals.append(f"{max(too_much)[1]}{more}")
+        refusals.append(f"{max(too_much)[-1]}{more}")
     if any(item.exceeded.cut_off for item in group):
         remarks.append("the range reaches the end of the speeds calculated")
     return BarredRange(
@@ -285,6 +302,7 @@ def _barred(
         remarks=tuple(dict.fromkeys(remarks)),
         position=position,
         ends=_ends(group, rule),
+        full_load=position == "below" and full_load,
     )
 
 

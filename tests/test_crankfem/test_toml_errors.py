@@ -24,7 +24,16 @@ from crankfem.files.reading.toml_places import line_of
         ('[a]\nx = "1 mm\n', "line 2, x = .*: given an opening quote without a closing one"),
         ("[a]\nx = '1 mm\n", "line 2, x = .*: given an opening quote without a closing one"),
         ("[a]\nx = \u201c1 mm\u201d\n", "line 2, x = .*: given typographic quotes"),
-        ('[a]\nx = { value = 0,5, source = "b" }\n', "line 2, .*: given a decimal comma"),
+        (
+            '[a]\nx = { value = 0,5, source = "b" }\n',
+            "line 2, .*: given 0,5; write a decimal point and no separators, like 0.5",
+        ),
+        ("[a]\nx = 82,5 mm\n", 'line 2, .*: given 82,5 mm .*"82.5 mm"'),
+        ("[a]\nx = 1.200,5 mm\n", 'line 2, .*: given 1.200,5 mm .*"1200.5 mm"'),
+        ("[a]\nx = 1,200 mm\n", 'line 2, .*: given 1,200 mm .*"1.2 mm" or "1200 mm", whichever'),
+        ("[a]\nx = 1 200 mm\n", 'line 2, .*: given 1 200 mm .*"1200 mm"'),
+        ("[a]\nx = 1'200'000 um\n", 'line 2, .*: given 1.200.000 um .*"1200000 um"'),
+        ("[a]\nx = [82,5 mm, 9 mm]\n", "line 2, .*: given 82,5 mm in a list .* each quantity"),
         # A list of whole numbers is not at fault for what is wrong after it.
         ("[a]\nx = [1,5,3]]\n", r"line 2, x = \[1,5,3\]\]: is not TOML"),
         ("[a]\nx = [1,5]\ny = '3 mm\n", "line 3, y = .*: given an opening quote"),

@@ -28,8 +28,10 @@ from crankfem.files.engine.engine_file import load_engine
 from crankfem.files.engine.mechanism_file import load_mechanism, mechanism_of
 from crankfem.files.reading.data_files import input_path
 from crankfem.report.interactive.vibration import VIBRATION
+from dynamics.assessment.limit_sentences import shown_range
 from dynamics.excitation.chain_excitation import axial_excitation
 from dynamics.response.forced import forced_response
+from dynamics.response.order_excitation import OrderExcitation
 from dynamics.torque.torque import engine_torque
 from fem.analysis import analyze_throw
 
@@ -130,6 +132,43 @@ def test_damping_of_its_own_takes_the_magnifiers_place(tmp_path):
     guess = 'torsional_magnifier = { value = 25, assumed = "of a like engine" }'
     (guessed,) = record(f"[damping]\n{guess}\n\n[gas]\n")
     assert guessed == "magnifier 25 of every elastic mode: assumed: of a like engine"
+
+
+@pytest.mark.parametrize("loss", [0.05, 0.3])
+def test_an_assumed_magnifier_does_not_damp_a_coupling_whose_damping_is_given(tmp_path, loss):
+    driven = (
+        f'[driven]\ninertia = "60 kg m^2"\ncoupling_stiffness = "40 kN m/rad"\n'
+        f"coupling_loss_factor = {loss}\n\n[gas]\n"
+    )
+
+    def system(text):
+        engine = load_engine(written(tmp_path, text))
+        chain = engine_torsional_chain(engine, np.full(6, 1e-9), np.full(6, 8.0))
+        return damped_engine_chain(engine, chain)
+
+    found = system(driven)
+    assert "by its share of strain in parts without damping of their own" in found.record[-1]
+    # The coupling's mode has its own loss, the crankshaft's modes the magnifier.
+    ratios = found.system.damping_ratios()
+    assert ratios[0] == close(0.5 * loss, rel=0.01)
+    np.testing.assert_allclose(ratios[1:], 0.0125, rtol=0.02)
+    # The same as loss factors 1/40 of the throws alone, beside that of the coupling.
+    chain = found.chain
+    eta = np.where(chain.loss_factor > 0.0, chain.loss_factor, 1.0 / 40.0)
+    rows = chain.elongations()
+    stiffness = rows.T @ np.diag(chain.stiffness * (1.0 + 1j * eta)) @ rows
+    forces = np.linspace(1.0, -1.0, chain.inertia.size)
+    peaks = found.system.elastic_frequencies[:2] * 2.0 * np.pi
+    excitation = OrderExcitation([1.0], peaks, np.tile(forces, (1, 2, 1)))
+    twist = forced_response(found, excitation).motion[0] @ rows[-1]
+    by_hand = [
+        np.linalg.solve(stiffness - w**2 * np.diag(chain.inertia), forces) @ rows[-1] for w in peaks
+    ]
+    np.testing.assert_allclose(np.abs(twist), np.abs(by_hand), rtol=0.03)
+    # One that is given for every mode adds to it.
+    given = "[damping]\ntorsional_magnifier = 40\n\n"
+    both = system(given + driven).system.damping_ratios()
+    assert both[0] == close(0.5 * loss + 0.0125, rel=0.01)
 
 
 @pytest.mark.slow
@@ -376,6 +415,53 @@ def test_ranges_exceeded_while_misfiring_with_next_to_nothing_between_them_are_o
     assert _ranges(speeds, flags) == ((1.0, 5.0), (6.0, 9.0))
     assert _ranges(speeds[:1], flags[1:2]) == ((1.0, 1.0),)
     assert _ranges(speeds[:2], flags[:2]) == ((1.0, 2.0),)
+
+
+@pytest.mark.slow
+def test_misfiring_is_held_against_the_continuous_limit_unless_the_file_says_otherwise(coarse, run):
+    """A coupling that normal firing keeps anywhere, and misfiring does not."""
+    driven = {"inertia": 200.0, "coupling_stiffness": 1e5, "coupling_loss_factor": 0.2}
+    limits = {"coupling_torque": 3e3, "coupling_torque_passing": 4e4, "crankshaft_stress": 90e6}
+    engine = run.engine_file.changed(driven=driven, limits=limits)
+    strict = engine_vibration(engine, analysis=coarse)
+    found = strict.misfiring
+    check = found.worst
+    assert check.quantity == "torque of coupling"
+    assert check.normal.used < 1.0 < check.misfiring.used
+    # What is permitted does not change by misfiring, so misfiring is never better by another limit.
+    for one in found.checks:
+        for reached in (one.normal, one.misfiring):
+            if one.limit is not None:
+                at = np.array([reached.speed])
+                assert reached.permitted == one.limit.continuous.at(at)[0]
+    assert not found.passed
+    assert ": exceeded by misfiring alone. Order" in found.sentence
+    assert f"{100.0 * check.misfiring.value / 4e4:.3g} % of the 40 kN m that may be passed" in (
+        found.sentence
+    )
+    # Its cause: the orders add up to what is reached there.
+    cause = check.new.cause
+    assert sum(one.contribution for one in cause.parts) == close(check.misfiring.value, rel=1e-3)
+    assert cause.speed == check.misfiring.speed
+    assert "order" in found.sentence.lower()
+    # The remedy: the speeds that remain and those exceeded are all running speeds, and apart.
+    ends = sorted(end for one in (*found.exceeded, *found.remaining) for end in one)
+    assert ends[0] == close(engine.engine.lowest_speed)
+    assert ends[-1] == close(engine.engine.highest_speed)
+    for low, high in found.remaining:
+        assert not any(one[0] < low < one[1] or one[0] < high < one[1] for one in found.exceeded)
+    low, high = found.remaining[-1]
+    assert f"restrict running to {shown_range(*found.remaining[0])}" in found.sentence
+    # Of the class or the maker's word the limit for passing serves, and the sentence says so.
+    said = engine_vibration(
+        engine.changed(limits=limits | {"passing_while_misfiring": True}), analysis=coarse
+    ).misfiring
+    assert said.passed
+    (passed,) = (one for one in said.checks if one.quantity == check.quantity)
+    assert passed.misfiring.value == close(check.misfiring.value, rel=1e-6)
+    by = "for passing, which serves while a cylinder misfires by limits.passing_while_misfiring"
+    assert by in passed.sentence
+    assert "permitted continuously" in passed.sentence
 
 
 @pytest.mark.slow

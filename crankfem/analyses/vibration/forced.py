@@ -407,6 +407,6 @@ def _limit_usage(engine_file: EngineFile, answers: Answers) -> FloatArray:
         for limit, curve in limit_findings(engine_file, *answers)
     ]
     # Speeds below the running ones are passed on starting: their maxima are for themselves.
-    kept = [np.where(speeds >= engine.lowest_speed, own, 0.0) for own in used]
+    kept = [np.where(within(speeds, *running), own, 0.0) for own in used]
     moved = [own.free_end.synthesis.amplitude[:, 0] for own in answers]
     return np.array([*used, *kept, *moved])

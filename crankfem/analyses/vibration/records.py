@@ -12,6 +12,7 @@ from crankfem.analyses.mechanism.mechanism_records import power_record
 from crankfem.analyses.record import ASSUMED, Record, assumed_values, attributes, plain
 from crankfem.analyses.shaft.motion import MOTION
 from crankfem.analyses.shaft.whole_records import whole_record
+from crankfem.analyses.shaft.whole_shaft import not_comparable
 from crankfem.analyses.vibration.assessment_records import assessment_record
 from crankfem.analyses.vibration.axial_cycle import axial_cycle_record
 from crankfem.analyses.vibration.bearing_sweep import BearingSweep
@@ -21,6 +22,7 @@ from crankfem.analyses.vibration.misfiring_records import misfiring_record
 from crankfem.analyses.vibration.modes import SourceResult, Vibration
 from crankfem.analyses.vibration.run import EngineVibration
 from crankfem.analyses.vibration.run_up import RunUp
+from crankfem.analyses.vibration.whole_verdict import whole_criticals
 from dynamics.chains.engine_chains import CRANKSHAFT_MODE
 from dynamics.excitation.axial_comparison import AxialForceComparison
 from dynamics.response.damped_criticals import DampedCritical
@@ -41,6 +43,7 @@ def run_record(run: EngineVibration) -> Record:
     Null for results that were not calculated.
     """
     forced = (run.forced_axial, run.forced_torsional)
+    running = (run.engine_file.engine.lowest_speed, run.engine_file.engine.highest_speed)
     return {
         **{own.kind: vibration_record(own) for own in (run.axial, run.torsional)},
         "forced": {own.kind: forced_record(own) for own in forced if own is not None} or None,
@@ -50,16 +53,45 @@ def run_record(run: EngineVibration) -> Record:
         "assessment": None if run.assessment is None else assessment_record(run.assessment),
         "misfiring": None if run.misfiring is None else misfiring_record(run.misfiring),
         "misfiring_note": run.misfiring_note or None,
-        "whole": None if run.whole is None else whole_record(run.whole, run.comparison),
+        "whole": None
+        if run.whole is None
+        else whole_record(run.whole, run.comparison, running)
+        | {"criticals": _whole_criticals(run, running[1])},
+        "not_comparable": not_comparable(run.engine_file) or None,
         "bearings": None if run.bearings is None else sweep_record(run.bearings),
     }
+
+
+def _whole_criticals(run: EngineVibration, highest: float) -> Record:
+    """Return the whole crankshaft's critical speeds of each kind whose chain is inadequate."""
+    if run.comparison is None:
+        return {}
+    found = whole_criticals(run.engine_file, run.comparison, run.torsional.chosen.chain)
+    return plain(
+        {
+            kind: {
+                "left_out": left_out,
+                "peaks": [
+                    {
+                        **attributes(one, "order", "place", "value", "mode", "frequency"),
+                        **attributes(one, "damping_ratio"),
+                        "speed_rpm": one.speed * RPM,
+                        "in_running_range": one.speed <= highest * (1.0 + 1e-9),
+                        "unit": "m" if kind == "axial" else "N m",
+                    }
+                    for one in criticals
+                ],
+            }
+            for kind, (criticals, left_out) in found.items()
+        }
+    )
 
 
 def _axial_force(run: EngineVibration) -> Record | None:
     if run.axial_force is None or run.forced_axial is None:
         return None
     compared = run.comparison
-    # Without a chain to compare with, the whole crankshaft lacks what follows the flywheel.
+    # Without a chain to compare with, the whole crankshaft lacks the plant.
     coupled = None if compared is None or compared.axial is None else compared.coupled
     return axial_cycle_record(run.axial_force, run.forced_axial, run.engine_file, coupled)
 
@@ -85,8 +117,14 @@ def load_record(load: EngineLoad) -> Record:
 
 def sweep_record(sweep: BearingSweep) -> Record:
     """Return the effect of the range of the main bearings' stiffness, in SI units."""
-    names = ("stiffness", "chains", "shaft", "used", "statuses", "flips", "sentences")
-    return {"assumed": sweep.bearings.assumed, **attributes(sweep, *names)}
+    names = ("stiffness", "used", "statuses", "flips", "sentences")
+    frequencies = {  # null where there is no such mode
+        name: {
+            kind: np.where(np.isnan(own), np.inf, own) for kind, own in getattr(sweep, name).items()
+        }
+        for name in ("chains", "shaft", "further")
+    }
+    return {"assumed": sweep.bearings.assumed, **attributes(sweep, *names), **plain(frequencies)}
 
 
 def vibration_record(vibration: Vibration) -> Record:

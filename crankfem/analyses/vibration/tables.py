@@ -1,5 +1,6 @@
 """The tables of an engine's vibration, from its plain records: the command line and the report show them."""
 
+import math
 from collections.abc import Callable
 from dataclasses import replace
 from typing import Any
@@ -411,6 +412,44 @@ def whole_table(record: Record) -> Table:
             Column("motion", words=True),
         ],
         [[one["name"], one["frequency"], one["label"]] for one in record["modes"]],
+    )
+
+
+def whole_critical_table(record: Record, kind: str) -> Table:
+    """Return the critical speeds of one kind in a `whole_record`, the largest ones of it."""
+    found = record["criticals"][kind]
+    largest = sorted(
+        found["peaks"], key=lambda one: -math.inf if one["value"] is None else -one["value"]
+    )
+    shown = sorted(largest[:ROWS_SHOWN], key=lambda one: one["speed_rpm"])
+    left = found["left_out"] + len(largest) - len(shown)
+    return Table(
+        f"Critical speeds of the whole crankshaft: {kind} "
+        f"{'motion' if kind == 'axial' else 'torque'} by one order",
+        [
+            SPEED,
+            Column("order", digits=None),
+            Column("at", words=True),
+            Column("amplitude", "um" if kind == "axial" else "kN m", 3, missing=UNBOUNDED),
+            Column("mode", missing="none"),
+            Column("damping", "%", decimals=2, missing="-"),
+            Column("range", words=True),
+        ],
+        [
+            [
+                one["speed_rpm"] / RPM,
+                one["order"],
+                one["place"],
+                one["value"],
+                one["mode"] or None,
+                one["damping_ratio"],
+                "running" if one["in_running_range"] else "above",
+            ]
+            for one in shown
+        ],
+        note=f"{left} smaller {'one is' if left == 1 else 'ones are'} left out."
+        if left
+        else "None is left out.",
     )
 
 
