@@ -4,8 +4,8 @@ from contextlib import nullcontext
 
 from crankfem.analyses.shaft.regression_source import chosen_regressions, refused
 from crankfem.analyses.shaft.saved_model import usable_model
-from crankfem.analyses.study.fitting import check_study_can_be_fitted
 from crankfem.analyses.study.nominal_throw import outside_study
+from crankfem.analyses.study.response_fits import check_study_can_be_fitted
 from crankfem.analyses.vibration.engine_excitation import engine_harmonics, failing_harmonics
 from crankfem.analyses.vibration.refusals import refuse_vibration
 from crankfem.files.engine.engine_file import EngineFile

@@ -17,9 +17,7 @@ from crankbase.outputs import (
 from crankbase.tables.table import Table
 from crankfem.analyses.engine_refusals import refuse_what_cannot_run
 from crankfem.analyses.provenance import provenance_record
-from crankfem.analyses.submission.document import class_document
-from crankfem.analyses.submission.document_parts import DocumentPart
-from crankfem.analyses.submission.submission_checks import check_submission
+from crankfem.analyses.submission.document import DocumentPart, check_submission, class_document
 from crankfem.analyses.vibration.run import EngineVibration, engine_vibration
 from crankfem.files.engine.engine_file import EngineFile, load_engine
 from crankfem.files.engine.input_files import engine_inputs

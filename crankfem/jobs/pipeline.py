@@ -16,7 +16,7 @@ from crankfem.analyses.shaft.throw_analyses import analyze_throws
 from crankfem.analyses.strength.cycle_fatigue import fatigue_or_reason
 from crankfem.analyses.strength.engine_strength import engine_strength
 from crankfem.analyses.study.studies import fitted
-from crankfem.analyses.throw.fillets import (
+from crankfem.analyses.throw.stress import (
     StressRendering,
     shown_loads,
     stress_files,

@@ -5,7 +5,7 @@ from typing import Any
 
 from crankbase.units.number_formats import compact, format_number, nano, significant
 from crankfem.analyses.record import Record
-from crankfem.analyses.throw.throw_tables import error_words
+from crankfem.analyses.throw.throw_record import error_words
 from crankfem.analyses.vibration.tables import factor_range
 from crankfem.report.conclusions import (
     conclusions,

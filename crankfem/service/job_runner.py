@@ -4,6 +4,7 @@ import contextlib
 import os
 import threading
 import time
+from collections import Counter
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
@@ -14,10 +15,11 @@ from crankfem.service.bounds import Bounds
 from crankfem.service.job_store import FULL, NO_SPACE, JobStore, StoreError
 from crankfem.service.log import log_line
 from crankfem.service.problems import ProblemError, field_errors, problem
-from regression.runs.supervised import spawn_worker
+from regression.runs.workers import spawn_worker
 
-# A job whose process was lost is tried once more; one that the service did not outlive, too.
-TRIES = 2
+# A job whose process was lost is tried once more; one that the service did not outlive, too. One that finds
+# the disk full waits for space several times.
+TRIES, FULL_TRIES = 2, 8
 LOOK = 1.0  # seconds between two looks for work, where nobody calls
 LOADING = 120.0  # seconds that a process may take until it is ready
 # Seconds before the second try of what failed at once again; each further one waits twice as long.
@@ -48,6 +50,8 @@ class JobRunner:
         # Why the process of a job was ended from here.
         self._ended: dict[str, str] = {}
         self._running: dict[str, CallProcess] = {}
+        # How often a job found the disk full.
+        self._filled: Counter[str] = Counter()
         self._threads = [
             threading.Thread(target=self._run, args=(place,), daemon=True)
             for place in range(bounds.running)
@@ -89,7 +93,9 @@ class JobRunner:
         return {
             "state": "stopped" if self._gave_up else "retrying" if problems else "ok",
             "problems": list(dict.fromkeys(problems)),
-            "since": min((since for _, since, _ in troubles), default=None),
+            "since": min([since for _, since, _ in troubles] or [time.time()])
+            if problems
+            else None,
             "queued": self._store.count("queued"),
             "running": self._store.count("running"),
         }
@@ -178,7 +184,7 @@ class JobRunner:
             self._troubles[place] = text, since, gives_up
             log_line(jobs="stopped" if gives_up else "retrying", problem=text)
         if not gives_up:
-            self._ending.wait(min(PAUSE * 2 ** (tries - 1), LONGEST_PAUSE))
+            self._ending.wait(min(PAUSE * 2 ** min(tries - 1, STARTS), LONGEST_PAUSE))
             return
         with self._work:
             if not self._stopping:
@@ -217,7 +223,11 @@ class JobRunner:
                 tries += 1
                 self._wait(place, error, tries)
             else:
-                return
+                break
+        if settled["state"] != "queued":
+            self._filled.pop(name, None)
+        elif self._filled[name]:
+            self._wait(place, StoreError(507, FULL), self._filled[name] + 2)
 
     def _settled(
         self,
@@ -244,9 +254,11 @@ class JobRunner:
         process.give(
             "crankfem.service.tasks:run_job", kind, question, folder, bounds.workers, remarks=True
         )
+        response = None
         try:
             limits = Limits(bounds.job_seconds, bounds.job_memory, tree=True)
-            answered(*process.wait(limits, tell))
+            response = process.wait(limits, tell)
+            answered(*response)
         except ProcessLostError as lost:
             ended, reason = self._ended.get(name), str(lost)
             if ended == "canceled":
@@ -257,19 +269,24 @@ class JobRunner:
             if self._stopping:
                 # It was no fault of the job's: this time does not count.
                 return {"state": "queued", "attempts": attempts - 1}
-            failure = _failed(500, f"The job was lost: {reason}.")
+            if attempts >= TRIES:
+                return _failed(500, f"The job was lost: {reason}.")
+            notes.append(f"Tried again, because {reason}.")
+            return {"state": "queued"}
         except Exception as error:  # the job failed, with its reason; the service goes on
-            if not any(words in str(error) for words in FULL_WORDS):
-                if isinstance(error, InputError):
-                    return _failed(422, error.sentences[0], field_errors(error))
+            if response is None:
+                raise  # a fault of the service's own
+            if isinstance(error, InputError) and not _is_full(error):
+                return _failed(422, error.sentences[0], field_errors(error))
+            if not _is_full(error):
                 return _failed(500, str(error))
-            reason, failure = "the disk of the service was full", _failed(507, FULL)
-        else:
-            return {"state": "done"}
-        if attempts >= TRIES:
-            return failure
-        notes.append(f"Tried again, because {reason}.")
-        return {"state": "queued"}
+            self._filled[name] += 1
+            if self._filled[name] >= FULL_TRIES:
+                return _failed(507, FULL)
+            if self._filled[name] == 1:
+                notes.append("Tried again, because the disk of the service was full.")
+            return {"state": "queued", "attempts": attempts - 1}
+        return {"state": "done"}
 
     def _expire(self, name: str) -> None:
         with self._work:
@@ -277,6 +294,10 @@ class JobRunner:
             if process is not None:
                 self._ended[name] = "expired"
                 process.kill()
+
+
+def _is_full(error: Exception) -> bool:
+    return any(words in str(error) for words in FULL_WORDS)
 
 
 def _failed(status: int, detail: str, errors: list[dict[str, str]] | None = None) -> dict[str, Any]:

@@ -11,5 +11,5 @@ from pydantic_core import to_json
 def log_line(**told: Any) -> None:
     """Write a line; one that finds no space, or no reader, is lost."""
     line = to_json({"time": round(time.time(), 3)} | told).decode()
-    with contextlib.suppress(OSError):
+    with contextlib.suppress(OSError, ValueError):
         sys.stderr.write(f"{line}\n")

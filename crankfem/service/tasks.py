@@ -91,10 +91,9 @@ def run_job(
 def _analysis(question: Mapping[str, Any], folder: Path, _: int, told: ToldProgress) -> None:
     from crankfem.analyses.provenance import provenance_record
     from crankfem.analyses.record_units import with_units
-    from crankfem.analyses.throw.fillets import stresses_or_reason
     from crankfem.analyses.throw.formula_records import formula_records
     from crankfem.analyses.throw.pictures.drawing import write_drawing
-    from crankfem.analyses.throw.stress import stress_record
+    from crankfem.analyses.throw.stress import stress_record, stresses_or_reason
     from crankfem.analyses.throw.throw_record import throw_record
     from crankfem.report.interactive.throw_view import throw_view
     from crankfem.report.throw_report import DRAWING

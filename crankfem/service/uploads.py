@@ -10,6 +10,7 @@ from crankfem.service.asking import FileQuestion
 
 _PLAIN = re.compile(r"[A-Za-z0-9][\w .()+-]{0,79}", re.ASCII)
 TABLE_ENDINGS = (".csv", ".json", ".toml")
+MOST_TABLES = 200
 # The folder of a job in which its uploaded files are kept, apart from all that the job writes.
 KEPT = "sent"
 
@@ -23,6 +24,11 @@ def read_upload(asked: FileQuestion) -> TomlFile:
         Also if a name is none of a plain file, because the files are kept in a folder.
     """
     _check_name("name", asked.name, (".toml",))
+    if len(asked.tables) > MOST_TABLES:
+        raise InputError(
+            f"tables: given {len(asked.tables)}; allowed are {MOST_TABLES} at most, because each list of "
+            "jobs names the files of all."
+        )
     contents = {asked.name: _encoded(asked.name, asked.text)}
     for name, text in asked.tables.items():
         _check_name("tables", name, TABLE_ENDINGS)
@@ -52,6 +58,6 @@ def _check_name(field: str, name: str, endings: tuple[str, ...]) -> None:
     if _PLAIN.fullmatch(name) is None or not name.endswith(endings):
         raise InputError(
             f"{field}: given {name!r}; allowed is the plain name of a file that ends in "
-            f"{' or '.join(endings)}, of letters, digits, spaces and . ( ) + - _, because uploaded files "
-            "share a folder."
+            f"{' or '.join(endings)}, of up to 80 letters, digits, spaces and . ( ) + - _, because uploaded "
+            "files share a folder."
         )

@@ -20,6 +20,7 @@ from dynamics.chains.engine_chains import (
     Kind,
 )
 from dynamics.crankshaft.assembly import AssembledShaft
+from dynamics.crankshaft.joined_lines import MOTION_OF
 from dynamics.crankshaft.shaft_modes import ShaftModes
 from dynamics.crankshaft.shaft_system import CrankshaftSystem
 from dynamics.crankshaft.shaft_throw import RZ, UZ
@@ -262,31 +263,28 @@ def _moved_nodes(
 ) -> tuple[list[int], FloatArray]:
     """Return the chain's nodes that the shaft has too, and how each mode moves them, (nodes, q).
 
-    Along the shaft, or about it: throws, ends, damper ring and driven machine. Without these a mode of
-    the ring resembles one of the crankshaft, whose throws it moves alike.
+    Along the shaft, or about it: throws, ends, damper ring, driven machine and shaft line. Without
+    these a mode of the ring resembles one of the crankshaft, whose throws it moves alike.
     """
     motions = modes.motions
     sections = shaft.section_count
-    if chain.kind == "axial":
-        return list(chain.sections), motions[:sections, UZ]
-    pins = np.array(shaft.pin_throws)
-    turns = motions[sections : sections + len(pins), RZ]
-    moved = dict(
-        zip(
-            chain.throw_nodes,
-            (turns[pins == throw].mean(axis=0) for throw in np.unique(pins)),
-            strict=True,
-        )
-    )
-    rings = dict(
+    added = dict(
         zip(
             shaft.names[len(shaft.names) - len(shaft.added) :],
             shaft.added @ modes.shapes,
             strict=True,
         )
     )
-    ends = {FREE_END: motions[0, RZ], FLYWHEEL: motions[sections - 1, RZ]}
+    if chain.kind == "axial":
+        moved, ends = dict(zip(chain.sections, motions[:sections, UZ], strict=True)), {}
+    else:
+        pins = np.array(shaft.pin_throws)
+        turns = motions[sections : sections + len(pins), RZ]
+        throws = (turns[pins == throw].mean(axis=0) for throw in np.unique(pins))
+        moved = dict(zip(chain.throw_nodes, throws, strict=True))
+        ends = {FREE_END: motions[0, RZ], FLYWHEEL: motions[sections - 1, RZ]} | added
     for node, name in enumerate(chain.nodes):
-        if node not in moved and name in (beside := ends | rings):
-            moved[node] = beside[name]
+        beside = ends.get(name, added.get(f"{name} {MOTION_OF[chain.kind]}"))
+        if node not in moved and beside is not None:
+            moved[node] = beside
     return list(moved), np.array(list(moved.values()))

@@ -10,7 +10,7 @@ import crankfem as cf
 from comparing import close
 from crankbase.errors import InputError
 from crankbase.units.units import RPM
-from crankfem.analyses.submission.document import class_document
+from crankfem.analyses.submission.document import check_submission, class_document
 from crankfem.analyses.submission.firing_cases import (
     CUT_OUT,
     DASHPOTS,
@@ -23,7 +23,6 @@ from crankfem.analyses.submission.firing_cases import (
     heat_of,
 )
 from crankfem.analyses.submission.mode_tables import holzer_table
-from crankfem.analyses.submission.submission_checks import check_submission
 from crankfem.analyses.vibration.run import engine_vibration
 from crankfem.files.chain.chain_file import load_chain
 from crankfem.files.reading.data_files import input_path

@@ -713,7 +713,7 @@ def test_an_interrupt_ends_with_a_word_and_130(call, monkeypatch):
     def interrupted(*_, **__):
         raise KeyboardInterrupt
 
-    monkeypatch.setattr("crankfem.analyses.study.growth.run_plan", interrupted)
+    monkeypatch.setattr("crankfem.analyses.study.studies.run_plan", interrupted)
     answer = call("doe", "6chn25-34")
     assert answer.code == 130
     assert answer.out == ""

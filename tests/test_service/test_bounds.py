@@ -229,8 +229,10 @@ def test_slow_heads_and_bodies_are_refused(serve, tmp_path):
             b"HTTP/1.1 408 Request Timeout\r\nContent-Type: application/problem+json"
         )
         assert json.loads(told.partition(b"\r\n\r\n")[2])["status"] == 408
-    lines = service.log.read_text().splitlines()
-    assert [json.loads(line)["status"] for line in lines[-2:]] == [408, 408]
+    deadline = time.monotonic() + 10.0  # the lines follow the answers
+    while service.log.read_text().count('"status":408') < 2:
+        assert time.monotonic() < deadline
+        time.sleep(0.01)
     assert "Traceback" not in service.log.read_text()
 
 
@@ -292,14 +294,22 @@ def test_paths_lead_nowhere_else(service, path):
         {"tables": {"../table.csv": "1"}},
         {"tables": {"a/b.csv": "1"}},
         {"tables": {"engine.toml": "1"}},
+        {"tables": {f"{place}.csv": "1" for place in range(201)}},
+        {"tables": {"a\0.csv": "1"}},
+        {"tables": {"..\\a.csv": "1"}},
+        {"tables": {"C:a.csv": "1"}},
+        {"tables": {"..%2fa.csv": "1"}},
+        {"tables": {"\uff0e\uff0e\uff0fa.csv": "1"}},
+        {"tables": {f"{'a' * 77}.csv": "1"}},
+        {"tables": {"a.csv\n": "1"}},
         {"text": "\ud800"},
     ],
 )
 def test_uploaded_files_have_plain_names(service, wrong):
     status, told = service.json("/api/files/check", {"text": "[throw]"} | wrong)
     assert status in (400, 422)
-    if "plain name" not in told["detail"]:
-        assert "\ud800" in wrong.get("text", "") or "name of the file itself" in told["detail"]
+    reasons = ("plain name", "name of the file itself", "allowed are 200", "hex escape")
+    assert any(reason in told["detail"] for reason in reasons), told
 
 
 def test_a_refused_method_names_all_that_the_path_takes(service):

@@ -1,13 +1,18 @@
 """Files that fields name: those sent are read, no other is, and what a job writes is its own."""
 
 import json
+import sys
+from contextlib import suppress
 
 import pytest
 
+from crankbase.errors import InputError
+from crankfem.service.tasks import check_upload
 from file_fields import SECRET, fields, plant, tells, text_with, upwards
 from serving import ROOT, STUDY
 
 TEXTS = [(kind, path, file) for kind, path, takes, file in fields() if takes]
+EVENTS = ("open", "os.listdir", "os.scandir")
 FILES = [(kind, path) for kind, path, file in TEXTS if file]
 
 
@@ -31,6 +36,25 @@ def test_no_field_opens_a_file_that_was_not_sent(service, planted, kind, path, f
         status, answer = asked(service, "/api/files/check", kind, path, value)
         assert status in (200, 422)
         assert not file or "among the files sent with mine.toml" in answer
+
+
+@pytest.fixture(scope="module")
+def opened():
+    """All that this process opens or lists."""
+    found = []
+    sys.addaudithook(lambda event, given: found.append(str(given[0])) if event in EVENTS else None)
+    return found
+
+
+def test_reading_what_was_sent_opens_nothing_else(planted, opened):
+    open(planted[0]).close()
+    assert str(planted[0]) in opened
+    opened.clear()
+    for kind, path, _ in TEXTS:
+        for value in (str(planted[0]), upwards(planted[1])):
+            with suppress(InputError):
+                check_upload({"text": text_with(kind, path, value), "name": "mine.toml"})
+    assert not [place for place in opened if planted[0].parent.name in place]
 
 
 @pytest.mark.parametrize(("kind", "path"), FILES)

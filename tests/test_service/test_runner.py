@@ -32,8 +32,8 @@ while True:
     if task == "note":
         send("remark", {"step": "Working"})
         send("remark", {"note": "Noted."})
-    tried += task.startswith("full")
-    if task == "full" or (task == "full once" and tried == 1):
+    tried += task == "full twice"
+    if task == "full" or (task == "full twice" and tried < 3):
         send("OSError", "OSError: [Errno 28] No space left on device: '/srv/jobs'")
     else:
         send("result", None)
@@ -146,16 +146,24 @@ def test_what_is_wrong_is_told_until_it_is_over(store, runner, monkeypatch, capf
     ]
 
 
-def test_a_job_that_finds_the_disk_full_is_tried_once_more(store, runner):
-    tasks = ("full once", "full", "die", "")
+def test_a_job_that_finds_the_disk_full_waits_for_space(store, runner, workers, monkeypatch):
+    monkeypatch.setattr(job_runner, "LONGEST_PAUSE", 0.05)
+    tasks = ("full twice", "full", "die", "")
     names = [runner.submit("analysis", "throw", {"task": task}) for task in tasks]
     runner.start()
-    once, twice, died, sound = ended(store, *names)
-    assert once.state == "done"
-    assert once.notes == ["Tried again, because the disk of the service was full."]
-    assert (twice.state, twice.problem.status, twice.problem.detail) == ("failed", 507, FULL)
+    twice, ever, died, sound = ended(store, *names)
+    assert twice.state == "done"
+    assert twice.notes == ["Tried again, because the disk of the service was full."]
+    assert twice.attempts == 1  # it was no fault of the job's
+    assert (ever.state, ever.problem.status, ever.problem.detail) == ("failed", 507, FULL)
     assert (died.state, died.attempts) == ("failed", 2)
     assert sound.state == "done"
+
+
+def test_the_longest_trouble_ends_no_thread(runner):
+    runner._ending.set()
+    runner._wait(0, StoreError(507, FULL), 5000)
+    runner.start()
 
 
 def test_a_worker_that_always_dies_is_given_up_until_a_job_is_submitted(store, runner, workers):

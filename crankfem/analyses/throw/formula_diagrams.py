@@ -16,7 +16,7 @@ from fem.throw_analysis import ThrowAnalysis
 from geometry.throw import CrankThrow
 from regression.formulas.axial_formulas import axial_formulas
 from regression.formulas.formula_value import FormulaValue
-from regression.plots.formula_curves import draw_formula_bars
+from regression.plots.equations import draw_formula_bars
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -15,7 +15,7 @@ from crankfem.analyses.shaft.bearings import BearingStiffness, bearing_stiffness
 from crankfem.analyses.shaft.chains import damped_engine_chain
 from crankfem.analyses.shaft.sources import compliances_in_shaft
 from crankfem.analyses.shaft.throw_analyses import Analyses
-from crankfem.analyses.shaft.whole_shaft import WholeShaft, unmodeled_sections
+from crankfem.analyses.shaft.whole_shaft import WholeShaft, not_comparable
 from crankfem.analyses.vibration.engine_excitation import calculated_range
 from crankfem.analyses.vibration.engine_limits import (
     assessment_end_speeds,
@@ -247,7 +247,7 @@ def bearing_sweep(
     nominal = len(each) // 2
     shafts = (
         []
-        if whole is None or unmodeled_sections(engine_file)
+        if whole is None or not_comparable(engine_file)
         else [in_bearings(whole.crankshaft.shaft, own.stiffness - held.nominal) for own in each]
     )
     modes = [crankshaft_modes(shaft) for shaft in shafts]

@@ -137,6 +137,9 @@ def engine_limits(
         f"orders above {engine_file.vibration.highest_order:g} are neither calculated nor judged "
         "(vibration.highest_order)"
     )
+    if given.passing_while_misfiring:
+        basis = "limits.passing_while_misfiring"
+        found = {name: replace(limit, misfiring_basis=basis) for name, limit in found.items()}
     return found, tuple(remarks)
 
 
@@ -331,18 +334,21 @@ def limited_series(
         return axial.free_end
     if name == "axial_force":
         return axial.crank_elements
-    loads = torsional.loads.elements
-    elements = loads.names
+    return element_series(name, engine_file, torsional.loads)
+
+
+def element_series(name: str, engine_file: EngineFile, loads: ElementLoads) -> OrderSeries:
+    """Return the quantity of a limit on one element of the torsional chain, by the loads of all."""
     if name == "coupling_torque":
-        coupling = COUPLING
-        place = elements.index(coupling)
-        return replace(loads, values=loads.values[:, :, [place]], names=(coupling,))
+        place = loads.elements.names.index(COUPLING)
+        values = loads.elements.values[:, :, [place]]
+        return replace(loads.elements, values=values, names=(COUPLING,))
     element = name.removeprefix("shaft: ")
     (shaft,) = (
         own for own in (engine_file.limits or LimitsInput()).shafts if own.element == element
     )
     modulus = float(section_modulus("torsional", shaft.diameter))
-    return alternating_stress(torsional.loads, {element: modulus})
+    return alternating_stress(loads, {element: modulus})
 
 
 @dataclass(frozen=True, eq=False)

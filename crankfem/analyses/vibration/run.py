@@ -20,8 +20,8 @@ from crankfem.analyses.shaft.whole_shaft import (
     ShaftComparison,
     WholeShaft,
     compare_with_chains,
+    not_comparable,
     shaft_response,
-    unmodeled_sections,
     whole_shaft,
 )
 from crankfem.analyses.vibration.assessment import Assessment, assess_chains
@@ -328,7 +328,7 @@ def engine_vibration(
         answer = None if twisted is None else shaft_response(read, whole, twisted.forces)
         comparison = (
             ShaftComparison(answer)
-            if unmodeled_sections(read)
+            if not_comparable(read)
             else compare_with_chains(
                 whole,
                 axial.chosen.chain,

@@ -72,7 +72,7 @@ from crankfem.files.sections.vibration_sections import (
 from crankfem.files.study.study_file import study_plan
 from dynamics.chains.chain import Chain
 from fem.material import STEEL, Material
-from geometry.shaft_ends import ShaftEnds
+from geometry.crankshaft import ShaftEnds
 from geometry.throw import CrankThrow
 from regression.plans.plan import StudyPlan
 

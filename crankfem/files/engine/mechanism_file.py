@@ -40,9 +40,8 @@ from dynamics.engine.cylinder import RotatingMass
 from dynamics.engine.layout import EngineLayout
 from dynamics.gas.pressure import GasPressure
 from fem.material import STEEL, Material
-from geometry.crankshaft import throw_masses, throw_starts
+from geometry.crankshaft import ShaftEnds, throw_masses, throw_starts
 from geometry.mass import MassProperties, unbalance
-from geometry.shaft_ends import ShaftEnds
 from geometry.throw import CrankThrow
 
 NEEDED = ("engine", "throw", "rod", "piston")

@@ -176,6 +176,11 @@ class LimitsInput(InputModel):
         maximum=1.0,
         default=None,
     )
+    passing_while_misfiring: bool = Field(
+        False,
+        description="whether the limits for passing serve while a cylinder misfires, where the class or the "
+        "maker says so; by default those of continuous running",
+    )
     shafts: tuple[ShaftLimitInput, ...] = part_field(
         "propulsion shafts limited by the unified requirement M68", ShaftLimitInput, many=True
     )

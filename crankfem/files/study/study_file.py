@@ -11,8 +11,7 @@ from crankfem.files.sections.study_section import StudySection
 from crankfem.files.study.design_file import read_design
 from fem.material import Material
 from geometry.throw import CrankThrow
-from regression.plans.design_choice import DesignChoice
-from regression.plans.designs_factorial import ROMAN
+from regression.plans.designs import ROMAN, DesignChoice
 from regression.plans.factors import Factor, ThrowField, throw_fields, unknown_field
 from regression.plans.plan import StudyPlan
 
