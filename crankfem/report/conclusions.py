@@ -307,6 +307,19 @@ def _by_whole(vibration: Record) -> str:
             f"Largest force amplitude on the thrust bearing at running speeds: {whole} by the whole "
             f"crankshaft, {chain} by the chain."
         )
+    criticals = (vibration.get("whole") or {}).get("criticals") or {}
+    for kind, told in criticals.items():
+        running = [one for one in told["peaks"] if one["in_running_range"] and one["value"]]
+        if not running:
+            continue
+        worst = max(running, key=lambda one: float(one["value"]))
+        damping = worst["damping_ratio"]
+        found.append(
+            f"Its largest {kind} critical speed in the running range: order {worst['order']:g} at "
+            f"{significant(worst['speed_rpm'], DIGITS)} 1/min, "
+            f"{quantity(worst['value'], worst['unit'], DIGITS)} at {worst['place']}"
+            + (f", damping {100.0 * damping:.2g} %." if damping else ".")
+        )
     return with_three_digits(" ".join(found))
 
 

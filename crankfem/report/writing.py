@@ -32,6 +32,7 @@ from crankfem.analyses.vibration.tables import (
     load_table,
     misfiring_table,
     source_table,
+    whole_critical_table,
     whole_table,
 )
 from crankfem.report.conclusions import reached_and_permitted
@@ -74,6 +75,7 @@ TABLES = (
     moving_mass_table,
     source_table,
     speed_table,
+    whole_critical_table,
     whole_table,
     harmonics_table,
     support_table,

@@ -80,6 +80,22 @@ class CoupledResponse:
         row = self.crankshaft.point(point)
         return np.asarray(np.sum([one.motion[:, :, row] for one in self.parts], axis=0))
 
+    def elastic_motion(self, point: str) -> ComplexArray:
+        """Return the motion (K, S) of a point under all forces without rigid-body motion.
+
+        Raises
+        ------
+        InputError
+            If there is no such point.
+        """
+        return np.asarray(np.sum(self._elastic(point), axis=0))
+
+    def _elastic(self, point: str) -> list[ComplexArray]:
+        rigid = self.crankshaft.system.rigid.shape[1]
+        # Amplitudes of modes are the unknowns of this system, rigid motions first.
+        row = self.crankshaft.system.expand[self.crankshaft.point(point), rigid:]
+        return [one.unknowns[:, :, rigid:] @ row for one in self.parts]
+
     def split(self, point: str) -> "SplitMotion":
         """Return the motion of a point by each kind of force and by all, by order and synthesized.
 
@@ -117,11 +133,7 @@ class CoupledResponse:
         return {}
 
     def _split(self, point: str) -> "SplitMotion":
-        row = self.crankshaft.point(point)
-        rigid = self.crankshaft.system.rigid.shape[1]
-        # Amplitudes of modes are the unknowns of this system, rigid motions first.
-        mode_motion = self.crankshaft.system.expand[row, rigid:]
-        each = [one.unknowns[:, :, rigid:] @ mode_motion for one in self.parts]
+        each = self._elastic(point)
         motions = {"tangential": each[0], "radial": each[1], "both": np.sum(each, axis=0)}
         unbounded, found = self.unbounded, {}
         for name, motion in motions.items():

@@ -26,6 +26,7 @@ from dynamics.crankshaft.chain_comparison import (
 from dynamics.crankshaft.coupled_response import coupled_response
 from dynamics.crankshaft.mode_matches import followed_modes, matching_modes
 from dynamics.crankshaft.pin_excitation import pins_of_cylinders, shaft_excitation
+from dynamics.crankshaft.shaft_criticals import shaft_criticals
 from dynamics.crankshaft.shaft_system import crankshaft_system
 from dynamics.crankshaft.shaft_throw import ShaftThrow
 from dynamics.crankshaft.surroundings import (
@@ -191,6 +192,47 @@ def test_both_kinds_of_force_together_are_their_sum(forces):
         np.abs(answer.motion("pin 2 tangential") - whole.motion[:, :, row]).max() < 1e-8 * largest
     )
     assert not answer.unbounded.any()
+
+
+def test_critical_speeds_are_all_peaks_of_single_orders(forces):
+    """Every local maximum on a grid ten times as fine is there, unless it is small at its place."""
+    shaft = straight(0.3)
+    fine = np.linspace(100.0, 700.0, 20001)
+
+    def answer(speeds):
+        one = (slice(None), slice(0, 1))
+        steady = {
+            name: np.repeat(getattr(forces, name)[one], speeds.size, axis=1)
+            for name in ("tangential", "radial")
+        }
+        own = SimpleNamespace(**vars(forces) | steady | {"speeds": speeds})
+        return coupled_response(shaft, own, modal_damping=0.01)
+
+    coarse = answer(fine[::10])
+    found, _ = shaft_criticals(coarse, coarse.torque, (150.0, 650.0))
+    assert len(found) > 3
+    sizes = np.abs(answer(fine).torque.values)
+    rising = sizes[:, 1:-1] > np.maximum(sizes[:, :-2], sizes[:, 2:])
+    inside = (fine[1:-1] > 150.0) & (fine[1:-1] < 650.0)
+    peaks = np.argwhere(rising & inside[:, np.newaxis])
+    heights = sizes[peaks[:, 0], peaks[:, 1] + 1, peaks[:, 2]]
+    largest = np.array([heights[peaks[:, 2] == place].max(initial=0.0) for place in range(4)])
+    for (order, index, place), height in zip(peaks.tolist(), heights.tolist(), strict=True):
+        if height < 0.05 * largest[place]:
+            continue
+        near = [
+            one
+            for one in found
+            if one.order == forces.orders[order] and one.speed == close(fine[index + 1], 0.03)
+        ]
+        assert near
+        assert max(one.value for one in near) > 0.999 * height
+    natural = shaft.system.elastic_frequencies
+    for one in found:
+        if one.mode:
+            assert one.frequency == natural[one.mode - 1]
+            assert one.order * one.speed / (2.0 * math.pi) == close(one.frequency, 0.03)
+            assert one.damping_ratio == close(0.01)
 
 
 def test_torque_of_the_chain_is_that_of_the_pins(forces):

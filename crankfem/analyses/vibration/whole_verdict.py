@@ -11,6 +11,7 @@ from crankfem.analyses.vibration.assessment import Assessment
 from crankfem.analyses.vibration.bearing_sweep import BearingSweep
 from crankfem.analyses.vibration.engine_limits import (
     Findings,
+    assessment_end_speeds,
     element_series,
     engine_limits,
     engine_verdict,
@@ -22,6 +23,7 @@ from dynamics.assessment.limits import AmplitudeCurve
 from dynamics.assessment.response_curves import curves_of
 from dynamics.assessment.verdict import LimitCheck, Verdict
 from dynamics.chains.engine_chains import FLYWHEEL, FREE_END, EngineChain
+from dynamics.crankshaft.shaft_criticals import ShaftCritical, shaft_criticals
 from dynamics.response.loads import ElementLoads
 from dynamics.response.series import OrderSeries
 
@@ -125,6 +127,41 @@ def whole_loads(comparison: ShaftComparison, cranks: EngineChain) -> ElementLoad
     )
     none = replace(elastic, values=elastic.values[:, :, :0], names=())
     return ElementLoads(all_total, all_elastic, ground=none, dashpots=none)
+
+
+def whole_criticals(
+    engine_file: EngineFile, comparison: ShaftComparison, cranks: EngineChain
+) -> dict[str, tuple[tuple[ShaftCritical, ...], int]]:
+    """Return the whole crankshaft's critical speeds and the number of small ones left out, by kind.
+
+    Of the kinds whose chain is inadequate: torques [N m] in the elements of the torsional chain, axial
+    motions [m] of the main bearings, from the lowest running speed to the highest one judged.
+    """
+    coupled = comparison.coupled
+    if coupled is None:
+        return {}
+    found: dict[str, tuple[tuple[ShaftCritical, ...], int]] = {}
+    ends = assessment_end_speeds(engine_file)
+    for verdict in comparison.verdicts:
+        if verdict.suffices:
+            continue
+        if verdict.kind == "torsional":
+            series = whole_loads(comparison, cranks).elastic
+        else:
+            names = [
+                f"main bearing {number}"
+                for number in range(1, coupled.crankshaft.shaft.section_count + 1)
+            ]
+            moved = [coupled.elastic_motion(f"{name} uz") for name in names]
+            series = OrderSeries(
+                coupled.orders,
+                coupled.speeds,
+                np.stack(moved, axis=-1),
+                coupled.unbounded,
+                tuple(names),
+            )
+        found[verdict.kind] = shaft_criticals(coupled, series, (ends[0], ends[-1]))
+    return found
 
 
 def whole_verdict(

@@ -16,6 +16,7 @@ from crankfem.analyses.vibration.tables import (
     resonance_table,
     run_up_table,
     source_table,
+    whole_critical_table,
     whole_table,
 )
 from crankfem.cli.console import print_line, print_notes, print_table
@@ -102,6 +103,8 @@ def _print_whole(record: Record, units: OutputUnits) -> None:
     length = units.of("um")
     print_table(whole_table(record), units)
     print_notes(record["remarks"], units)
+    for kind in record.get("criticals", ()):
+        print_table(whole_critical_table(record, kind), units)
     for kind, chain in record["chains"].items():
         motion = units.of(MOTION[kind].printed)
         if chain["chain_amplitude"] is not None or chain["shaft_amplitude"] is not None:
