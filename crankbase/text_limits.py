@@ -40,9 +40,13 @@ def check_file_size(path: Path, most: int, what: str) -> None:
     if (entry := not_a_file(path)) is not None:
         raise InputError(f"{path}: {entry}.")
     try:
-        size = path.stat().st_size
+        check_size(path, path.stat().st_size, most, what)
     except OSError:
         return
+
+
+def check_size(path: Path, size: int, most: int, what: str) -> None:
+    """Refuse a size [bytes] of a file's content; the rest as `check_file_size`."""
     if size > most:
         raise InputError(
             f"{path}: given a file of {size / 1e6:.3g} MB; allowed is {most / 1e6:g} MB at most, because "

@@ -4,8 +4,8 @@ import re
 import stat
 from pathlib import Path
 
-JSON = b"{"
 CSV = "is a table (CSV)"
+JSON = "is a JSON file, such as the results of a run or a saved model"
 # Beginnings of files to what they are.
 BEGINNINGS = (
     (
@@ -16,7 +16,7 @@ BEGINNINGS = (
     (b"%PDF", "is a PDF file"),
     (b"ISO-10303-21", "is a STEP file; use it with throw"),
     (b"<", "is a web page or a picture (HTML, XML, SVG), such as a report"),
-    (JSON, "is a JSON file, such as the results of a run or a saved model"),
+    (b"{", JSON),
 )
 UTF_16 = (b"\xff\xfe", b"\xfe\xff")
 # Two lines of numbers or names between commas, of which the second begins with a number.

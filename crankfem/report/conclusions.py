@@ -87,7 +87,7 @@ def verdict_line(results: Record) -> str:
     assessment = results["vibration"]["assessment"]
     if assessment is None:
         return f"Verdict: {NOT_JUDGED}."
-    worst = assessment["checks"][0]
+    worst = _worst(assessment)
     used = "unbounded" if worst["used"] is None else f"{format_usage(worst['used'])} of its limit"
     said = headline(results)
     of = ""
@@ -120,7 +120,7 @@ def conclusions(results: Record) -> list[str]:
     assessment = results["vibration"]["assessment"]
     if assessment is None:
         return [*_warned(results), *_without_forces(results)]
-    cause = assessment["checks"][0].get("cause")
+    cause = _worst(assessment).get("cause")
     # What decides comes first.
     assumed, open_ = _assumed(results), undecided(assessment)
     found = [
@@ -159,11 +159,22 @@ def reached_and_permitted(check: Record) -> tuple[str, str]:
     return quantities_apart(value, permitted, unit, DIGITS)
 
 
+def _worst(assessment: Record) -> Record:
+    """Return the check that decides, at the speed that it names; older runs have the first one."""
+    found: Record = assessment.get("worst") or assessment["checks"][0]
+    return found
+
+
 def _reached(assessment: Record) -> str:
-    worst = assessment["checks"][0]
+    worst, most = _worst(assessment), assessment["checks"][0]
     running = worst.get("running")
     shown = _share(worst, worst["unit"])
-    if running is not None and not worst.get("in_running_range", True):
+    if worst["speed_rpm"] != most["speed_rpm"] and not most.get("in_running_range", True):
+        place = (
+            "" if most["place"] == worst["place"] else f"{limit_at(most['limit'], most['place'])}: "
+        )
+        shown = f"{shown}; above the running range {place}{_share(most, most['unit'])}"
+    elif running is not None and not worst.get("in_running_range", True):
         shown = f"{_share(running, worst['unit'])}; above the running range {shown}"
     failed = sum(not one["passed"] for one in assessment["checks"])
     others = failed - 1
@@ -174,7 +185,7 @@ def _reached(assessment: Record) -> str:
 
 
 def _cause(assessment: Record) -> str:
-    worst = assessment["checks"][0]
+    worst = _worst(assessment)
     return sentence(
         f"at {significant(worst['speed_rpm'], DIGITS)} 1/min, {worst['cause']['sentence']}"
     )
@@ -296,6 +307,19 @@ def _by_whole(vibration: Record) -> str:
             f"Largest force amplitude on the thrust bearing at running speeds: {whole} by the whole "
             f"crankshaft, {chain} by the chain."
         )
+    criticals = (vibration.get("whole") or {}).get("criticals") or {}
+    for kind, told in criticals.items():
+        running = [one for one in told["peaks"] if one["in_running_range"] and one["value"]]
+        if not running:
+            continue
+        worst = max(running, key=lambda one: float(one["value"]))
+        damping = worst["damping_ratio"]
+        found.append(
+            f"Its largest {kind} critical speed in the running range: order {worst['order']:g} at "
+            f"{significant(worst['speed_rpm'], DIGITS)} 1/min, "
+            f"{quantity(worst['value'], worst['unit'], DIGITS)} at {worst['place']}"
+            + (f", damping {100.0 * damping:.2g} %." if damping else ".")
+        )
     return with_three_digits(" ".join(found))
 
 
@@ -316,7 +340,7 @@ def _advice(results: Record) -> str:
     What the orders away from resonance make at the instant of the peak, their sum reaches at least; so where
     that alone exceeds the limit, no damping keeps it.
     """
-    worst = results["vibration"]["assessment"]["checks"][0]
+    worst = _worst(results["vibration"]["assessment"])
     cause = worst.get("cause")
     if worst["passed"] or cause is None or worst["value"] is None or not cause.get("orders"):
         return ""

@@ -220,5 +220,4 @@ def _centered_mass(shaft: AssembledShaft, *, lateral: bool) -> FloatArray:
         (across, across, stations.axial_mass, tilting, tilting, stations.polar)
     )
     centered = np.einsum("siu,si,siv->uv", stations.motions, diagonal, stations.motions)
-    added = shaft.added.T * shaft.added_inertia @ shaft.added
-    return np.asarray(centered + added)
+    return np.asarray(centered + shaft.added_mass.sum(axis=0))

@@ -19,7 +19,7 @@ import pytest
 from comparing import close
 from crankfem.analyses.provenance import file_records, provenance_record, repeat_record, run_command
 from crankfem.analyses.throw.compliances import compliance_tables, regression_record
-from crankfem.analyses.throw.throw_tables import pin_force_words
+from crankfem.analyses.throw.throw_record import pin_force_words
 from crankfem.files.reading.data_files import data_folder
 from crankfem.report import text_filters
 from crankfem.report.figures import load_figures, script_text

@@ -4,7 +4,7 @@ import pytest
 
 from crankbase.errors import InputError
 from crankfem.files.reading.toml_file import read_toml
-from crankfem.files.reading.toml_places import line_of
+from crankfem.files.reading.toml_places import line_of, place_of
 
 
 @pytest.mark.parametrize(
@@ -40,6 +40,9 @@ from crankfem.files.reading.toml_places import line_of
         ("[имя]\nx = 1\n", r"line 1, \[имя\]: given a name with other letters than A to Z"),
         ("[a]\nимя = 1\n", "line 2, имя = 1: given a name with other letters than A to Z"),
         ("[a\nx = 1\n", r"line 1, \[a: given a section without its closing bracket"),
+        ("[a]\nx: 3\n", "line 2, x: 3: given a colon behind a name; write ="),
+        ('[a]\nx = "3 mm",\n', "line 2, .*: given a comma or a semicolon at its end"),
+        ("[a]\nx = My Diesel\n", "line 2, .*: given text without quotes; write it in quotes"),
         ("[a]\nx y z\n", r"line 2, x y z: is not TOML \(.*\); allowed is a TOML file"),
     ],
 )
@@ -114,4 +117,7 @@ def test_the_line_of_a_field_is_found():
     found = {field: line_of(text, field) for field in ("a.x", "a.parts[1].x", "a.inner.list[1]")}
     assert found == {"a.x": 2, "a.parts[1].x": 6, "a.inner.list[1]": 8}
     assert line_of(text, "a.y") is None
+    assert place_of(text, "a.y") == "section [a], line 1"
+    assert place_of(text, "a.parts[1].y") == "section [a.parts[1]], line 5"
+    assert place_of(text, "b.y") is None
     assert line_of(text, "The file") is None

@@ -212,16 +212,21 @@ def _peaks(run):
 
 
 @pytest.mark.slow
-def test_chains_with_more_behind_the_flywheel_are_not_compared(six, monkeypatch):
+def test_a_makers_chain_of_the_plant_is_not_compared(six, monkeypatch):
     engine_file, analysis = six
-    line = Chain([1000.0, 500.0], [1e9], names=["flange", "propeller"])
-    longer = replace(engine_file, shaft_lines={"axial": line})
+    cranks = [f"cylinder {number}" for number in range(1, 7)]
+    plant = Chain(
+        [5.0] * 6 + [400.0, 500.0], [2e7] * 6 + [1e6], names=[*cranks, "wheel", "propeller"]
+    )
+    longer = replace(engine_file, shaft_lines={"plant": plant}, free_end=None)
     whole = whole_shaft(longer, analysis)
-    assert any("[shaft_line] is included in the chains" in remark for remark in whole.remarks)
+    assert any("is without the plant and judged by no limit" in one for one in whole.remarks)
     monkeypatch.setattr("crankfem.analyses.vibration.run.whole_shaft", lambda *_: whole)
     run = engine_vibration(longer, analysis=analysis, coupled=True)
     assert (run.comparison.axial, run.comparison.torsional) == (None, None)
-    assert run_record(run)["axial_force"]["running_whole"] is None
+    told = run_record(run)
+    assert told["axial_force"]["running_whole"] is None
+    assert told["not_comparable"] in told["assessment"]["by_whole"][0]
     running = (run.engine_file.engine.lowest_speed, run.engine_file.engine.highest_speed)
     record = whole_record(run.whole, run.comparison, running)
     assert record["chains"] == {}

@@ -201,6 +201,12 @@ def test_flywheel_without_inertia_about_a_diameter(case, figure):
     assert f"from {found.without:.1f} Hz without to {both} Hz with it" in found.sentence
 
 
+def match_nominal(case, chain):
+    shaft = case.whole.crankshaft.shaft
+    wanted = chain.first_mode(chain.chain.modes())
+    return match_modes(shaft, case.whole.modes, chain, [wanted])[0].shaft_frequency
+
+
 def test_sweep_is_that_of_chains_and_shafts_one_by_one(case, figure):
     engine, analysis = case.engine, case.analysis
     each = chains_over_bearings(engine, analysis)
@@ -227,5 +233,17 @@ def test_sweep_is_that_of_chains_and_shafts_one_by_one(case, figure):
         1e-12,
         scale=np.abs(softer.stiffness).max(),
     )
+    # What is followed by shape moves up with the stiffness, and none that is most like the chain's is lost.
+    for kind in ("axial", "torsional"):
+        branches = np.vstack((found.shaft[kind], found.further[kind]))
+        for branch in branches:
+            assert np.all(np.diff(branch[np.isfinite(branch)]) > 0.0)
+        for place, held_one in enumerate(each):
+            named, added = held_one.chain(kind), float(found.stiffness[place]) - held.nominal
+            shaft = in_bearings(case.whole.crankshaft.shaft, added)
+            wanted = named.first_mode(named.chain.modes())
+            (match,) = match_modes(shaft, crankshaft_modes(shaft), named, [wanted])
+            assert match.shaft_frequency in branches[:, place]
+        assert found.shaft[kind][3] == match_nominal(case, each[3].chain(kind))
     low, high = np.min(found.chains["torsional"]), np.max(found.chains["torsional"])
     assert f"{low:.1f} to {high:.1f} Hz by the chain" in found.sentences[0]

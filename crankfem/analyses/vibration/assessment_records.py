@@ -33,6 +33,7 @@ def assessment_record(assessment: Assessment) -> Record:
             ]
         },
         "running_rpm": [speed * RPM for speed in running],
+        "worst": _check(verdict.worst, running[1]),
         "checks": [_check(check, running[1]) for check in verdict.checks],
         "barred": [_range(one) for one in verdict.barred],
         "started_through": [_range(one) for one in verdict.started_through],
