@@ -212,7 +212,7 @@ def forced_record(forced: ForcedVibration) -> Record:
             "power": _power(forced),
             "running_rpm": _rpm(forced.running_range),
             "judged_rpm": _rpm(forced.judged_range),
-            "resonances": [_resonance(one) for one in forced.resonances],
+            "resonances": [_resonance(one, forced.kind) for one in forced.resonances],
             "axial_forces": None if compared is None else _axial_forces(compared, forced),
         }
     )
@@ -222,25 +222,23 @@ def _rpm(speeds: Sequence[float]) -> list[float]:
     return [speed * RPM for speed in speeds]
 
 
-def _resonance(found: DampedCritical) -> Record:
-    """Return a peak; null if an order meets a mode without one."""
-    beside = {
-        "undamped_rpm": found.undamped_speed * RPM,
-        "locked_rpm": found.locked_speed * RPM,
-    }
+def _resonance(found: DampedCritical, kind: str) -> Record:
+    """Return a peak; null if an order meets a mode without one. The amplitude is that of the free end."""
     names = (
-        *(
-            "mode",
-            "order",
-            "speed_rpm",
-            "frequency",
-            "amplitude",
-            "mode_frequency",
-            "damping_ratio",
-        ),
+        *("mode", "order", "speed_rpm", "frequency", "mode_frequency", "damping_ratio"),
         *("mode_share", "severity", "kind", "unbounded", "in_running_range"),
+        *("in_band", "place", "modes", "others"),
     )
-    record = attributes(found, *names) | plain(beside)
+    record = attributes(found, *names) | plain(
+        {
+            "amplitude": found.first_amplitude,
+            "value": found.amplitude,
+            "unit": LOAD_UNIT[kind] if found.of_load else MOTION[kind].si,
+            "spread_rpm": _rpm(found.spread) if found.has_peak else None,
+            "undamped_rpm": found.undamped_speed * RPM,
+            "locked_rpm": found.locked_speed * RPM,
+        }
+    )
     # Without a peak, or without a ring, there is no such value.
     missing = {
         name: None for name, value in record.items() if isinstance(value, float) and isnan(value)
