@@ -1,7 +1,8 @@
 """An engine's vibration as plain numbers in SI units, and the columns of its files."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from math import isnan
+from typing import Any
 
 import numpy as np
 
@@ -74,7 +75,7 @@ def _whole_criticals(run: EngineVibration, highest: float) -> Record:
                 "peaks": [
                     {
                         **attributes(one, "order", "place", "value", "mode", "frequency"),
-                        **attributes(one, "damping_ratio"),
+                        **attributes(one, "damping_ratio", "share"),
                         "speed_rpm": one.speed * RPM,
                         "in_running_range": one.speed <= highest * (1.0 + 1e-9),
                         "unit": "m" if kind == "axial" else "N m",
@@ -117,8 +118,23 @@ def load_record(load: EngineLoad) -> Record:
 
 def sweep_record(sweep: BearingSweep) -> Record:
     """Return the effect of the range of the main bearings' stiffness, in SI units."""
-    names = ("stiffness", "chains", "shaft", "further", "used", "statuses", "flips", "sentences")
-    return {"assumed": sweep.bearings.assumed, **attributes(sweep, *names)}
+    names = ("stiffness", "used", "statuses", "flips", "sentences")
+    return {
+        "assumed": sweep.bearings.assumed,
+        **attributes(sweep, *names),
+        **{name: _known(getattr(sweep, name)) for name in ("chains", "shaft", "further")},
+    }
+
+
+def _known(frequencies: Mapping[str, FloatArray]) -> Record:
+    """Return frequencies by kind, null where a mode is not there."""
+
+    def known(values: Any) -> Any:
+        if isinstance(values, list):
+            return [known(one) for one in values]
+        return None if isnan(values) else values
+
+    return {kind: known(own.tolist()) for kind, own in frequencies.items()}
 
 
 def vibration_record(vibration: Vibration) -> Record:
