@@ -90,20 +90,21 @@ class JobRunner:
         problems = [text for text, _, _ in troubles]
         if self._store.trouble is not None:
             problems.append(self._store.trouble)
+        since = [since for _, since, _ in troubles] or ([time.time()] if problems else [])
         return {
-            "state": "stopped" if self._gave_up else "retrying" if problems else "ok",
+            "state": "stopped" if self._stopped() else "retrying" if problems else "ok",
             "problems": list(dict.fromkeys(problems)),
-            "since": min([since for _, since, _ in troubles] or [time.time()])
-            if problems
-            else None,
+            "since": min(since, default=None),
             "queued": self._store.count("queued"),
             "running": self._store.count("running"),
         }
 
-    @property
-    def _gave_up(self) -> bool:
-        ended = [gave_up for _, _, gave_up in list(self._troubles.values())]
-        return len(ended) == len(self._threads) and all(ended)
+    def _stopped(self) -> str | None:
+        """Why no thread starts processes any more; None while one does."""
+        troubles = list(self._troubles.values())
+        if len(troubles) < len(self._threads) or not all(gave_up for _, _, gave_up in troubles):
+            return None
+        return troubles[0][0]
 
     def submit(self, kind: str, title: str, question: Mapping[str, Any]) -> str | None:
         """Let a job wait; None where too many do.
@@ -113,12 +114,12 @@ class JobRunner:
         ProblemError
             If jobs do not run, or this one cannot be recorded.
         """
-        gave_up = self._gave_up
-        name = None if gave_up else self._store.add(kind, title, question, self._bounds.waiting)
+        stopped = self._stopped()
+        name = None if stopped else self._store.add(kind, title, question, self._bounds.waiting)
         with self._work:
             self._work.notify()
-        if gave_up:
-            raise ProblemError(503, f"{self._troubles[0][0]} This is tried again now.")
+        if stopped:
+            raise ProblemError(503, f"{stopped} This is tried again now.")
         return name
 
     def cancel(self, name: str) -> None:

@@ -762,7 +762,7 @@ def test_vibration_of_an_engine(tmp_path, strict, coupled_vibration):
     told = " ".join(
         text for trace in figures["torsional_campbell"]["data"] for text in trace.get("text", ())
     )
-    assert all(f"order {one.order:g}, mode {one.mode}<" in told for one in forced.resonances)
+    assert all(f"order {one.order:g}, mode {one.mode}<" in told for one in forced.peaks)
     modes = run.whole.modes
     (menu,) = figures["shaft_modes"]["layout"]["updatemenus"]
     first = menu["buttons"][0]

@@ -4,7 +4,7 @@ import pytest
 
 from crankbase.errors import InputError
 from crankfem.files.reading.toml_file import read_toml
-from crankfem.files.reading.toml_places import line_of
+from crankfem.files.reading.toml_places import line_of, place_of
 
 
 @pytest.mark.parametrize(
@@ -114,4 +114,7 @@ def test_the_line_of_a_field_is_found():
     found = {field: line_of(text, field) for field in ("a.x", "a.parts[1].x", "a.inner.list[1]")}
     assert found == {"a.x": 2, "a.parts[1].x": 6, "a.inner.list[1]": 8}
     assert line_of(text, "a.y") is None
+    assert place_of(text, "a.y") == "section [a], line 1"
+    assert place_of(text, "a.parts[1].y") == "section [a.parts[1]], line 5"
+    assert place_of(text, "b.y") is None
     assert line_of(text, "The file") is None

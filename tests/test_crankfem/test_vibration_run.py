@@ -192,10 +192,10 @@ def test_forced_vibration_of_an_engine(run):
     elastic = torsional.loads.elastic.amplitude[:, :, :7]
     assert torsional.stress.amplitude == close(elastic / modulus)
     # Far below all resonances the engine's torque twists the chain statically; order 3 leads there.
-    assert {one.mode for one in torsional.resonances} == {1}
+    assert {one.mode for one in torsional.peaks} == {1}
     assert max(torsional.resonances, key=lambda one: one.severity).order == 12.0
     # In phase on a rigid shaft, which the first mode resembles but is not.
-    assert [one.order for one in torsional.resonances if one.kind == "major"] == [12.0]
+    assert [one.order for one in torsional.peaks if one.kind == "major"] == [12.0]
 
 
 @pytest.mark.slow
@@ -235,8 +235,9 @@ def test_resonances_are_listed_at_all_speeds_judged(run):
     engine, found = run.engine_file.engine, run.forced_torsional
     end = 1.1 * engine.rated_speed  # where the rule for generating sets ends
     assert found.judged_range == close((engine.lowest_speed, end))
-    speeds = [one.speed for one in found.resonances]
-    above = [one for one in found.resonances if not one.in_running_range]
+    resonances = [one for one in found.resonances if one.in_band]
+    speeds = [one.speed for one in resonances]
+    above = [one for one in resonances if not one.in_running_range]
     meeting = {
         k: 2.0 * math.pi * run.torsional.chosen.elastic_frequencies[0] / k
         for k in found.response.orders
@@ -247,15 +248,17 @@ def test_resonances_are_listed_at_all_speeds_judged(run):
     assert speeds == sorted(speeds)
     criticals = run.torsional.criticals
     assert [one.critical.speed for one in criticals] == close(
-        [one.undamped_speed for one in found.resonances]
+        [one.undamped_speed for one in resonances]
     )
-    # A magnifier of 40 hardly moves the peaks.
-    assert speeds == close([one.undamped_speed for one in found.resonances], rel=1e-3)
+    # A magnifier of 40 hardly moves the peaks, at whatever place they are told of.
+    assert speeds == close([one.undamped_speed for one in resonances], rel=2e-3)
     assert [one.in_running_range for one in criticals] == [
-        one.in_running_range for one in found.resonances
+        one.in_running_range for one in resonances
     ]
     record = forced_record(found)
-    assert [one["in_running_range"] for one in record["resonances"]].count(False) == len(above)
+    assert [one["in_running_range"] for one in record["resonances"] if one["in_band"]].count(
+        False
+    ) == len(above)
     assert record["judged_rpm"][1] == close(end * 30.0 / math.pi)
     # Most is used where the limit ends, below the resonance of order 9 at 568 1/min: near it, not at it.
     worst = run.worst_check

@@ -1,8 +1,7 @@
 """An engine's vibration as plain numbers in SI units, and the columns of its files."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from math import isnan
-from typing import Any
 
 import numpy as np
 
@@ -119,22 +118,13 @@ def load_record(load: EngineLoad) -> Record:
 def sweep_record(sweep: BearingSweep) -> Record:
     """Return the effect of the range of the main bearings' stiffness, in SI units."""
     names = ("stiffness", "used", "statuses", "flips", "sentences")
-    return {
-        "assumed": sweep.bearings.assumed,
-        **attributes(sweep, *names),
-        **{name: _known(getattr(sweep, name)) for name in ("chains", "shaft", "further")},
+    frequencies = {  # null where there is no such mode
+        name: {
+            kind: np.where(np.isnan(own), np.inf, own) for kind, own in getattr(sweep, name).items()
+        }
+        for name in ("chains", "shaft", "further")
     }
-
-
-def _known(frequencies: Mapping[str, FloatArray]) -> Record:
-    """Return frequencies by kind, null where a mode is not there."""
-
-    def known(values: Any) -> Any:
-        if isinstance(values, list):
-            return [known(one) for one in values]
-        return None if isnan(values) else values
-
-    return {kind: known(own.tolist()) for kind, own in frequencies.items()}
+    return {"assumed": sweep.bearings.assumed, **attributes(sweep, *names), **plain(frequencies)}
 
 
 def vibration_record(vibration: Vibration) -> Record:
@@ -222,7 +212,7 @@ def forced_record(forced: ForcedVibration) -> Record:
             "power": _power(forced),
             "running_rpm": _rpm(forced.running_range),
             "judged_rpm": _rpm(forced.judged_range),
-            "resonances": [_resonance(one) for one in forced.resonances],
+            "resonances": [_resonance(one, forced.kind) for one in forced.resonances],
             "axial_forces": None if compared is None else _axial_forces(compared, forced),
         }
     )
@@ -232,25 +222,23 @@ def _rpm(speeds: Sequence[float]) -> list[float]:
     return [speed * RPM for speed in speeds]
 
 
-def _resonance(found: DampedCritical) -> Record:
-    """Return a peak; null if an order meets a mode without one."""
-    beside = {
-        "undamped_rpm": found.undamped_speed * RPM,
-        "locked_rpm": found.locked_speed * RPM,
-    }
+def _resonance(found: DampedCritical, kind: str) -> Record:
+    """Return a peak; null if an order meets a mode without one. The amplitude is that of the free end."""
     names = (
-        *(
-            "mode",
-            "order",
-            "speed_rpm",
-            "frequency",
-            "amplitude",
-            "mode_frequency",
-            "damping_ratio",
-        ),
+        *("mode", "order", "speed_rpm", "frequency", "mode_frequency", "damping_ratio"),
         *("mode_share", "severity", "kind", "unbounded", "in_running_range"),
+        *("in_band", "place", "modes", "others"),
     )
-    record = attributes(found, *names) | plain(beside)
+    record = attributes(found, *names) | plain(
+        {
+            "amplitude": found.first_amplitude,
+            "value": found.amplitude,
+            "unit": LOAD_UNIT[kind] if found.of_load else MOTION[kind].si,
+            "spread_rpm": _rpm(found.spread) if found.has_peak else None,
+            "undamped_rpm": found.undamped_speed * RPM,
+            "locked_rpm": found.locked_speed * RPM,
+        }
+    )
     # Without a peak, or without a ring, there is no such value.
     missing = {
         name: None for name, value in record.items() if isinstance(value, float) and isnan(value)

@@ -62,5 +62,6 @@ def _refuse_chains(engine_file: EngineFile) -> None:
     ):
         _ = damped_engine_chain(engine_file, chain)
         still = np.zeros((1, 1, len(chain.nodes)), dtype=np.complex128)
-        excitation = OrderExcitation([1.0], [engine_file.engine.rated_speed], still)
+        speed = np.array([engine_file.engine.rated_speed])
+        excitation = OrderExcitation(np.ones(1), speed, still)
         _ = with_propeller(engine_file, chain, excitation)

@@ -135,15 +135,15 @@ class InputFiles:
                 raise InputError(f"{field}: given {name!r}, which {entry}.")
         elif name in sent:
             return InputFile(Path(name), sent[name])
-        for known in (data_folder() / shipped).iterdir() if shipped else ():
-            if name in (known.name, known.name.removesuffix(".toml")):
-                content = None if sent is None else known.read_bytes()
-                return InputFile(known if sent is None else Path(known.name), content)
+        for path in (data_folder() / shipped).iterdir() if shipped else ():
+            if name in (path.name, path.name.removesuffix(".toml")):
+                content = None if sent is None else path.read_bytes()
+                return InputFile(path if sent is None else Path(path.name), content)
         where = "in the folder of" if sent is None else "among the files sent with"
-        where += f" {self.path.name}"
-        also = (
-            f"neither {where} nor a shipped {shipped.removesuffix('s')}"
-            if shipped
-            else f"not {where}"
-        )
+        also = f"not {where} {self.path.name}"
+        if shipped:
+            known = f" ({', '.join(shipped_names('chain'))})" if shipped == "chains" else ""
+            also = (
+                f"neither {where} {self.path.name} nor a shipped {shipped.removesuffix('s')}{known}"
+            )
         raise InputError(f"{field}: given {name!r}, which is {also}.")

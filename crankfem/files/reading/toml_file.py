@@ -16,7 +16,7 @@ from crankbase.units.quantity import format_quantity
 from crankfem.files.reading.data_files import InputFiles
 from crankfem.files.reading.toml_errors import not_toml
 from crankfem.files.reading.toml_limits import check_content, check_keys, too_deep
-from crankfem.files.reading.toml_places import line_of
+from crankfem.files.reading.toml_places import place_of
 
 Model = TypeVar("Model", bound=InputModel)
 
@@ -184,10 +184,10 @@ class TomlFile:
 
     def _with_line(self, sentence: str) -> str:
         """Add to a sentence about a field in which line of the file it is."""
-        line = line_of(self.text, sentence.partition(":")[0])
-        if line is None:
+        place = place_of(self.text, sentence.partition(":")[0])
+        if place is None:
             return sentence
-        return f"{sentence.removesuffix('.')} ({self.path.name}, line {line})."
+        return f"{sentence.removesuffix('.')} ({self.path.name}, {place})."
 
     def required(self, section: str, kind: type[Model]) -> Model:
         """Validate one required section.

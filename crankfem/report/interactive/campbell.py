@@ -323,7 +323,8 @@ def _hover_text(kind: str, one: DampedCritical) -> str:
     size = (
         "unbounded: nothing damps it"
         if one.unbounded
-        else f"amplitude {number(one.amplitude / motion.size)} {motion.unit}, of this order alone"
+        else f"amplitude {number(one.first_amplitude / motion.size)} {motion.unit} of the free end, by "
+        f"this order alone; peak of {one.place}"
     )
     return (
         f"<b>order {one.order:g}, mode {one.mode}</b> ({one.kind})<br>{one.speed_rpm:.5g} 1/min, "
