@@ -31,9 +31,8 @@ import crankfem as cf
 from calculix_run import read_calculix, run_calculix
 from fem.analysis import analyze_axial
 from fem.assembly import assemble_stiffness
-from fem.calculix import write_calculix
-from fem.calculix_cases import axial_case
-from fem.class_compliances import class_axial_compliances
+from fem.axial_analysis import class_axial_compliances
+from fem.calculix import axial_case, write_calculix
 from fem.condensation import condense
 from fem.loads import unit_pin_loads
 from fem.superelement import combine_classes

@@ -10,13 +10,13 @@ import csv
 import tempfile
 from pathlib import Path
 
-from crankfem.analyses.study.fitting import fit_study
+from crankfem.analyses.study.response_fits import fit_study
 from crankfem.files.engine.throw_file import load_throw
 from fem.material import STEEL
 from fem.responses import evaluate_throw
 from geometry.throw import CrankThrow
 from regression.fits.groups import group_named
-from regression.plans.design_choice import DesignChoice
+from regression.plans.designs import DesignChoice
 from regression.plans.factors import Factor
 from regression.plans.plan import StudyPlan
 from regression.response_kinds import response_scale

@@ -27,7 +27,7 @@ from geometry.mesh_checks import (
     check_volume,
     solid_properties,
 )
-from geometry.mesh_repair import straighten_elements
+from geometry.shapes import straighten_elements
 
 Array = NDArray[np.float64]
 

@@ -44,7 +44,7 @@ def sentence(model: type[BaseModel], first: "ErrorDetails") -> str:
     field = prefix + ".".join(map(named, location))
     if first["type"] == "missing":
         info = model.model_fields[name]
-        return f"{field}: missing; {_describe(info)} must be given{_allowed_range(info)}."
+        return f"{field}: missing; give {_describe(info)}{_allowed_range(info)}."
     if first["type"] == "extra_forbidden":
         return f"{field}: unknown field; {allowed_names(name, model.model_fields)}."
     known = model.model_fields.get(name)
@@ -98,7 +98,7 @@ def _describe(info: FieldInfo) -> str:
 
 
 def _allowed_range(info: FieldInfo) -> str:
-    return f", allowed is {range_text(info)}" if field_extra(info, "unit") is not None else ""
+    return f"; allowed is {range_text(info)}" if field_extra(info, "unit") is not None else ""
 
 
 def limits_of(info: FieldInfo) -> Limits:

@@ -23,7 +23,7 @@ def lazy_exports(package: str, file: str) -> tuple[Callable[[str], Any], Callabl
     Returns
     -------
     tuple of callable
-        `__getattr__`, which also knows `__all__`, and `__dir__`.
+        `__getattr__`, which also knows `__all__`, and `__dir__`, which tells the names of the stub alone.
     """
 
     @cache
@@ -52,6 +52,7 @@ def lazy_exports(package: str, file: str) -> tuple[Callable[[str], Any], Callabl
         return value
 
     def dir_() -> list[str]:
-        return sorted({*vars(sys.modules[package]), *source_modules()})
+        own = {name for name in vars(sys.modules[package]) if name.startswith("__")}
+        return sorted(own | set(source_modules()))
 
     return getattr_, dir_

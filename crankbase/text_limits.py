@@ -3,6 +3,7 @@
 from pathlib import Path
 
 from crankbase.errors import InputError
+from crankbase.wrong_files import not_a_file
 
 # Characters of a quantity such as "7850 kg/m^3", and of an expression of a study.
 LONGEST_QUANTITY = 200
@@ -21,7 +22,7 @@ MOST_BITS = 63
 
 
 def check_file_size(path: Path, most: int, what: str) -> None:
-    """Refuse a file that is too large for its purpose, before it is read.
+    """Refuse what is no file, or too large for its purpose, before it is read.
 
     Parameters
     ----------
@@ -36,10 +37,16 @@ def check_file_size(path: Path, most: int, what: str) -> None:
     ------
     InputError
     """
+    if (entry := not_a_file(path)) is not None:
+        raise InputError(f"{path}: {entry}.")
     try:
-        size = path.stat().st_size
+        check_size(path, path.stat().st_size, most, what)
     except OSError:
         return
+
+
+def check_size(path: Path, size: int, most: int, what: str) -> None:
+    """Refuse a size [bytes] of a file's content; the rest as `check_file_size`."""
     if size > most:
         raise InputError(
             f"{path}: given a file of {size / 1e6:.3g} MB; allowed is {most / 1e6:g} MB at most, because "

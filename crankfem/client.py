@@ -14,6 +14,7 @@ from urllib.parse import quote
 from urllib.request import ProxyHandler, Request, build_opener
 
 from crankbase.errors import InputError
+from crankbase.wrong_files import not_a_file
 from crankfem.service.answers import (
     ENDED,
     Answer,
@@ -269,6 +270,8 @@ def _upload(path: str | Path, tables: Sequence[str | Path]) -> dict[str, Any]:
 
 
 def _text(path: str | Path) -> str:
+    if (entry := not_a_file(Path(path))) is not None:
+        raise InputError(f"{path}: {entry}.")
     try:
         return Path(path).read_text(encoding="utf-8-sig")
     except (OSError, UnicodeDecodeError) as error:

@@ -8,7 +8,7 @@ The published formulas are held against these values where one of them is the so
 compliances: that is what is known of their error.
 """
 
-from crankfem.analyses.throw.formula_spread import ACCURACY
+from crankfem.analyses.throw.formula_records import ACCURACY
 from crankfem.files.engine.throw_file import load_throw
 from crankfem.files.reading.data_files import data_folder, input_path, shipped_names
 from crankfem.files.reading.toml_file import read_toml

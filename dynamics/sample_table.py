@@ -9,8 +9,9 @@ import numpy as np
 
 from crankbase.checks.arrays import FloatArray
 from crankbase.errors import InputError, shortened
-from crankbase.text_limits import LARGEST_TABLE_FILE, check_file_size
-from crankbase.wrong_files import CSV, LOOKED_AT, wrong_kind
+from crankbase.input_file import GivenFile, InputFile
+from crankbase.text_limits import LARGEST_TABLE_FILE
+from crankbase.wrong_files import CSV
 from dynamics.cycle import checked_strokes, cycle_degrees, first_not_increasing, mean_step
 
 # Fewer samples show no cycle.
@@ -137,12 +138,12 @@ def possible_cycles(strokes: int | None) -> dict[int, float]:
     return {number: cycle_degrees(number) for number in possible}
 
 
-def read_sample_rows(path: Path, kind: TableKind) -> SampleRows:
+def read_sample_rows(given: GivenFile, kind: TableKind) -> SampleRows:
     """Read comment lines, header and rows of two numbers.
 
     Parameters
     ----------
-    path : Path
+    given : path-like or InputFile
         The file: UTF-8 text with commas between cells and decimal points.
     kind : TableKind
         The allowed headers, and the words for messages.
@@ -158,16 +159,9 @@ def read_sample_rows(path: Path, kind: TableKind) -> SampleRows:
         With file and line, if the file cannot be read, the header or a number is wrong, there are
         fewer than three samples, or the angles do not increase.
     """
-    check_file_size(path, LARGEST_TABLE_FILE, f"a {kind.name}")
-    try:
-        raw = path.read_bytes()
-        wrong = wrong_kind(raw[:LOOKED_AT])
-        if wrong is not None and wrong != CSV:
-            raise InputError(f"{path}: {wrong}; allowed is a {kind.name} (CSV).")
-        text = raw.decode("utf-8-sig")
-    except (OSError, UnicodeDecodeError) as error:
-        reason = getattr(error, "strerror", None) or "it is not UTF-8 text"
-        raise InputError(f"{path}: the {kind.name} cannot be read, because {reason}.") from None
+    file = InputFile.of(given)
+    path = file.path
+    text = file.text(LARGEST_TABLE_FILE, f"a {kind.name}", f"a {kind.name} (CSV)", CSV)
     names = ("", "")
     comments: list[str] = []
     lines: list[int] = []

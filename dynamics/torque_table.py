@@ -1,11 +1,11 @@
 """Read the torque of one throw over a cycle from a small CSV file."""
 
 from dataclasses import dataclass
-from pathlib import Path
 
 import numpy as np
 
 from crankbase.checks.arrays import FloatArray, read_only
+from crankbase.input_file import GivenFile
 from crankbase.library_types import Axes, DataFrame
 from crankbase.summaries import summarized
 from crankbase.tables.frames import table
@@ -90,7 +90,7 @@ class TorqueTable:
         )
 
 
-def read_torque_table(path: str | Path, *, strokes: int | None = None) -> TorqueTable:
+def read_torque_table(path: GivenFile, *, strokes: int | None = None) -> TorqueTable:
     """Read a torque table.
 
     The file is CSV: comment lines that start with a number sign, the header
@@ -100,7 +100,7 @@ def read_torque_table(path: str | Path, *, strokes: int | None = None) -> Torque
 
     Parameters
     ----------
-    path : str or Path
+    path : path
         The file.
     strokes : int, optional
         Strokes per cycle, 2 or 4. Crank angles determine it; for cycle angles it is 4
@@ -118,7 +118,7 @@ def read_torque_table(path: str | Path, *, strokes: int | None = None) -> Torque
         are not evenly spaced over one cycle, or the closing sample differs from the first.
     """
     cycles = possible_cycles(strokes)
-    rows = read_sample_rows(Path(path), TABLE)
+    rows = read_sample_rows(path, TABLE)
     index = first_uneven(rows.angles)
     if index is not None:
         usual = np.median(np.diff(rows.angles))

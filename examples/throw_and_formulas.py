@@ -15,12 +15,12 @@ throw = cf.CrankThrow(
 analysis = cf.analyze_throw(throw, material=cf.STEEL, accuracy=0.05)
 
 for kind, compliance, unit, formulas in (
-    ("axial", analysis.axial_compliance("pinned"), "m/N", cf.axial_formulas(throw)),
+    ("axial", analysis.axial_compliance("pinned"), "m/N", cf.axial_formulas(analysis)),
     (
         "torsional",
         analysis.torsional_compliance("pinned"),
         "rad/(N m)",
-        cf.torsional_formulas(throw),
+        cf.torsional_formulas(analysis),
     ),
 ):
     print(f"{kind}, finite elements: {compliance:.3e} {unit}, error {analysis.error_estimate:.1%}")

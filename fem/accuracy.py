@@ -14,7 +14,7 @@ from scipy import sparse
 from crankbase.checks.choices import check_kind
 from crankbase.stopwatch import Stopwatch
 from fem.assembly import assemble_stiffness
-from fem.class_compliances import axial_motion, class_axial_compliances
+from fem.axial_analysis import axial_motion, class_axial_compliances
 from fem.condensation import CondensedClass, EndSections, condense
 from fem.correction import class_energies, class_errors, corrected_class, effectivity, error_bars
 from fem.loads import NodalLoads, unit_pin_loads

@@ -34,7 +34,7 @@ from fem.class_modes import PartMatrices, check_resolved, class_problem, frequen
 from fem.condensation import CondensedClass
 from fem.fixed_interface_shapes import shapes_of_class, shapes_of_throw
 from fem.material import Material
-from fem.plots.frequency_stems import draw_frequencies
+from fem.plots.over_angle import draw_frequencies
 from fem.section_motions import RIGID, SectionMotions, both_ends, section_turn
 from fem.solver import SharedSolver
 from fem.symmetry import SymmetryClass, symmetry_classes

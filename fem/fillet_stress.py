@@ -18,21 +18,32 @@ from crankbase.errors import InputError
 from crankbase.units.quantity import format_quantity
 from fem.accuracy import Mesher
 from fem.condensation import EndSections
-from fem.fillet_mesh import fillet_element, measured_sizes, refine_at
-from fem.fillet_peaks import FilletPeak, FilletStresses, OilHolePeak
-from fem.fillet_surface import FilletSurface, fillet_points, fillet_surface
-from fem.fillets import Fillet, sharp_corners, throw_fillets
+from fem.fillet_peaks import (
+    FilletPeak,
+    FilletStresses,
+    FilletSurface,
+    OilHolePeak,
+    fillet_points,
+    fillet_surface,
+)
+from fem.fillets import (
+    Fillet,
+    fillet_element,
+    measured_sizes,
+    refine_at,
+    sharp_corners,
+    throw_fillets,
+)
 from fem.loads import radial_directions
 from fem.material import STEEL, Material
 from fem.memory import check_solving_memory
 from fem.nominal_stress import nominal_hole_stress, nominal_stress
-from fem.principal import largest_principal, principal_stresses, von_mises
 from fem.rule_mesh import RULE_LOADS, WISHED_SIZE, reading_quality, rule_sizes
+from fem.surface_stress import largest_principal, principal_stresses, von_mises
 from fem.unit_loads import LoadedThrow, solve_unit_loads, unit_loads
 from fem.wished_accuracy import STRESS_ACCURACY
 from geometry.drilling import DrillingExit
-from geometry.imported import ImportedThrow
-from geometry.imported_parts import imported_parts
+from geometry.imported import ImportedThrow, imported_parts
 from geometry.mesh import ThrowMesh
 from geometry.mesher import Throw, mesh_isolated
 from geometry.parts import WebPlate

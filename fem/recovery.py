@@ -15,10 +15,9 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import sparse
 
-from fem.elements import physical_gradients
+from fem.assembly import physical_gradients
 from fem.material import Material
-from geometry.mesh_repair import EDGES
-from geometry.shapes import shapes_for_quadrature
+from geometry.shapes import EDGES, shapes_for_quadrature
 
 Array = NDArray[np.float64]
 Integers = NDArray[np.int64]

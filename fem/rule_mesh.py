@@ -16,10 +16,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from crankbase.summaries import summarized
-from fem.fillet_mesh import refine_at
-from fem.fillets import Fillet
-from fem.principal import largest_shear, principal_stresses, von_mises
+from fem.fillets import Fillet, refine_at
 from fem.recovery import stresses_at
+from fem.surface_stress import largest_shear, principal_stresses, von_mises
 from fem.unit_loads import LoadedThrow, WholeNodes, whole_nodes
 from geometry.mesh import ThrowMesh
 from geometry.parts import WebPlate

@@ -15,7 +15,7 @@ from crankbase.errors import InputError
 from crankbase.summaries import summarized
 from fem.assembly import assemble_stiffness
 from fem.condensation import CondensedClass, EndSections, condense
-from fem.fillet_surface import fillet_surface
+from fem.fillet_peaks import fillet_surface
 from fem.fillets import throw_fillets
 from fem.loads import radial_directions, unit_pin_loads
 from fem.material import Material

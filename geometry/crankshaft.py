@@ -4,15 +4,17 @@ import cmath
 import math
 from collections.abc import Sequence
 from dataclasses import KW_ONLY, dataclass, field
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, ClassVar, Self
 
 import numpy as np
 from numpy.typing import NDArray
+from pydantic import model_validator
 
 from crankbase.calls import ProcessLostError
 from crankbase.checks.angles import refuse_crank_radians
 from crankbase.checks.arrays import finite_vector
 from crankbase.errors import InputError, MeshError
+from crankbase.model import InputModel, length_field
 from crankbase.summaries import summarized
 from crankbase.units.quantity import format_quantity
 from geometry.built_solid import built_solid
@@ -27,18 +29,58 @@ from geometry.mass import (
     solid_mass_properties,
     unbalance,
 )
-from geometry.mesh_checks import (
-    SOLID_VOLUME_TOLERANCE,
-    SolidProperties,
-    solid_properties,
-)
+from geometry.mesh_checks import SOLID_VOLUME_TOLERANCE, SolidProperties, solid_properties
 from geometry.mesher import TIME_LIMIT
-from geometry.shaft_ends import ShaftEnds
 from geometry.solid import Entity, make_solid, remove_loose
 from geometry.throw import CrankThrow
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
+
+
+class ShaftEnds(InputModel):
+    """A cylindrical free end and a round flange, each only if its two dimensions are given.
+
+    Parameters
+    ----------
+    free_end_diameter, free_end_length : float, optional
+        [m]
+    flange_diameter, flange_thickness : float, optional
+        [m]
+
+    Raises
+    ------
+    InputError
+        If one dimension of an end is given without the other, or out of range.
+    """
+
+    section: ClassVar[str] = "shaft_ends"
+
+    free_end_diameter: float | None = length_field(
+        "diameter of the shaft's free end", (0.001, 2.0), default=None
+    )
+    free_end_length: float | None = length_field(
+        "length of the free end beyond the first main journal", (0.0003, 5.0), default=None
+    )
+    flange_diameter: float | None = length_field(
+        "diameter of the flange", (0.001, 4.0), default=None
+    )
+    flange_thickness: float | None = length_field(
+        "thickness of the flange behind the last main journal", (0.0002, 1.0), default=None
+    )
+
+    @model_validator(mode="after")
+    def _both_or_none(self) -> Self:
+        for first, second in (
+            ("free_end_diameter", "free_end_length"),
+            ("flange_diameter", "flange_thickness"),
+        ):
+            for given, missing in ((first, second), (second, first)):
+                if getattr(self, given) is not None and getattr(self, missing) is None:
+                    raise InputError(
+                        f"{self.section}.{missing}: missing; it must be given together with {given}."
+                    )
+        return self
 
 
 @summarized("throws", "crank_angles_deg [deg]", "length [m]")

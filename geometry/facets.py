@@ -4,7 +4,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from geometry.mesh import ThrowMesh
-from geometry.mesh_repair import EDGES
+from geometry.shapes import EDGES
 
 # A six-node triangle (corners 0 1 2, edge middles 3 4 5 on 01 12 02) as four flat ones.
 SUBTRIANGLES = ((0, 3, 5), (3, 1, 4), (5, 4, 2), (3, 4, 5))

@@ -18,9 +18,8 @@ from geometry.mesh_checks import (
     check_quality,
     check_volume,
 )
-from geometry.mesh_repair import straighten_elements
 from geometry.parts import ThrowParts
-from geometry.shapes import facet_keys, outer_facets
+from geometry.shapes import facet_keys, outer_facets, straighten_elements
 from geometry.size_fields import set_size_map, set_sizes
 from geometry.sizes import SHARES, SizeMap, predict_unknowns, size_plan
 from geometry.solid import CRANK_PLANE, MIDDLE_PLANE

@@ -9,9 +9,8 @@ from numpy.typing import NDArray
 
 from crankbase.errors import InputError, MeshError
 from crankbase.memory import check_memory
-from geometry.mesh_repair import corner_quality
 from geometry.parts import ThrowParts
-from geometry.shapes import element_volumes
+from geometry.shapes import corner_quality, element_volumes
 from geometry.sizes import SHARES
 from geometry.volume import throw_volume
 

@@ -1,7 +1,9 @@
 """Find ends, journals, pins, fillets and bores of a CAD part."""
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import replace
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -20,12 +22,91 @@ from geometry.cad_faces import (
 )
 from geometry.gmsh_session import middle_point
 from geometry.imported import ImportedPin, ImportedThrow, RequestedFaces
-from geometry.imported_cylinders import hole_along, named_cylinders, turned_place
-from geometry.imported_sizes import planned_sizes
-from geometry.parts import LEFT_JOURNAL, RIGHT_JOURNAL
-from geometry.sizes import ROOT_PER_FILLET, SizePlan
+from geometry.parts import LEFT_JOURNAL, RIGHT_JOURNAL, Cylinder, Point
+from geometry.sizes import ROOT_PER_FILLET, SIZE_PER_BORE, SizePlan, bore_zone, root_size, root_zone
 from geometry.solid import BORE, FILLET, LEFT_END, MAIN_JOURNAL, PIN, RIGHT_END, WEB, Zone
 from geometry.step_file import PLANE, StepFace
+
+
+def named_cylinders(
+    names: Sequence[str],
+    axes: Sequence[Point],
+    row: Sequence[Round],
+    spans: Sequence[Point],
+    radii: Mapping[Zone, float],
+    holes: Sequence[Cylinder],
+) -> tuple[Cylinder, ...]:
+    """Make cylinders of main journals and pins, with their fillets and bores.
+
+    Parameters
+    ----------
+    names, axes, row, spans : sequences
+        Names, axes in the throw frame, what was measured, and reach along z, fillets included [m].
+    radii : mapping
+        Radii of the fillets by number of the cylinder and end [m].
+    holes : sequence of Cylinder
+        Along the shaft; one through the middle of a journal or pin is its bore.
+    """
+    made = []
+    for number, (name, axis, item, span) in enumerate(zip(names, axes, row, spans, strict=True)):
+        start, end = radii.get((number, "start"), 0.0), radii.get((number, "end"), 0.0)
+        cylinder = Cylinder(name, axis, item.radius, *span, start, end, 0.0, axis, *span)
+        for hole in holes:
+            inside = math.dist(hole.axis, axis) + hole.radius < item.radius
+            through = hole.start < 0.5 * sum(span) < hole.end
+            if inside and through and hole.radius > cylinder.bore_radius:
+                cylinder = replace(
+                    cylinder,
+                    bore_radius=hole.radius,
+                    bore_axis=hole.axis,
+                    bore_start=hole.start,
+                    bore_end=hole.end,
+                )
+        made.append(cylinder)
+    return tuple(made)
+
+
+def turned_place(axis: Point, turn: float) -> Point:
+    """Turn a place about the shaft axis [m, rad]."""
+    sine, cosine = math.sin(turn), math.cos(turn)
+    return (cosine * axis[0] - sine * axis[1], sine * axis[0] + cosine * axis[1])
+
+
+def hole_along(item: Round, turn: float, shift: float) -> Cylinder:
+    """A hole in the throw frame, as the bore of a cylinder that the size fields know."""
+    axis, radius = turned_place(item.axis, turn), -item.radius
+    start, end = item.low + shift, item.high + shift
+    return Cylinder(BORE, axis, radius, start, end, 0.0, 0.0, radius, axis, start, end)
+
+
+def planned_sizes(
+    row: list[Round],
+    reaches: list[tuple[float, float]],
+    fillets: dict[Zone, list[int]],
+    corners: dict[Zone, list[int]],
+    radii: dict[Zone, float],
+    holes: tuple[Cylinder, ...],
+) -> SizePlan:
+    """Choose element sizes by the rules for throws given by dimensions.
+
+    A web is as thick as the gap between the journal or pin before it and the one after it.
+    """
+    thinnest_pin = min(pin.radius for pin in row[1:-1])
+    gaps = [after[0] - before[1] for before, after in pairwise(reaches)]
+    webs = [gap for gap in gaps if gap > 0.02 * thinnest_pin]
+    thinnest = min(webs, default=thinnest_pin)
+    bulk = min(thinnest, thinnest_pin)
+    zones = []
+    for zone in [*fillets, *corners]:
+        number, end = zone
+        gap = gaps[number - 1 if end == "start" else number]
+        fillet = radii[zone] if zone in fillets else 0.0
+        size = root_size(fillet, gap if gap in webs else thinnest)
+        zones.append(root_zone(zone, row[number].radius, fillet, min(bulk, size)))
+    for number, hole in enumerate(holes):
+        zones.append(bore_zone(number, hole, min(bulk, SIZE_PER_BORE * hole.bore_radius)))
+    return SizePlan(bulk, tuple(zones))
+
 
 Array = NDArray[np.float64]
 

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from geometry.drilling_distances import distance_from_exits, distance_from_wall
+from geometry.drilling import distance_from_exits, distance_from_wall
 from geometry.parts import Cylinder, ThrowParts
 from geometry.sizes import EXITS, GROWTH, LARGEST_ON_ROUND, ROUND, SizeMap, SizePlan, SizeZone
 from geometry.solid import BORE, OIL_HOLE, Zone

@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from geometry.mesh_repair import EDGES
+from geometry.shapes import EDGES
 
 # An element's ten nodes by their shares of its four corners.
 NODES = np.vstack([np.eye(4), [0.5 * (np.eye(4)[a] + np.eye(4)[b]) for a, b in EDGES]])

@@ -1,5 +1,6 @@
 """A service in a process of its own, as a user starts it, and what asks it."""
 
+import ctypes
 import json
 import os
 import signal
@@ -8,6 +9,7 @@ import sys
 import time
 import urllib.error
 import urllib.request
+from contextlib import ExitStack
 from pathlib import Path
 
 import pytest
@@ -17,28 +19,41 @@ ROOT = Path(__file__).parents[1]
 STARTING = 60.0
 
 
+# Linux ends a service with the process that started it, however that ends; see prctl(2).
+PR_SET_PDEATHSIG = 1
+C_LIBRARY = ctypes.CDLL(None) if sys.platform == "linux" else None
+
+
+def end_with_owner():
+    C_LIBRARY.prctl(PR_SET_PDEATHSIG, signal.SIGKILL)
+
+
 # A service with bounds that the command line does not set.
 BOUNDED = """
 import sys
+sys.modules.update(dict.fromkeys({hidden}))
 from pathlib import Path
 from crankfem.service.bounds import Bounds, Settings
 from crankfem.service.server import serve
-settings = Settings(Path(sys.argv[1]), port=0, bounds=Bounds(**{bounds}))
+settings = Settings(Path(sys.argv[1]), port=0, key={key!r}, bounds=Bounds(**{bounds}))
 serve(settings, lambda address: print("crankfem serves at", address, "", file=sys.stderr, flush=True))
 """
 
 
 class Served:
-    """A service, its folder and its log; with bounds in place of options if such are given."""
+    """A service, its folder and its log; with bounds in place of options if such are given.
 
-    def __init__(self, folder, *options, **bounds):
+    It has no package whose name is hidden.
+    """
+
+    def __init__(self, folder, *options, key=None, hidden=(), **bounds):
         self.folder = folder
         self.log = folder / "log"
         paths = [str(ROOT), *filter(None, [os.environ.get("PYTHONPATH")])]
         own = str(folder / "service")
         command = ["-m", "crankfem", "serve", "--port", "0", "--folder", own, *options]
         if bounds:
-            command = ["-c", BOUNDED.format(bounds=bounds), own]
+            command = ["-c", BOUNDED.format(bounds=bounds, key=key, hidden=hidden), own]
         with self.log.open("ab") as log:
             self.process = subprocess.Popen(
                 [sys.executable, "-P", *command],
@@ -47,8 +62,21 @@ class Served:
                 stdout=subprocess.DEVNULL,
                 stderr=log,
                 start_new_session=True,
+                preexec_fn=C_LIBRARY and end_with_owner,
             )
-        self.address = self._await_address()
+        try:
+            self.address = self._await_address()
+        except BaseException:
+            self.__exit__()
+            raise
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *_):
+        if self.process.poll() is None:
+            self.process.kill()
+            self.process.wait()
 
     def _await_address(self):
         deadline = time.monotonic() + STARTING
@@ -100,20 +128,11 @@ class Served:
         return self.process.returncode
 
 
-@pytest.fixture(scope="session")
+@pytest.fixture
 def serve():
-    """Start services; all are ended."""
-    started = []
-
-    def start(folder, *options, **bounds):
-        started.append(Served(folder, *options, **bounds))
-        return started[-1]
-
-    yield start
-    for service in started:
-        if service.process.poll() is None:
-            service.process.kill()
-            service.process.wait()
+    """Start services that end with the test."""
+    with ExitStack() as started:
+        yield lambda *options, **bounds: started.enter_context(Served(*options, **bounds))
 
 
 def save_model(folder):
@@ -134,8 +153,9 @@ def models(tmp_path_factory):
 
 
 @pytest.fixture(scope="session")
-def service(serve, tmp_path_factory, models):
-    return serve(tmp_path_factory.mktemp("service"), "--models", str(models))
+def service(tmp_path_factory, models):
+    with Served(tmp_path_factory.mktemp("service"), "--models", str(models)) as served:
+        yield served
 
 
 THROW = {
@@ -153,3 +173,23 @@ THROW = {
 @pytest.fixture
 def throw():
     return dict(THROW)
+
+
+STUDY = """
+[throw]
+crank_radius = "170 mm"
+main_journal_diameter = "220 mm"
+pin_diameter = "180 mm"
+main_journal_length = "120 mm"
+pin_length = "139 mm"
+web_width = "285 mm"
+web_thickness = "68 mm"
+
+[study]
+design = "full factorial"
+accuracy = 0.1
+
+[study.factors]
+web_width = ["270 mm", "330 mm"]
+web_thickness = ["55 mm", "98 mm"]
+"""

@@ -94,9 +94,11 @@ def new_axes(axes: "Axes | None" = None, *, width: float = 7.2, height: float = 
     import matplotlib as mpl
     from matplotlib import pyplot
 
+    # Outside of the context: the first figure selects the backend, and the inline one of notebooks then
+    # turns on interactive drawing, which the context would turn off again.
+    made = pyplot.figure(figsize=(width, height), layout="constrained")
     with mpl.rc_context(STYLE):
-        made: Axes = pyplot.subplots(figsize=(width, height), layout="constrained")[1]
-    return made
+        return made.subplots()
 
 
 def make_folder(folder: Path) -> None:

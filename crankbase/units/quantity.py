@@ -12,6 +12,7 @@ from crankbase.checks.scalars import is_number, is_whole
 from crankbase.errors import InputError, quoted, shortened
 from crankbase.text_limits import LARGEST_POWER, LONGEST_QUANTITY
 from crankbase.units.number_formats import compact
+from crankbase.units.separators import either, readings
 from crankbase.units.units import DISPLAY_UNITS, POWER_OF_TEN, UNITS
 
 # Revolutions, in a field of speeds.
@@ -255,13 +256,6 @@ def _shortened_text(text: object) -> str:
 
 
 def _evaluate(text: str, unit: str, given: str, limits: Limits, told: str) -> float:
-    if "," in text:
-        pointed = text.strip().replace(",", ".", 1)
-        example = pointed if NUMBER_AND_UNIT.fullmatch(pointed) else _example(unit, limits)
-        raise InputError(
-            f"{given}, in which the comma could mean two things; write a decimal point and no "
-            f'separators, like "{example}"{told}.'
-        )
     # A text that long is no quantity, and would take long to look at.
     found = NUMBER_AND_UNIT.fullmatch(text) if len(text) <= LONGEST_QUANTITY else None
     size = None if found is None else PLAIN_SIZES.get((found[2], unit))
@@ -274,11 +268,26 @@ def _evaluate(text: str, unit: str, given: str, limits: Limits, told: str) -> fl
             raise NoUnitError("no number in front")
         number, one = float(found[1]), unit_quantity(found[2])
     except NoUnitError:
+        meant = readings(text) if len(text) <= LONGEST_QUANTITY else ()
+        if meant:
+            meant = tuple(
+                one if one[-1].isalpha() else _example(unit, limits, one) for one in meant
+            )
+            raise InputError(
+                f"{given}; write a decimal point and no separators, like {either(meant)}{told}."
+            ) from None
+        if found is not None and re.fullmatch(r"[^\W\d]\w*", found[2]):
+            raise InputError(
+                f"{given}, in an unknown unit; write it in {WRITTEN.get(unit, (unit,))[0]} or a like "
+                f"unit{told}."
+            ) from None
+        # As behind a sign for a diameter: "Ø180 mm".
+        tail = re.sub(r"^[^\d.+\-\u2012-\u2015\u2212]+", "", text[:LONGEST_QUANTITY])
+        example = tail if _is_quantity(tail) else _example(unit, limits)
         raise InputError(
-            f"{given}, which is not one number with one unit; "
-            f'write for example "{_example(unit, limits)}"{told}.'
+            f'{given}, which is not one number with one unit; write for example "{example}"{told}.'
         ) from None
-    if one.unitless:
+    if one.unitless and not found[2]:
         raise _without_unit(given, found[1], unit, limits, told)
     turning = unit == "rad/s" and one.check("1/[time]") and not _names_an_angle(one)
     from pint.errors import PintError
@@ -292,6 +301,13 @@ def _evaluate(text: str, unit: str, given: str, limits: Limits, told: str) -> fl
             f"unit{told}."
         ) from None
     return _scaled(number, size) * (2.0 * math.pi if turning else 1.0)
+
+
+def _is_quantity(text: str) -> bool:
+    found = NUMBER_AND_UNIT.fullmatch(text)
+    with suppress(NoUnitError):
+        return found is not None and not unit_quantity(found[2]).unitless
+    return False
 
 
 def _scaled(number: float, factor: float) -> float:
@@ -312,7 +328,9 @@ def _pure_number(text: object, given: str, limits: str) -> float:
     ):
         raise InputError(f"{given}, a number in quotes; write it without quotes{limits}.")
     if not isinstance(text, float) and not is_whole(text):
-        raise InputError(f"{given}; write a plain number without a unit{limits}.")
+        meant = readings(text) if isinstance(text, str) and len(text) <= LONGEST_QUANTITY else ()
+        like = f", like {either(meant)}" if meant else ""
+        raise InputError(f"{given}; write a plain number without a unit{like}{limits}.")
     if not is_number(text):  # also a whole number of hundreds of digits
         raise InputError(f"{given}, which is not finite{limits}.")
     return float(text)

@@ -13,12 +13,11 @@ from crankfem.analyses.engine_refusals import refuse_what_cannot_run
 from crankfem.analyses.record import Record, attributes, input_records
 from crankfem.analyses.shaft.regression_source import chosen_regressions
 from crankfem.analyses.throw.law_record import law_record
-from crankfem.analyses.vibration.engine_limits import rule_reason
+from crankfem.analyses.vibration.engine_limits import engine_limits, rule_reason
 from crankfem.files.chain.chain_file import ChainFile, load_chain
 from crankfem.files.engine.engine_file import EngineFile
 from crankfem.files.engine.file_kinds import any_sections, file_kind
 from crankfem.files.engine.mechanism_file import MechanismFile, load_any, mechanism_of
-from crankfem.files.engine.mechanism_load import full_load_only, pressures_at
 from crankfem.files.engine.throw_file import ThrowFile, load_study
 from crankfem.files.engine.usual_sizes import throw_warnings
 from crankfem.files.hinge.hinge_file import SECTIONS as HINGE_SECTIONS
@@ -76,20 +75,20 @@ class CheckedFile:
     material: Material = STEEL
 
 
-def check_file(given: str) -> CheckedFile:
+def check_file(given: str | TomlFile) -> CheckedFile:
     """Read a file of any kind, and check it.
 
     Parameters
     ----------
     given : str
-        Path, or the name of a shipped engine, hinge or chain.
+        Path, or the name of a shipped engine, hinge or chain; or its sections, if already read.
 
     Raises
     ------
     InputError
         With one sentence that names the field, what was given and what is allowed.
     """
-    content = any_sections(given)
+    content = given if isinstance(given, TomlFile) else any_sections(given)
     if content is None or file_kind(content) == "chain":
         return _chain(load_chain(content or given))
     if file_kind(content) == "hinge":
@@ -232,18 +231,21 @@ def _in_mechanism(read: MechanismFile, content: TomlFile) -> dict[str, CrankThro
 
 
 def _engine(read: EngineFile, content: TomlFile) -> CheckedFile:
-    refuse_what_cannot_run(read)
+    refuse_what_cannot_run(read, content)
     study = ("doe",) if read.study is not None else ()
-    mechanism = _checked_mechanism(read)
+    mechanism = mechanism_of(read)
     remarks = [_thrust_bearing(read), *mechanism.remarks, *_power(mechanism)]
     if read.gas is None:
         remarks.append(_without_gas())
+    if read.limits is not None or read.strength is not None:
+        limits, _ = engine_limits(read)
+        remarks += [f"{limit.name}: {limit.remark}" for limit in limits.values() if limit.remark]
     if read.limits is None and read.gas is not None:
         remarks.append(
             "without the section [limits], a classification society's rule for crankshafts is used: "
             + rule_reason(read)
         )
-    fitted_by_run = bool(chosen_regressions(read.vibration)) and read.model_path is None
+    fitted_by_run = bool(chosen_regressions(read.vibration)) and read.vibration.model is None
     if fitted_by_run:
         remarks.append(
             "crankfem run fits the source regression; crankfem vibration needs a saved model: "
@@ -251,9 +253,10 @@ def _engine(read: EngineFile, content: TomlFile) -> CheckedFile:
         )
     has_gas = read.gas is not None or read.gas_map is not None
     vibration = ("vibration", "class") if has_gas else ("vibration",)
-    if read.model_path is not None:
+    model = read.model_file
+    if model is not None:
         beside = "" if read.study is None else "; the section [study] is not run"
-        remarks.append(f"regression: the saved model {read.model_path}{beside}")
+        remarks.append(f"regression: the saved model {model.path}{beside}")
     elif read.study is None:
         remarks.append("without the section [study] no regression is fitted")
     else:
@@ -293,18 +296,6 @@ def _thrust_bearing(read: EngineFile) -> str:
     """State which bearing is meant."""
     place, count = read.thrust_bearing.main_bearing, len(read.throw_angles_deg) + 1
     return f"thrust bearing at main bearing {place} of {count}, counted from 1 at the free end"
-
-
-def _checked_mechanism(read: EngineFile) -> MechanismFile:
-    """Return the mechanism of an engine whose gas pressure can be reached."""
-    from crankfem.files.sections.excitation_sections import gas_map_pressure
-
-    if read.gas_map is not None:
-        gas_map_pressure(read.gas_map, read.engine.strokes, read.path)
-    mechanism = mechanism_of(read)
-    if not full_load_only(mechanism):
-        pressures_at(mechanism, [read.engine.lowest_speed, read.engine.highest_speed])
-    return mechanism
 
 
 def _power(mechanism: MechanismFile) -> tuple[str, ...]:

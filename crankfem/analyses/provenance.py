@@ -6,10 +6,12 @@ import os
 import platform
 import shlex
 import tomllib
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 
+from crankbase.input_file import InputFile
+from crankbase.text_limits import LARGEST_TABLE_FILE
 from crankfem.analyses.record import Record
 from crankfem.files.reading.data_files import data_folder
 
@@ -86,24 +88,20 @@ def repeat_record(
     }
 
 
-def file_records(engine_file: Path, tables: Iterable[Path]) -> list[Record]:
+def file_records(files: Sequence[InputFile]) -> list[Record]:
     """Read the files of a run in their present state.
 
     Parameters
     ----------
-    engine_file : Path
-    tables : iterable of Path
-        Further files that were read.
+    files : sequence of InputFile
+        Those that were read, the engine file first.
 
     Returns
     -------
     list of dict
         "name", relative to the engine file; "sha256"; "text", None if it is very long.
     """
-    return [
-        _file_record(path, _relative_name(engine_file, path))
-        for path in dict.fromkeys((engine_file, *tables))
-    ]
+    return [_file_record(file, _relative_name(files[0].path, file.path)) for file in files]
 
 
 def run_command(name: str) -> str:
@@ -126,8 +124,8 @@ def _relative_name(engine_file: Path, path: Path) -> str:
     return path.as_posix()
 
 
-def _file_record(path: Path, name: str) -> Record:
-    content = path.read_bytes()
+def _file_record(file: InputFile, name: str) -> Record:
+    content = file.content(LARGEST_TABLE_FILE, "an input file")
     text = content.decode("utf-8", errors="replace")
     return {
         "name": name,

@@ -37,7 +37,8 @@ _NAMES = {
     "axial_force_per_radial axial_reaction band_designs beside_chosen bic cases computed_now connections "
     "crankpin_beside_mean cranks cylinder cylinders designs detuning done elements elements_across_fillets "
     "evaluations exponent f_value failed fe_scatter figure fluctuation held_out kept largest_error_at_runs "
-    "largest_error_held_out largest_leverage largest_of_mean largest_of_same_angle layers likeness lost "
+    "largest_error_held_out largest_leverage largest_of_mean largest_of_same_angle layers left_out "
+    "likeness lost "
     "magnifier mean_error_at_runs mean_error_held_out mechanical_efficiency mended_elements missing mode "
     "node_positions nodes nonuniformity of_mean of_same_angle overlap_per_radius phase_sum pins points "
     "misfiring processors q_squared r_squared resultant rho runs same_stars samples section_error sections "
@@ -68,10 +69,10 @@ _NAMES = {
 _PLACES = {
     "1": "places.acceptability places.safety factors.* finite_elements.* ratios.* shrink_fit.friction "
     "shrink_fit.safety "
-    "axial_forces.difference change.major change.minor comparison.throws constants.* elasticity.* "
+    "axial_forces.difference change.major change.minor constants.* elasticity.* "
     "errors.* first.* kinematics_deviation.* kinetic_shares.* model_difference.maximum "
-    "model_difference.mean modes.axial modes.bending modes.torsional quality.* responses.apart "
-    "responses.by_bands responses.largest responses.mean responses.rms shaft_torque.magnification "
+    "model_difference.mean modes.axial modes.bending modes.torsional quality.* "
+    "shaft_torque.magnification "
     "shapley.* spreads.high spreads.low strain_shares.* surfaces.* total.* used.*",
     "m": "places.depth places.point shrink_fit.largest_bore shrink_fit.distance shrink_fit.least_shrinkage "
     "shrink_fit.most_shrinkage shrink_fit.journal_bore "
@@ -96,8 +97,9 @@ _PLACES = {
     "kg m^2": "balance.dynamic unbalance.dynamic",
     "W": "dampers.* power.largest",
     "s": "seconds.*",
-    "Hz": "bearings.chains.* bearings.shaft.* causes.* differences.chain differences.rigid_chain "
-    "differences.shaft flywheel_tilt.modes.further flywheel_tilt.modes.shaft flywheel_tilt.modes.without "
+    "Hz": "bearings.chains.* bearings.further.* bearings.shaft.* causes.* differences.chain "
+    "differences.rigid_chain differences.shaft flywheel_tilt.modes.further flywheel_tilt.modes.shaft "
+    "flywheel_tilt.modes.without "
     "frequencies.high frequencies.low frequencies.nominal",
     "m/N": "errors.axial_compliance errors.influence_coefficient "
     "angle_law.fe angle_law.formulas.* fe.axial regression.axial.value shaft.axial",

@@ -11,7 +11,6 @@ from crankbase.units.quantity import split_quantity
 from crankfem.cli import console
 from crankfem.cli.commands.check import check
 from crankfem.cli.commands.class_document import class_
-from crankfem.cli.commands.compare import compare
 from crankfem.cli.commands.doe import doe
 from crankfem.cli.commands.fields import fields
 from crankfem.cli.commands.fit import fit
@@ -101,7 +100,6 @@ COMMANDS = (
             'lookup model.json --throw 6chn25-34 --gamma "120 deg"',
         ),
     ),
-    CatalogedCommand(compare, COMPLIANCE, ("compare model.json runs.sqlite",)),
     CatalogedCommand(
         optimum,
         COMPLIANCE,

@@ -11,7 +11,6 @@ from dynamics.crankshaft.chain_comparison import ChainVerdict as ChainVerdict
 from dynamics.crankshaft.chain_comparison import ResponseMatch as ResponseMatch
 from dynamics.crankshaft.chain_difference import FlywheelTilt as FlywheelTilt
 from dynamics.crankshaft.chain_difference import FrequencyDifference as FrequencyDifference
-from dynamics.crankshaft.chain_difference import flywheel_tilt as flywheel_tilt
 from dynamics.crankshaft.chain_difference import frequency_difference as frequency_difference
 from dynamics.crankshaft.coupled_response import CoupledResponse as CoupledResponse
 from dynamics.crankshaft.coupled_response import SplitMotion as SplitMotion

@@ -17,13 +17,10 @@ from crankbase.outputs import (
 from crankbase.tables.table import Table
 from crankfem.analyses.engine_refusals import refuse_what_cannot_run
 from crankfem.analyses.provenance import provenance_record
-from crankfem.analyses.submission.document import class_document
-from crankfem.analyses.submission.document_parts import DocumentPart
-from crankfem.analyses.submission.submission_checks import check_submission
+from crankfem.analyses.submission.document import DocumentPart, check_submission, class_document
 from crankfem.analyses.vibration.run import EngineVibration, engine_vibration
 from crankfem.files.engine.engine_file import EngineFile, load_engine
-from crankfem.files.engine.input_files import engine_tables
-from crankfem.files.engine.mechanism_file import mechanism_of
+from crankfem.files.engine.input_files import engine_inputs
 from crankfem.jobs.run_progress import Progress, SilentProgress
 from crankfem.report.class_document import render_class_document
 from crankfem.report.text_filters import moment
@@ -78,8 +75,7 @@ def write_class_document(
     read = engine if isinstance(engine, EngineFile) else load_engine(engine)
     refuse_what_cannot_run(read)
     check_submission(read)
-    inputs = (read.path, *engine_tables(read, mechanism_of(read)))
-    with protected(*inputs):
+    with protected(*(file.path for file in engine_inputs(read))):
         folder = _checked_folder(output)
         run = engine_vibration(read, step=told.step)
         told.step("Calculating all cylinders failing")

@@ -16,7 +16,7 @@ from crankfem.analyses.shaft.throw_analyses import analyze_throws
 from crankfem.analyses.strength.cycle_fatigue import fatigue_or_reason
 from crankfem.analyses.strength.engine_strength import engine_strength
 from crankfem.analyses.study.studies import fitted
-from crankfem.analyses.throw.fillets import (
+from crankfem.analyses.throw.stress import (
     StressRendering,
     shown_loads,
     stress_files,
@@ -24,6 +24,7 @@ from crankfem.analyses.throw.fillets import (
 )
 from crankfem.analyses.vibration.run import engine_vibration
 from crankfem.files.engine.engine_file import EngineFile
+from crankfem.files.reading.toml_file import TomlFile
 from crankfem.jobs.run_computation import RunComputation, ThrowComputation
 from crankfem.jobs.run_drawing import draw_run
 from crankfem.jobs.run_files import (
@@ -71,7 +72,7 @@ class RunResult:
 
 
 def run_engine(
-    engine: str | Path | RunInputs,
+    engine: str | Path | TomlFile | RunInputs,
     output: str | Path | None = None,
     *,
     workers: int = 2,
@@ -87,7 +88,8 @@ def run_engine(
     Parameters
     ----------
     engine : path
-        Engine file, or the name of a shipped engine; or what `read_inputs` has read of it.
+        Engine file, or the name of a shipped engine; or its sections, or what `read_inputs` has
+        read of it.
     output : path, optional
         Folder for the results; ``NAME-results`` in the working directory by default. A study found
         there is continued.

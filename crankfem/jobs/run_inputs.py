@@ -9,8 +9,9 @@ from crankfem.analyses.record import Record
 from crankfem.analyses.shaft.saved_model import saved_model, with_model
 from crankfem.files.engine.engine_file import EngineFile, load_engine
 from crankfem.files.engine.file_kinds import engine_sections
-from crankfem.files.engine.input_files import engine_tables
+from crankfem.files.engine.input_files import engine_inputs
 from crankfem.files.engine.mechanism_file import MechanismFile, mechanism_of
+from crankfem.files.reading.toml_file import TomlFile
 from dynamics.torque_table import TorqueTable, read_torque_table
 from regression.models.compliance_model import ComplianceModel
 from regression.plans.plan import StudyPlan
@@ -49,7 +50,8 @@ class RunInputs:
     @property
     def saved_path(self) -> Path | None:
         """The saved model that is the source regression, if there is one."""
-        return self.engine_file.model_path
+        file = self.engine_file.model_file
+        return None if file is None else file.path
 
     @property
     def study(self) -> StudyPlan | None:
@@ -62,12 +64,13 @@ class RunInputs:
         return self.mechanism if self.mechanism.pressure else None
 
 
-def read_inputs(engine: str | Path, model: Path | None = None) -> RunInputs:
+def read_inputs(engine: str | Path | TomlFile, model: Path | None = None) -> RunInputs:
     """Read an engine file, or a shipped engine, and the tables that it names.
 
     Parameters
     ----------
     engine : path
+        Or its sections, if already read.
     model : Path, optional
         Saved compliance model to take in place of the file's sources and study.
 
@@ -78,19 +81,18 @@ def read_inputs(engine: str | Path, model: Path | None = None) -> RunInputs:
     """
     content = engine_sections(engine)
     engine_file = load_engine(content if model is None else with_model(content, model))
-    refuse_what_cannot_run(engine_file)
+    refuse_what_cannot_run(engine_file, content)
     mechanism = mechanism_of(engine_file)
     torque, table = None, engine_file.torque_table
     if table is not None:
         torque = read_torque_table(table, strokes=engine_file.engine.strokes)
-    tables = engine_tables(engine_file, mechanism)
-    paths = (engine_file.path, *tables)
-    files = file_records(paths[0], tables)
+    read = engine_inputs(engine_file)
+    files = file_records(read)
     return RunInputs(
         engine_file,
         mechanism,
         torque,
-        paths,
+        tuple(file.path for file in read),
         files,
         saved_model(engine_file),
         None if model is None else files[-1]["name"],

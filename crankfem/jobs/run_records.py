@@ -9,7 +9,7 @@ from crankbase.errors import InputError
 from crankbase.units.units import RPM
 from crankfem.analyses.assumptions import input_values
 from crankfem.analyses.checks import run_checks, throw_checks
-from crankfem.analyses.mechanism.balanced_masses import mechanism_balance_record
+from crankfem.analyses.mechanism.balance_records import mechanism_balance_record
 from crankfem.analyses.mechanism.harmonics_record import harmonics_record
 from crankfem.analyses.mechanism.mechanism_records import mechanism_record
 from crankfem.analyses.mechanism.mechanism_run import MechanismRun
@@ -18,7 +18,7 @@ from crankfem.analyses.provenance import provenance_record
 from crankfem.analyses.record import Record, attributes, input_records
 from crankfem.analyses.shaft.regression_source import RESPONSES, throw_lookup
 from crankfem.analyses.shaft.shaft_record import shaft_balance_record, shaft_record
-from crankfem.analyses.strength.fatigue_records import fatigue_record
+from crankfem.analyses.strength.cycle_fatigue import fatigue_record
 from crankfem.analyses.strength.strength_records import strength_record
 from crankfem.analyses.study.fit_records import study_record
 from crankfem.analyses.throw.compliances import regression_record
@@ -193,14 +193,8 @@ def _engine_record(engine_file: EngineFile) -> Record:
 
 def _angle_record(engine_file: EngineFile, analysis: ThrowAnalysis) -> Record:
     """FE and formulas over the angle between neighboring cranks."""
-    material = engine_file.material
     tables = [
-        axial_formulas(
-            engine_file.throw,
-            float(gamma),
-            youngs_modulus=material.youngs_modulus,
-            poisson_ratio=material.poisson_ratio,
-        )
+        axial_formulas(engine_file.throw, float(gamma), material=engine_file.material)
         for gamma in ANGLES_SHOWN_DEG
     ]
     return {

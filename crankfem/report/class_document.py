@@ -7,7 +7,7 @@ from pathlib import Path
 from markupsafe import Markup
 
 from crankfem.analyses.provenance import program_version
-from crankfem.analyses.submission.document_parts import DocumentPart
+from crankfem.analyses.submission.document import DocumentPart
 from crankfem.analyses.vibration.run import EngineVibration
 from crankfem.report.engine_schematic import engine_schematic
 from crankfem.report.writing import page_environment, template_text

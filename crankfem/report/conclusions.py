@@ -48,12 +48,14 @@ def _of_vibration(vibration: Record) -> str:
     assessment = vibration["assessment"]
     if assessment is None:
         return NOT_JUDGED
-    said = "Undecided" if undecided(assessment) else str(assessment["sentence"]).partition(":")[0]
+    # Results of older runs have no headline.
+    told = assessment.get("headline") or assessment["status"].capitalize()
+    said = "Undecided" if undecided(assessment) else told
     if assessment["status"] == "not acceptable":
         misfiring = misfiring_decides(vibration)
         exceeded = "; with the values used, limits are exceeded, also while a cylinder misfires"
         return f"{said}{exceeded}" if misfiring else said
-    fine = said.startswith("Fine")
+    fine = assessment["status"] == "fine" and not undecided(assessment)
     if misfiring_decides(vibration):
         normal = " with all cylinders firing" if fine else ""
         said = f"{said}{normal}; limits are exceeded while a cylinder misfires"
@@ -85,7 +87,7 @@ def verdict_line(results: Record) -> str:
     assessment = results["vibration"]["assessment"]
     if assessment is None:
         return f"Verdict: {NOT_JUDGED}."
-    worst = assessment["checks"][0]
+    worst = _worst(assessment)
     used = "unbounded" if worst["used"] is None else f"{format_usage(worst['used'])} of its limit"
     said = headline(results)
     of = ""
@@ -110,21 +112,22 @@ def conclusions(results: Record) -> list[str]:
     Returns
     -------
     list of str
-        What looks wrong in the input, what is reached of the limit used most and where, which orders
-        make it and what can help, which speeds may be barred, what misfiring does, what decides by
-        assumption and should be given (before the limits if the verdict is undecided), how the whole
-        crankshaft differs, and whether the crankshaft is strong enough.
+        What looks wrong in the input, what is reached of the limit used most and where, how the whole
+        crankshaft differs, which orders make it and what can help, which speeds may be barred, what
+        misfiring does, what decides by assumption and should be given (before the limits if the verdict
+        is undecided), what the models leave open, and whether the crankshaft is strong enough.
     """
     assessment = results["vibration"]["assessment"]
     if assessment is None:
         return [*_warned(results), *_without_forces(results)]
-    cause = assessment["checks"][0].get("cause")
+    cause = _worst(assessment).get("cause")
     # What decides comes first.
     assumed, open_ = _assumed(results), undecided(assessment)
     found = [
         *_warned(results),
         assumed if open_ else "",
         _reached(assessment),
+        _by_whole(results["vibration"]),
         " ".join(filter(None, ("" if cause is None else _cause(assessment), _advice(results)))),
         " ".join(_ranges(assessment)),
         _misfiring(results["vibration"]),
@@ -156,11 +159,22 @@ def reached_and_permitted(check: Record) -> tuple[str, str]:
     return quantities_apart(value, permitted, unit, DIGITS)
 
 
+def _worst(assessment: Record) -> Record:
+    """Return the check that decides, at the speed that it names; older runs have the first one."""
+    found: Record = assessment.get("worst") or assessment["checks"][0]
+    return found
+
+
 def _reached(assessment: Record) -> str:
-    worst = assessment["checks"][0]
+    worst, most = _worst(assessment), assessment["checks"][0]
     running = worst.get("running")
     shown = _share(worst, worst["unit"])
-    if running is not None and not worst.get("in_running_range", True):
+    if worst["speed_rpm"] != most["speed_rpm"] and not most.get("in_running_range", True):
+        place = (
+            "" if most["place"] == worst["place"] else f"{limit_at(most['limit'], most['place'])}: "
+        )
+        shown = f"{shown}; above the running range {place}{_share(most, most['unit'])}"
+    elif running is not None and not worst.get("in_running_range", True):
         shown = f"{_share(running, worst['unit'])}; above the running range {shown}"
     failed = sum(not one["passed"] for one in assessment["checks"])
     others = failed - 1
@@ -171,7 +185,7 @@ def _reached(assessment: Record) -> str:
 
 
 def _cause(assessment: Record) -> str:
-    worst = assessment["checks"][0]
+    worst = _worst(assessment)
     return sentence(
         f"at {significant(worst['speed_rpm'], DIGITS)} 1/min, {worst['cause']['sentence']}"
     )
@@ -279,10 +293,41 @@ def failed_checks(checks: Sequence[dict[str, Any]]) -> str:
     return f"{told} {'; '.join(named)}."
 
 
+def _by_whole(vibration: Record) -> str:
+    """State how the whole crankshaft differs from the chains, also in the force on the thrust bearing."""
+    found = [*vibration["assessment"].get("by_whole", ())]
+    force = vibration.get("axial_force") or {}
+    models = list(filter(None, (force.get(name) for name in ("running", "running_whole"))))
+    if found and len(models) == 2:
+        chain, whole = (
+            f"{quantity(one['amplitude'], 'N', DIGITS)} at {significant(one['speed_rpm'], DIGITS)} 1/min"
+            for one in models
+        )
+        found.append(
+            f"Largest force amplitude on the thrust bearing at running speeds: {whole} by the whole "
+            f"crankshaft, {chain} by the chain."
+        )
+    criticals = (vibration.get("whole") or {}).get("criticals") or {}
+    for kind, told in criticals.items():
+        running = [one for one in told["peaks"] if one["in_running_range"] and one["value"]]
+        if not running:
+            continue
+        worst = max(running, key=lambda one: float(one["value"]))
+        damping = worst["damping_ratio"]
+        found.append(
+            f"Its largest {kind} critical speed in the running range: order {worst['order']:g} at "
+            f"{significant(worst['speed_rpm'], DIGITS)} 1/min, "
+            f"{quantity(worst['value'], worst['unit'], DIGITS)} at {worst['place']}"
+            + (f", damping {100.0 * damping:.2g} %." if damping else ".")
+        )
+    return with_three_digits(" ".join(found))
+
+
 def _other_models(vibration: Record) -> str:
-    """State how the whole crankshaft differs, and whether the verdict hangs on its bearings."""
-    bearings = vibration.get("bearings") or {}
-    found = [*vibration["assessment"].get("beside", ())]
+    """State what is not modeled, and whether the verdict hangs on the bearings."""
+    bearings, assessment = vibration.get("bearings") or {}, vibration["assessment"]
+    told = assessment.get("by_whole", ())
+    found = [one for one in assessment.get("beside", ()) if one not in told]
     found += bearings.get("sentences", ()) if bearings.get("flips") else ()
     return with_three_digits(
         " ".join(dict.fromkeys(found))
@@ -295,7 +340,7 @@ def _advice(results: Record) -> str:
     What the orders away from resonance make at the instant of the peak, their sum reaches at least; so where
     that alone exceeds the limit, no damping keeps it.
     """
-    worst = results["vibration"]["assessment"]["checks"][0]
+    worst = _worst(results["vibration"]["assessment"])
     cause = worst.get("cause")
     if worst["passed"] or cause is None or worst["value"] is None or not cause.get("orders"):
         return ""

@@ -5,7 +5,7 @@ from typing import Any
 
 from crankbase.units.number_formats import compact, format_number, nano, significant
 from crankfem.analyses.record import Record
-from crankfem.analyses.throw.throw_tables import error_words
+from crankfem.analyses.throw.throw_record import error_words
 from crankfem.analyses.vibration.tables import factor_range
 from crankfem.report.conclusions import (
     conclusions,
@@ -130,9 +130,12 @@ def _bounds(ends: Mapping[str, float]) -> str:
 
 def _swept(vibration: Mapping[str, Any], kind: str) -> str:
     """First frequency of the whole crankshaft over the stiffness of its bearings; empty if not calculated."""
-    found = (vibration.get("bearings") or {}).get("shaft", {}).get(kind) or ()
-    known = [one for one in found if one is not None]
-    return _bounds({"low": min(known), "high": max(known)}) if len(known) > 1 else ""
+    swept = vibration.get("bearings") or {}
+    found = [swept.get("shaft", {}).get(kind) or (), *swept.get("further", {}).get(kind, ())]
+    known = [[one for one in mode if one is not None] for mode in found]
+    if len(known[0]) < 2:
+        return ""
+    return " and ".join(_bounds({"low": min(one), "high": max(one)}) for one in known)
 
 
 def _first_mode(own: Record) -> Record | None:

@@ -10,19 +10,19 @@ from typing import TYPE_CHECKING, Any
 from markupsafe import Markup
 
 from crankbase.outputs import recording_run_files, write_text
-from crankfem.analyses.mechanism.balance_records import balance_table
-from crankfem.analyses.mechanism.balanced_masses import (
+from crankfem.analyses.mechanism.balance_records import (
     balance_contents,
+    balance_table,
     moving_mass_table,
     throw_mass_table,
 )
 from crankfem.analyses.mechanism.harmonics_record import harmonics_table
 from crankfem.analyses.mechanism.load_tables import bearing_table
-from crankfem.analyses.strength.fatigue_records import fatigue_table
+from crankfem.analyses.strength.cycle_fatigue import fatigue_table
 from crankfem.analyses.strength.strength_records import factor_table, strength_table, torque_table
 from crankfem.analyses.throw.compliances import compliance_tables, further_compliances
 from crankfem.analyses.throw.stress import mirrored, stress_tables
-from crankfem.analyses.throw.throw_tables import reaction_table, section_sentence, support_table
+from crankfem.analyses.throw.throw_record import reaction_table, section_sentence, support_table
 from crankfem.analyses.vibration.mode_table import mode_table
 from crankfem.analyses.vibration.speed_table import speed_table
 from crankfem.analyses.vibration.tables import (
@@ -32,6 +32,7 @@ from crankfem.analyses.vibration.tables import (
     load_table,
     misfiring_table,
     source_table,
+    whole_critical_table,
     whole_table,
 )
 from crankfem.report.conclusions import reached_and_permitted
@@ -74,6 +75,7 @@ TABLES = (
     moving_mass_table,
     source_table,
     speed_table,
+    whole_critical_table,
     whole_table,
     harmonics_table,
     support_table,

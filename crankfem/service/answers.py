@@ -41,6 +41,19 @@ class Service(Answer):
     body: int
 
 
+class Health(Answer):
+    """Whether jobs run; what is wrong and since when (seconds since 1970); how many jobs wait and run.
+
+    While something is wrong it is tried again, less and less often; "stopped" is tried with the next job.
+    """
+
+    state: Literal["ok", "retrying", "stopped"]
+    problems: list[str]
+    since: float | None
+    queued: int
+    running: int
+
+
 class Shape(Answer):
     """Results of a throw's dimensions: its length and overlap [m], volume [m^3] and remarks."""
 
@@ -175,6 +188,7 @@ class CheckedText(Answer):
     valid: bool
     commands: list[str]
     remarks: list[str]
+    warnings: list[str]
     dimensions: list[dict[str, Any]] | None
     record: dict[str, Any]
 

@@ -20,7 +20,6 @@ from geometry.throw import CrankThrow
 
 Asked = TypeVar("Asked", bound=InputModel)
 Pin = tuple[float, float, float]
-LONGEST_NAME = 80
 JSON = b"application/json"
 UNIT_FORCE = 1e5  # towards the shaft [N]
 
@@ -167,7 +166,7 @@ class FileQuestion(InputModel):
     """A file as text, and the tables that it names."""
 
     text: str = Field(description="content of the TOML file")
-    name: str = Field("engine.toml", description="name of the file", max_length=LONGEST_NAME)
+    name: str = Field("engine.toml", description="name of the file")
     tables: dict[str, str] = Field({}, description="content of each table by the name of its file")
 
 

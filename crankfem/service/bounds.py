@@ -92,6 +92,11 @@ class Settings:
                 f"key: given one of {len(self.key)} characters; allowed are {SHORTEST_KEY} or more, all "
                 "ASCII, because shorter ones can be guessed."
             )
+        if not self.host.strip():
+            raise InputError(
+                f"--host: given {self.host!r}; allowed is an address or a name of this machine, because "
+                "an empty one would mean all of its addresses."
+            )
         if not self.is_loopback and self.key is None:
             raise InputError(
                 f"--host: given {self.host!r} without a key; allowed is {LOOPBACK[0]}, or --key-file beside "

@@ -1,20 +1,28 @@
 """Who may ask, how much and how slowly; and one log line a request, without contents."""
 
 import hmac
-import sys
+import re
 import time
 from http.cookies import CookieError, SimpleCookie
 from urllib.parse import urlsplit
 
-from pydantic_core import to_json
 from starlette.requests import ClientDisconnect
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 from crankfem.service.bounds import LOOPBACK, Settings
+from crankfem.service.log import log_line
 from crankfem.service.problems import ProblemError, problem, problem_response
 
 COOKIE = "crankfem_key"
-API, SESSION = "/api/", "/api/session"
+API, SESSION = "/api", "/api/session"
+# Of the request that brings the key, the only one whose body is read without it [byte].
+KEY_BODY = 10_000
+# Whoever passes a request on may take another of two than this service does.
+ONCE = (b"host", b"content-length", b"transfer-encoding", b"authorization", b"origin")
+# A name, or an IPv6 address in brackets, and a port.
+HOST = re.compile(
+    r"(?:\[(?P<address>[0-9A-Fa-f]*:[0-9A-Fa-f:.]*)\]|(?P<name>[\w.-]*))(?::[0-9]*)?", re.ASCII
+)
 # Where the server notes the status of what it refused itself.
 REFUSED = "crankfem.refused"
 # The page takes nothing from elsewhere; plotly writes styles and makes pictures of what it draws.
@@ -59,7 +67,7 @@ class Guard:
                 status = message["status"]
                 headers = message["headers"]
                 if all(name != POLICY_NAME for name, _ in headers):
-                    headers.append(API_POLICY if scope["path"].startswith(API) else POLICY)
+                    headers.append(API_POLICY if _is_api(scope) else POLICY)
                 headers.extend(HEADERS)
             else:
                 size += len(message.get("body", b""))
@@ -72,46 +80,71 @@ class Guard:
                 response = problem_response(problem(*refusal), {"Connection": "close"})
                 await response(scope, receive, sending)
                 return
-            # A body of a length that is told is no longer than that.
-            whole = b"content-length" in headers
-            await self._app(scope, receive if whole else self._bounded(receive), sending)
+            await self._app(scope, self._bounded(receive, self._most(scope)), sending)
         except ClientDisconnect:
             status = scope.get(REFUSED, 0)  # the server answered, or nobody did
         finally:
             # What was asked for in a path stays out: the route tells which kind of request it was.
             route = getattr(scope.get("route"), "path", None)
-            _log(scope["method"], route, status, size, time.perf_counter() - start)
+            log_line(
+                method=scope["method"],
+                route=route,
+                status=status,
+                bytes=size,
+                milliseconds=round(1e3 * (time.perf_counter() - start), 3),
+            )
 
     def _refusal(self, scope: Scope, headers: dict[bytes, bytes]) -> tuple[int, str] | None:
+        if len(headers) < len(scope["headers"]):
+            names = [name for name, _ in scope["headers"]]
+            for header in ONCE:
+                if names.count(header) > 1:
+                    return 400, f"The request has {header.decode().title()} more than once."
+        length = headers.get(b"content-length")
+        if length is not None and b"transfer-encoding" in headers:
+            return 400, "The request has both Content-Length and Transfer-Encoding."
         host = headers.get(b"host", b"").decode("latin-1")
-        if self._loopback and _host_name(host) not in LOOPBACK:
+        name = _host_name(host)
+        if name is None:
+            return 400, "The header Host is no name or address, with or without a port."
+        if self._loopback and name not in LOOPBACK:
             return 403, "This service answers to this machine's own names alone."
         origin = headers.get(b"origin")
         if origin is not None and urlsplit_host(origin.decode("latin-1")) != host:
             return 403, "Requests from pages of other origins are refused."
-        if headers.get(b"sec-fetch-site") == b"cross-site" and scope["path"].startswith(API):
+        if headers.get(b"sec-fetch-site") == b"cross-site" and _is_api(scope):
             return 403, "Requests from pages of other origins are refused."
-        length = headers.get(b"content-length")
-        if length is not None and not (length.isdigit() and float(length) <= self._bounds.body):
-            return 413, _too_large(self._bounds.body)
+        most = self._most(scope)
+        if length is not None and not (length.isdigit() and float(length) <= most):
+            return 413, _too_large(most)
         key = self._settings.key
-        needs_key = key is not None and scope["path"].startswith(API) and scope["path"] != SESSION
+        needs_key = key is not None and _is_api(scope) and scope["path"] != SESSION
         if needs_key and not _brings(headers, str(key)):
             return 401, "The key of this service is missing or wrong."
         return None
 
-    def _bounded(self, receive: Receive) -> Receive:
+    def _most(self, scope: Scope) -> int:
+        """Largest body of a request [byte]."""
+        return min(KEY_BODY, self._bounds.body) if scope["path"] == SESSION else self._bounds.body
+
+    @staticmethod
+    def _bounded(receive: Receive, most: int) -> Receive:
+        """Count the bytes of a body as they come, whatever its headers say."""
         taken = 0
 
         async def receiving() -> Message:
             nonlocal taken
             message = await receive()
             taken += len(message.get("body", b""))
-            if taken > self._bounds.body:
-                raise ProblemError(413, _too_large(self._bounds.body), {"Connection": "close"})
+            if taken > most:
+                raise ProblemError(413, _too_large(most), {"Connection": "close"})
             return message
 
         return receiving
+
+
+def _is_api(scope: Scope) -> bool:
+    return str(scope["path"]).startswith(f"{API}/") or scope["path"] == API
 
 
 def is_key(given: str, key: str) -> bool:
@@ -138,24 +171,11 @@ def urlsplit_host(origin: str) -> str | None:
         return None
 
 
-def _host_name(host: str) -> str:
-    """Return the name in a Host header, without port and brackets."""
-    if host.startswith("["):
-        return host[1:].partition("]")[0]
-    return host.partition(":")[0]
+def _host_name(host: str) -> str | None:
+    """Return the name or the address in a Host header, without its port; None for what is no such header."""
+    read = HOST.fullmatch(host)
+    return None if read is None else (read["address"] or read["name"]).lower()
 
 
 def _too_large(most: int) -> str:
     return f"The body of the request is larger than {most / 1e6:g} MB."
-
-
-def _log(method: str, route: str | None, status: int, size: int, seconds: float) -> None:
-    line = {
-        "time": round(time.time(), 3),
-        "method": method,
-        "route": route,
-        "status": status,
-        "bytes": size,
-        "milliseconds": round(1e3 * seconds, 3),
-    }
-    sys.stderr.write(f"{to_json(line).decode()}\n")

@@ -1,6 +1,5 @@
 """Jobs: submitted, followed, canceled, their results and files; and files checked before."""
 
-import asyncio
 import json
 import re
 from collections.abc import AsyncIterator, Mapping
@@ -9,16 +8,15 @@ from typing import Any
 
 import anyio.to_thread
 from fastapi import APIRouter
-from pydantic_core import to_json
 from starlette.requests import Request
 from starlette.responses import FileResponse, Response, StreamingResponse
 
 from crankbase.calls import ProcessLostError
 from crankbase.errors import InputError
-from crankbase.processes import scratch_folder
-from crankfem.service.answers import ENDED, CheckedText, Job, Jobs
+from crankfem.service.answers import ENDED, CheckedText, Health, Job, Jobs
 from crankfem.service.asking import AnalysisQuestion, FileQuestion, StressQuestion, read_question
 from crankfem.service.bounds import Bounds
+from crankfem.service.followers import Followers
 from crankfem.service.job_runner import LOADING, JobRunner
 from crankfem.service.job_store import JobStore
 from crankfem.service.problems import ProblemError
@@ -29,7 +27,6 @@ from geometry.isolated import IsolatedProcess
 MOST_LISTED = 100
 RETRY_SECONDS = "5"
 EVENTS = "text/event-stream"
-LOOK, PING = 0.05, 15.0  # seconds between two looks at a job, between two signs of life
 # Pages that jobs have made run apart from the service's: their scripts reach nothing of it.
 SANDBOX = (
     "sandbox allow-scripts allow-popups; default-src 'none'; script-src 'unsafe-inline' 'unsafe-eval'; "
@@ -60,6 +57,7 @@ def job_routes(store: JobStore, runner: JobRunner, bounds: Bounds) -> APIRouter:
     """Make the routes of jobs."""
     routes = APIRouter(prefix="/api")
     checker = IsolatedProcess()
+    followers = Followers(store, lambda: runner.stopping)
 
     def job_named(name: str) -> Job:
         job = store.job(name) if CHECKED.fullmatch(name) else None
@@ -89,26 +87,22 @@ def job_routes(store: JobStore, runner: JobRunner, bounds: Bounds) -> APIRouter:
 
     def check(asked: FileQuestion) -> dict[str, Any]:
         """Check a file in a separate process with a limit of time."""
-        with scratch_folder() as folder:
-            try:
-                # A process that has just started takes its time on a busy machine.
-                checker.call("crankfem.service.tasks:load_checks", time_limit=LOADING)
-                found: dict[str, Any] = checker.call(
-                    "crankfem.service.tasks:check_upload",
-                    asked.model_dump(),
-                    str(folder),
-                    time_limit=bounds.check_seconds,
-                )
-            except ProcessLostError as lost:
-                raise InputError(f"text: given a file that cannot be checked: {lost}.") from None
-            except InputError as error:
-                raise InputError(str(error).replace(f"{folder}/", "")) from None
+        try:
+            # A process that has just started takes its time on a busy machine.
+            checker.call("crankfem.service.tasks:load_checks", time_limit=LOADING)
+            found: dict[str, Any] = checker.call(
+                "crankfem.service.tasks:check_upload",
+                asked.model_dump(),
+                time_limit=bounds.check_seconds,
+            )
+        except ProcessLostError as lost:
+            raise InputError(f"text: given a file that cannot be checked: {lost}.") from None
         return found
 
     @routes.post(
         "/throws/analysis",
         tags=["throws"],
-        **described(Job, AnalysisQuestion, 429, status=202, says="queued"),
+        **described(Job, AnalysisQuestion, 429, 507, status=202, says="queued"),
     )
     async def analyze_throw(request: Request) -> Response:
         """Analyze a throw by finite elements: compliances, 12 x 12 stiffness, reactions, error bars."""
@@ -119,7 +113,7 @@ def job_routes(store: JobStore, runner: JobRunner, bounds: Bounds) -> APIRouter:
     @routes.post(
         "/throws/stress",
         tags=["throws"],
-        **described(Job, StressQuestion, 429, status=202, says="queued"),
+        **described(Job, StressQuestion, 429, 507, status=202, says="queued"),
     )
     async def analyze_stress(request: Request) -> Response:
         """Find the stresses at a throw's fillets."""
@@ -134,18 +128,27 @@ def job_routes(store: JobStore, runner: JobRunner, bounds: Bounds) -> APIRouter:
         return answer(await anyio.to_thread.run_sync(check, asked))
 
     @routes.post(
-        "/studies", tags=["files"], **described(Job, FileQuestion, 429, status=202, says="queued")
+        "/studies",
+        tags=["files"],
+        **described(Job, FileQuestion, 429, 507, status=202, says="queued"),
     )
     async def run_study(request: Request) -> Response:
         """Run the study of a file with the sections [throw] and [study], and fit its equations."""
         return await submit_file(request, "study", "doe")
 
     @routes.post(
-        "/engines", tags=["files"], **described(Job, FileQuestion, 429, status=202, says="queued")
+        "/engines",
+        tags=["files"],
+        **described(Job, FileQuestion, 429, 507, status=202, says="queued"),
     )
     async def run_engine(request: Request) -> Response:
         """Run a whole engine file: everything, and a report."""
         return await submit_file(request, "engine", "run")
+
+    @routes.get("/health", tags=["service"], **described(Health))
+    async def read_health() -> Response:
+        """Return whether jobs run, and what is wrong."""
+        return answer(runner.health())
 
     @routes.get("/jobs", tags=["jobs"], **described(Jobs))
     async def list_jobs() -> Response:
@@ -157,16 +160,16 @@ def job_routes(store: JobStore, runner: JobRunner, bounds: Bounds) -> APIRouter:
         """Return how far a job is."""
         return answer(job_named(name))
 
-    @routes.delete("/jobs/{name}", tags=["jobs"], **described(Job, None, 404, 409))
+    @routes.delete("/jobs/{name}", tags=["jobs"], **described(Job, None, 404, 409, 507))
     async def remove_job(name: str) -> Response:
         """Forget a job that has ended, with its files."""
         job = job_named(name)
         if job.state not in ENDED:
             raise ProblemError(409, "The job has not ended; cancel it first.")
-        await anyio.to_thread.run_sync(runner.remove, name)
+        await anyio.to_thread.run_sync(store.remove, name)
         return answer(job)
 
-    @routes.post("/jobs/{name}/cancel", tags=["jobs"], **described(Job, None, 404, 409))
+    @routes.post("/jobs/{name}/cancel", tags=["jobs"], **described(Job, None, 404, 409, 507))
     async def cancel_job(name: str) -> Response:
         """Cancel a job that waits or runs."""
         if job_named(name).state in ENDED:
@@ -180,19 +183,8 @@ def job_routes(store: JobStore, runner: JobRunner, bounds: Bounds) -> APIRouter:
         job_named(name)
 
         async def events() -> AsyncIterator[bytes]:
-            told, waited = b"", 0.0
-            while not runner.stopping:
-                job = store.job(name)
-                if job is None:
-                    return
-                text = to_json(job)
-                if text != told or waited > PING:
-                    yield b"event: job\ndata: " + text + b"\n\n"
-                    told, waited = text, 0.0
-                if job.state in ENDED:
-                    return
-                await asyncio.sleep(LOOK)
-                waited += LOOK
+            async for text in followers.follow(name):
+                yield b"event: job\ndata: " + text + b"\n\n"
 
         return StreamingResponse(events(), media_type=EVENTS)
 

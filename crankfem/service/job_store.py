@@ -1,16 +1,20 @@
 """Jobs in an SQLite file: found again after a restart, however the service ended."""
 
+import contextlib
+import errno
 import json
 import secrets
+import shutil
 import sqlite3
 import threading
 import time
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
 from crankbase.errors import InputError
-from crankfem.service.answers import Job, State
+from crankfem.service.answers import ENDED, Job, State
+from crankfem.service.problems import ProblemError
 
 _COLUMNS = {
     "id": "TEXT PRIMARY KEY",
@@ -32,6 +36,14 @@ VERSION = 1
 FILE, FOLDERS = "jobs.sqlite", "jobs"
 # What a job keeps for itself: its store and the lists of its files.
 OWN_ENDINGS = (".sqlite", ".sqlite-wal", ".sqlite-shm", ".sqlite-claims")
+NO_SPACE = (errno.ENOSPC, errno.EDQUOT)
+LITTLE = 65536  # bytes: SQLite names another reason where so little is left
+FULL = "The disk of the service is full."
+GONE = "The folder of the jobs is gone, or another one is in its place; start the service again."
+
+
+class StoreError(ProblemError):
+    """The store cannot be used now; the text says why."""
 
 
 class JobStore:
@@ -50,8 +62,11 @@ class JobStore:
 
     def __init__(self, folder: Path) -> None:
         self.folder = folder
+        # Why the last change could not be recorded.
+        self.trouble: str | None = None
         self._lock = threading.RLock()
         try:
+            self.folder = folder = folder.absolute()
             (folder / FOLDERS).mkdir(parents=True, exist_ok=True)
             self._base = sqlite3.connect(
                 folder / FILE, check_same_thread=False, isolation_level=None
@@ -66,7 +81,9 @@ class JobStore:
                 )
             spelled = ", ".join(f"{name} {kind}" for name, kind in _COLUMNS.items())
             self._base.execute(f"CREATE TABLE IF NOT EXISTS jobs ({spelled})")
-            self._base.execute(f"PRAGMA user_version = {VERSION}")
+            if version < VERSION:
+                self._base.execute(f"PRAGMA user_version = {VERSION}")
+            self._file = self._identity()
         except (OSError, sqlite3.Error) as error:
             raise InputError(
                 f"--folder: given {folder}, which cannot be used ({getattr(error, 'strerror', error)}); "
@@ -88,47 +105,57 @@ class JobStore:
     def add(self, kind: str, title: str, question: Mapping[str, Any], waiting: int) -> str | None:
         """Add a job and return its name; None if so many wait already."""
         name = secrets.token_hex(8)
-        with self._lock:
+        place = self.place(name)
+        with self._changing():
             if self.count("queued") >= waiting:
                 return None
-            self.place(name).mkdir()
-            self._base.execute(
-                "INSERT INTO jobs (id, kind, title, question, state, created) "
-                "VALUES (?, ?, ?, ?, 'queued', ?)",
-                (name, kind, title, json.dumps(question), time.time()),
-            )
+            place.mkdir()
+            try:
+                self._base.execute(
+                    "INSERT INTO jobs (id, kind, title, question, state, created) "
+                    "VALUES (?, ?, ?, ?, 'queued', ?)",
+                    (name, kind, title, json.dumps(question), time.time()),
+                )
+            except sqlite3.Error:
+                place.rmdir()
+                raise
         return name
 
     def count(self, state: State) -> int:
         """Count the jobs in a state."""
         return int(self._rows("SELECT COUNT(*) FROM jobs WHERE state = ?", state)[0][0])
 
-    def start_next(self) -> tuple[str, str, dict[str, Any]] | None:
-        """Take the job that waits longest: return its name, kind and request; None without one."""
+    def start_next(self) -> tuple[str, str, dict[str, Any], int] | None:
+        """Take the job that waits longest: return its name, kind, request and how often it was taken."""
         with self._lock:
             rows = self._rows("SELECT * FROM jobs WHERE state = 'queued' ORDER BY created LIMIT 1")
             if not rows:
                 return None
-            job = rows[0]
-            self.change(
-                job["id"],
-                state="running",
-                started=time.time(),
-                attempts=job["attempts"] + 1,
-                step="",
-            )
-            return job["id"], job["kind"], json.loads(job["question"])
+            job, attempts = rows[0], rows[0]["attempts"] + 1
+            taken = job["id"], job["kind"], json.loads(job["question"]), attempts
+            self.change(job["id"], state="running", started=time.time(), attempts=attempts, step="")
+            return taken
 
     def change(self, name: str, **values: Any) -> None:
         """Change the record of a job."""
         spelled = ", ".join(f"{column} = ?" for column in values)
-        with self._lock:
+        with self._changing():
             self._base.execute(f"UPDATE jobs SET {spelled} WHERE id = ?", (*values.values(), name))
 
-    def end(self, name: str, state: State, problem: Mapping[str, Any] | None = None) -> None:
-        """End a job."""
-        told = None if problem is None else json.dumps(problem)
-        self.change(name, state=state, problem=told, ended=time.time(), step="")
+    def settle(
+        self,
+        name: str,
+        state: State,
+        problem: Mapping[str, Any] | None = None,
+        notes: Sequence[str] = (),
+        **values: Any,
+    ) -> None:
+        """End a job, or let it wait again, with more notes."""
+        values |= {"state": state, "step": "", "ended": time.time() if state in ENDED else None}
+        values["problem"] = None if problem is None else json.dumps(problem)
+        with self._lock:
+            (row,) = self._rows("SELECT notes FROM jobs WHERE id = ?", name)
+            self.change(name, **values, notes=json.dumps([*json.loads(row["notes"]), *notes]))
 
     def note(self, name: str, text: str) -> None:
         """Add a note to a job."""
@@ -140,14 +167,27 @@ class JobStore:
         """Let jobs wait again that ran when the service ended; those that were tried so often have failed."""
         for row in self._rows("SELECT id, attempts FROM jobs WHERE state = 'running'"):
             if row["attempts"] < most:
-                self.change(row["id"], state="queued")
+                self.settle(row["id"], "queued")
             else:
-                self.end(row["id"], "failed", problem)
+                self.settle(row["id"], "failed", problem)
 
     def remove(self, name: str) -> None:
-        """Forget a job."""
-        with self._lock:
+        """Forget a job and its files; those first, which makes room for the record of it."""
+        shutil.rmtree(self.place(name), ignore_errors=True)
+        with self._changing():
             self._base.execute("DELETE FROM jobs WHERE id = ?", (name,))
+
+    def check(self) -> None:
+        """Find out whether changes can be recorded.
+
+        Raises
+        ------
+        StoreError
+            If the folder is gone, or the last change could not be recorded and the next one neither.
+        """
+        with self._changing():
+            if self.trouble is not None:
+                self._base.execute(f"PRAGMA user_version = {VERSION}")
 
     def job(self, name: str) -> Job | None:
         """Return a job, None if there is none of that name."""
@@ -197,4 +237,42 @@ class JobStore:
 
     def _rows(self, text: str, *values: object) -> list[sqlite3.Row]:
         with self._lock:
-            return self._base.execute(text, values).fetchall()
+            try:
+                return self._base.execute(text, values).fetchall()
+            except sqlite3.Error as error:
+                raise self._refusal(error) from None
+
+    @contextlib.contextmanager
+    def _changing(self) -> Iterator[None]:
+        """Hold the store for a change, and keep why it fails."""
+        with self._lock:
+            try:
+                if self._identity() != self._file:
+                    raise FileNotFoundError
+                yield
+            except (OSError, sqlite3.Error) as error:
+                refusal = self._refusal(error)
+                self.trouble = refusal.detail
+                raise refusal from None
+            self.trouble = None
+
+    def _identity(self) -> tuple[int, int] | None:
+        """Tell the file of the jobs from any other in its place; None without one."""
+        try:
+            found = (self.folder / FILE).stat()
+        except OSError:
+            return None
+        return found.st_dev, found.st_ino
+
+    def _refusal(self, error: OSError | sqlite3.Error) -> StoreError:
+        if self._identity() != self._file:
+            return StoreError(503, GONE)
+        if (
+            getattr(error, "errno", None) in NO_SPACE
+            or getattr(error, "sqlite_errorcode", None) == sqlite3.SQLITE_FULL
+            or shutil.disk_usage(self.folder).free < LITTLE
+        ):
+            return StoreError(507, FULL)
+        return StoreError(
+            503, f"The jobs cannot be recorded ({getattr(error, 'strerror', error)})."
+        )

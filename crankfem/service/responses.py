@@ -28,7 +28,8 @@ REFUSALS = {
     "422": "input that cannot be used, with a sentence for each wrong field",
     "429": "the queue is full; Retry-After gives the time to wait",
     "500": "a fault of the service",
-    "503": "busy; try again later",
+    "503": "busy, or jobs cannot be recorded or run; try again later",
+    "507": "the disk is full",
 }
 
 

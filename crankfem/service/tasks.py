@@ -1,5 +1,6 @@
 """The work of jobs, each in a worker process: from the request to files in the job's folder."""
 
+import os
 from collections.abc import Callable, Mapping
 from importlib import import_module
 from pathlib import Path
@@ -8,7 +9,7 @@ from typing import Any
 from crankbase.outputs import write_text
 from crankfem.analyses.record import json_text
 from crankfem.service.asking import UNIT_FORCE, AnalysisQuestion, FileQuestion, StressQuestion
-from crankfem.service.uploads import write_upload
+from crankfem.service.uploads import keep_upload, read_upload
 from regression.records import Outcome
 
 RESULT, SOLID, MODEL = "result.json", "throw.step", "model.json"
@@ -74,22 +75,25 @@ def load_checks() -> None:
 def run_job(
     kind: str, question: Mapping[str, Any], folder: str, workers: int, on_remark: OnRemark
 ) -> None:
-    """Do a job.
+    """Do a job, in its folder: messages have no path beyond it.
 
     Raises
     ------
     InputError, MeshError, SolveError
     """
-    _JOBS[kind](question, Path(folder), workers, ToldProgress(on_remark))
+    try:
+        os.chdir(folder)
+    except OSError as error:
+        raise OSError(error.errno, f"the job's folder: {error.strerror}") from None
+    _JOBS[kind](question, Path(), workers, ToldProgress(on_remark))
 
 
 def _analysis(question: Mapping[str, Any], folder: Path, _: int, told: ToldProgress) -> None:
     from crankfem.analyses.provenance import provenance_record
     from crankfem.analyses.record_units import with_units
-    from crankfem.analyses.throw.fillets import stresses_or_reason
     from crankfem.analyses.throw.formula_records import formula_records
     from crankfem.analyses.throw.pictures.drawing import write_drawing
-    from crankfem.analyses.throw.stress import stress_record
+    from crankfem.analyses.throw.stress import stress_record, stresses_or_reason
     from crankfem.analyses.throw.throw_record import throw_record
     from crankfem.report.interactive.throw_view import throw_view
     from crankfem.report.throw_report import DRAWING
@@ -148,9 +152,10 @@ def _study(question: Mapping[str, Any], folder: Path, workers: int, told: ToldPr
     from crankfem.analyses.study.fit_records import study_record
     from crankfem.analyses.study.studies import run_study
 
-    file = write_upload(FileQuestion(**question), folder)
+    content = read_upload(FileQuestion(**question))
+    keep_upload(content, folder)
     told.step("Running the study")
-    found = run_study(file, folder / "study.sqlite", workers, told.design, note=told.note)
+    found = run_study(content, folder / "study.sqlite", workers, told.design, note=told.note)
     found.model.save(folder / MODEL)
     _write(folder, with_units(study_record(found.table, found.fits, found.model)))
 
@@ -159,8 +164,9 @@ def _engine(question: Mapping[str, Any], folder: Path, workers: int, told: ToldP
     from crankfem.jobs.pipeline import run_engine
     from crankfem.jobs.run_files import results_text
 
-    file = write_upload(FileQuestion(**question), folder)
-    made = run_engine(file, folder / "results", workers=workers, progress=told)
+    content = read_upload(FileQuestion(**question))
+    keep_upload(content, folder)
+    made = run_engine(content, folder / "results", workers=workers, progress=told)
     write_text(folder / RESULT, results_text(made.results), "results")
 
 
@@ -176,7 +182,7 @@ _JOBS: dict[str, Callable[[Mapping[str, Any], Path, int, ToldProgress], None]] =
 }
 
 
-def check_upload(question: Mapping[str, Any], folder: str) -> dict[str, Any]:
+def check_upload(question: Mapping[str, Any]) -> dict[str, Any]:
     """Read and check an uploaded file, and return its interpretation.
 
     Raises
@@ -185,8 +191,8 @@ def check_upload(question: Mapping[str, Any], folder: str) -> dict[str, Any]:
     """
     from crankfem.analyses.file_check import check_file, check_record
 
-    path = write_upload(FileQuestion(**question), Path(folder))
-    record = check_record(check_file(str(path))) | {"file": path.name}
+    record = check_record(check_file(read_upload(FileQuestion(**question))))
     return {
-        name: record[name] for name in ("kind", "valid", "commands", "remarks", "dimensions")
+        name: record[name]
+        for name in ("kind", "valid", "commands", "remarks", "warnings", "dimensions")
     } | {"record": record}

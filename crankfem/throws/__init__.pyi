@@ -1,5 +1,6 @@
 """Public names of this topic and their homes."""
 
+from geometry.crankshaft import ShaftEnds as ShaftEnds
 from geometry.crankshaft import throw_masses as throw_masses
 from geometry.imported import ImportedThrow as ImportedThrow
 from geometry.imported import import_throw as import_throw
@@ -8,7 +9,6 @@ from geometry.mass import Unbalance as Unbalance
 from geometry.mass import unbalance as unbalance
 from geometry.mesh import ThrowMesh as ThrowMesh
 from geometry.mesh_files import write_mesh as write_mesh
-from geometry.shaft_ends import ShaftEnds as ShaftEnds
 from geometry.solid_files import write_step as write_step
 from geometry.throw_dimensions import Counterweight as Counterweight
 from geometry.throw_dimensions import FurtherPin as FurtherPin

@@ -33,6 +33,8 @@ class BarredRange:
     ends : str
         Where the range's ends come from: at which speeds and places limits are exceeded, and the rule
         that widens the range about peaks.
+    full_load : bool
+        Whether it lies below the running speeds and was calculated at full load, so that it is not judged.
     """
 
     low: float
@@ -43,6 +45,7 @@ class BarredRange:
     remarks: tuple[str, ...]
     position: Position = "running"
     ends: str = ""
+    full_load: bool = False
 
     @property
     def allowed(self) -> bool:
@@ -60,6 +63,11 @@ class BarredRange:
         why = f": {'; '.join(self.refusals)}" if self.refusals else ""
         if self.position == "above":
             return f"{self.shown}, above the running range{why}"
+        if self.full_load:
+            return (
+                f"{self.shown} is passed on every start, without the full load of this calculation, so it "
+                "is not judged"
+            )
         if self.position == "below":
             return f"{self.shown} is passed on every start{', too severely' if why else ''}{why}"
         return f"{self.shown} {'cannot' if why else 'may'} be barred{why}"

@@ -99,8 +99,8 @@ class ExceededRange:
     low, high : float
         Where the limit is met, by interpolation between the speeds calculated [rad/s].
     peaks : tuple of float
-        Speeds at which the use of the limit has a maximum [rad/s]; also that of a flank which the
-        range ends on, though it lies beyond. Where the limit begins on a falling flank is none.
+        Speeds at which the vibration has a maximum [rad/s]; also that of a flank which the range ends on,
+        though it lies beyond. Neither an end of the speeds calculated nor a bend of the limit is one.
     cut_off : bool
         Whether the range reaches the first or last calculated speed, so that it may continue beyond.
     used : float
@@ -138,18 +138,16 @@ def exceeded_ranges(
     slightly too wide. Next to an unbounded value the range extends to the next calculated speed.
     """
     speeds, used = curve.speeds, usage(limit, curve)
+    tops = _tops(curve.values)
     found = []
     for first, last in _runs(used > 1.0):
         if not at_most(speeds[first], highest):
             break
-        # The limit jumps on a falling flank: the peak is below the range, where another limit applies.
-        falls = first > 0 and curve.values[first - 1] > curve.values[first]
-        peaks = _peaks_to(speeds[first : last + 1], used[first : last + 1], highest)
         found.append(
             ExceededRange(
                 low=_crossing(limit, curve, used, first, -1),
                 high=min(_crossing(limit, curve, used, last, 1), highest),
-                peaks=peaks[1:] if falls and peaks and peaks[0] == speeds[first] else peaks,
+                peaks=_peaks_to(curve, tops[(tops >= first) & (tops <= last)], highest),
                 cut_off=first == 0 or last == curve.speeds.size - 1,
                 used=float(np.max(used[first : last + 1])),
             )
@@ -161,6 +159,7 @@ def barred_ranges(
     findings: Sequence[tuple[VibrationLimit, AmplitudeCurve]],
     rule: BarredRangeRule,
     running_range: tuple[float, float],
+    full_load: bool = False,
 ) -> tuple[BarredRange, ...]:
     """Propose the ranges of speed to be barred.
 
@@ -171,6 +170,9 @@ def barred_ranges(
     running_range : tuple of two floats
         Lowest and highest running speed [rad/s]. Ranges that end below the lowest one are passed on
         every start, and only have to be passable.
+    full_load : bool, optional
+        Whether the amplitudes are those of full load also below the running range, where no engine
+        starts with it: these ranges are then told, and not judged.
 
     Returns
     -------
@@ -196,7 +198,7 @@ def barred_ranges(
             groups.append([])
         groups[-1].append(item)
         reach = max(reach, item.high)
-    return tuple(_barred(group, findings, rule, running_range) for group in groups)
+    return tuple(_barred(group, findings, rule, running_range, full_load) for group in groups)
 
 
 def limit_end_speed(limit: VibrationLimit, running_range: tuple[float, float]) -> float:
@@ -221,6 +223,7 @@ def _barred(
     findings: Sequence[tuple[VibrationLimit, AmplitudeCurve]],
     rule: BarredRangeRule,
     running_range: tuple[float, float],
+    full_load: bool,
 ) -> BarredRange:
     low, high = min(item.low for item in group), max(item.high for item in group)
     names = tuple(dict.fromkeys(item.limit.name for item in group))
@@ -232,7 +235,7 @@ def _barred(
         else "above"
     )
     refusals, remarks = [], []
-    too_much: list[tuple[float, str]] = []
+    too_much: list[tuple[bool, float, str]] = []
     if at_most(low, running_range[0]) and at_most(running_range[1], high):
         refusals.append("it leaves no speed to run at")
     end = min(rule.highest_by(item.limit) for item in group)
@@ -244,11 +247,20 @@ def _barred(
             "only less vibration or another critical speed helps"
         )
     elif not at_most(high, end):
-        refusals.append(
-            f"it reaches {high / rule.rated_speed:.2f} of the rated speed, and nothing may be barred "
-            f"above {end / rule.rated_speed:.2f} ({_speed(end)})"
+        # What counts is where the engine runs: a range goes on above it as far as a limit applies.
+        top = min(high, running_range[1]) if at_most(end, running_range[1]) else high
+        rated = at_most(low, rule.rated_speed) and at_most(rule.rated_speed, top)
+        reaches = (
+            f"it holds the rated speed of {_speed(rule.rated_speed)}"
+            if rated
+            else f"it reaches {top / rule.rated_speed:.2f} of the rated speed"
         )
-    for limit, curve in () if position == "above" else findings:
+        refusals.append(
+            f"{reaches}, and nothing may be barred above {end / rule.rated_speed:.2f} "
+            f"{'of it ' if rated else ''}({_speed(end)})"
+        )
+    unjudged = position == "above" or (position == "below" and full_load)
+    for limit, curve in () if unjudged else findings:
         inside = within(curve.speeds, low, high)
         values = curve.values[inside]
         if not values.size or limit.name not in names:
@@ -261,19 +273,22 @@ def _barred(
         passing = limit.passing.at(curve.speeds[inside])
         share = np.zeros(values.shape)
         np.divide(values, passing, out=share, where=np.isfinite(passing))
-        worst = int(np.argmax(share))
+        # Running speeds first: others are only passed on starting, or never reached.
+        speeds = curve.speeds[inside]
+        runs = within(speeds, *running_range) & (share > 1.0)
+        worst = int(np.argmax(np.where(runs, share, 0.0) if np.any(runs) else share))
         if share[worst] > 1.0:
             said = (
                 f"{curve.name} reaches {_amount(values[worst], limit.unit)} at "
-                f"{_speed(float(curve.speeds[inside][worst]))}, where "
+                f"{_speed(float(speeds[worst]))}, where "
                 f"{_amount(passing[worst], limit.unit)} may be passed"
             )
-            too_much.append((float(share[worst]), said))
+            too_much.append((bool(runs[worst]), float(share[worst]), said))
     if too_much:
         others = len(too_much) - 1
         more = "location exceeds" if others == 1 else "locations exceed"
         more = f"; {others} more {more} what may be passed" if others else ""
-        refusals.append(f"{max(too_much)[1]}{more}")
+        refusals.append(f"{max(too_much)[-1]}{more}")
     if any(item.exceeded.cut_off for item in group):
         remarks.append("the range reaches the end of the speeds calculated")
     return BarredRange(
@@ -285,6 +300,7 @@ def _barred(
         remarks=tuple(dict.fromkeys(remarks)),
         position=position,
         ends=_ends(group, rule),
+        full_load=position == "below" and full_load,
     )
 
 
@@ -360,18 +376,17 @@ def _crossing(
     return above
 
 
-def _peaks_to(speeds: FloatArray, used: FloatArray, highest: float) -> tuple[float, ...]:
+def _peaks_to(curve: AmplitudeCurve, tops: NDArray[np.intp], highest: float) -> tuple[float, ...]:
     """Return the speeds of the local maxima up to a speed, and of the maximum on whose flank that is."""
-    peaks = _peaks(speeds, used)
+    peaks = tuple(curve.speeds[tops].tolist())
     inside = tuple(peak for peak in peaks if at_most(peak, highest))
     beyond = peaks[len(inside) :]
-    place = int(np.count_nonzero(at_most(speeds, highest)))
-    rises = beyond and used[place] > used[place - 1]
+    place = int(np.count_nonzero(at_most(curve.speeds, highest)))
+    rises = beyond and curve.values[place] > curve.values[place - 1]
     return (*inside, beyond[0]) if rises else inside
 
 
-def _peaks(speeds: FloatArray, used: FloatArray) -> tuple[float, ...]:
-    """Return the speeds of the local maxima; the first of equal neighbors."""
-    beside = np.concatenate(([-np.inf], used, [-np.inf]))
-    top = (used > beside[:-2]) & (used >= beside[2:])
-    return tuple(speeds[top].tolist())
+def _tops(values: FloatArray) -> NDArray[np.intp]:
+    """Return the indices of the local maxima; the first of equal neighbors, neither end."""
+    middle = values[1:-1]
+    return 1 + np.flatnonzero((middle > values[:-2]) & (middle >= values[2:]))

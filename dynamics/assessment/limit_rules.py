@@ -157,9 +157,8 @@ def crankshaft_limit(
     firing_interval_deg : float, optional
         Of a V engine; 45 and 60 deg have the limits of engines in line.
     tensile_strength, yield_strength : float
-        Specified minimum values [Pa]; more than 440 and 225 MPa raise the limits. The rule's formula
-        ends at a tensile strength of 590 MPa for carbon steel and 835 MPa for low alloy steel; for a
-        stronger one give 835 MPa.
+        Specified minimum values [Pa]; more than 440 and 225 MPa raise the limits. A tensile strength
+        enters the rule as at most 590 MPa of carbon steel and 835 MPa of low alloy steel.
     alloy : bool
         Whether the steel is low-alloy; carbon steel otherwise.
 
@@ -172,8 +171,7 @@ def crankshaft_limit(
     Raises
     ------
     InputError
-        If strokes or kind are unknown, or the strength is above the range of the formula (590 MPa for
-        carbon steel, 835 MPa for low alloy steel).
+        If strokes or kind are unknown, or the yield strength is above the tensile strength.
 
     Notes
     -----
@@ -202,6 +200,7 @@ def crankshaft_limit(
         continuous=LimitCurve(continuous, 0.0, 1.15 * rated),
         passing=LimitCurve(lambda speeds: passed * 2.0 * plain(speeds / rated), 0.0, 0.8 * rated),
         source=CRANKSHAFT_SOURCE,
+        remark=_counted(tensile_strength, alloy=alloy),
     )
 
 
@@ -256,7 +255,9 @@ def generator_set_limit(
         continuous=LimitCurve(permitted, 0.0, 1.1 * rated),
         passing=LimitCurve(lambda speeds: np.full(speeds.shape, passed * quick), 0.0, slowest),
         source=GENERATOR_SOURCE,
-        remark=GENERATOR_READING,
+        remark="; ".join(
+            filter(None, (_counted(tensile_strength, alloy=alloy), GENERATOR_READING))
+        ),
     )
 
 
@@ -282,8 +283,7 @@ def crankshaft_material_factors(
     Raises
     ------
     InputError
-        If a strength is not above zero, the yield strength above the tensile one, or that beyond the
-        rule's formula.
+        If a strength is not above zero, or the yield strength above the tensile one.
     """
     strength = positive_number("tensile_strength", tensile, "Pa", "it is that of a steel")
     limit = positive_number("yield_strength", yielding, "Pa", "it is that of a steel")
@@ -292,19 +292,24 @@ def crankshaft_material_factors(
             f"yield_strength: given {limit / 1e6:g} MPa above a tensile strength of {strength / 1e6:g} MPa; "
             "allowed is that or less, because a steel yields before it breaks."
         )
-    if strength > CRANKSHAFT_STRENGTHS[alloy]:
-        most = f"{CRANKSHAFT_STRENGTHS[True] / 1e6:g} MPa"
-        stronger = f"for a stronger steel give {most}, which is on the safe side"
-        if not alloy:
-            more = f"; {stronger}" if strength > CRANKSHAFT_STRENGTHS[True] else ""
-            stronger = f"for low alloy steel set alloy to true, which allows up to {most}{more}"
-        raise InputError(
-            f"tensile_strength: given {strength / 1e6:g} MPa; allowed is "
-            f"{CRANKSHAFT_STRENGTHS[alloy] / 1e6:g} MPa or less for "
-            f"{'low alloy' if alloy else 'carbon'} steel, because the rule's formula ends there; {stronger}."
-        )
-    kept = 1.0 + 2.0 / 3.0 * (max(strength, BASE_STRENGTH) / BASE_STRENGTH - 1.0)
+    counted = min(strength, CRANKSHAFT_STRENGTHS[alloy])
+    kept = 1.0 + 2.0 / 3.0 * (max(counted, BASE_STRENGTH) / BASE_STRENGTH - 1.0)
     return kept, max(limit, BASE_YIELD) / BASE_YIELD
+
+
+def _counted(strength: float, *, alloy: bool) -> str:
+    """State with which value a strength beyond the end of the rule's formula enters it, else nothing."""
+    most = CRANKSHAFT_STRENGTHS[alloy]
+    if strength <= most:
+        return ""
+    told = f"a tensile strength of {strength / 1e6:g} MPa enters the rule as {most / 1e6:g} MPa"
+    end = f", where its formula ends for {'low alloy' if alloy else 'carbon'} steel"
+    more = (
+        ""
+        if alloy
+        else f" (for low alloy steel, alloy = true, at {CRANKSHAFT_STRENGTHS[True] / 1e6:g} MPa)"
+    )
+    return f"{told}{end}{more}"
 
 
 CRANKSHAFT_RULES: dict[str, Callable[..., VibrationLimit]] = {

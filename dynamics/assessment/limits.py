@@ -94,6 +94,9 @@ class VibrationLimit:
         Whether the value is typical or derived, not given by anybody.
     remark : str
         Further requirements of the source.
+    misfiring_basis : str
+        What says that the permitted amplitude in passing serves while a cylinder misfires; empty where
+        nothing does.
     """
 
     quantity: str
@@ -104,6 +107,7 @@ class VibrationLimit:
     passing: LimitCurve | None = None
     assumed: bool = False
     remark: str = ""
+    misfiring_basis: str = ""
 
     def __post_init__(self) -> None:
         if not self.source.strip():
@@ -119,8 +123,8 @@ class VibrationLimit:
 
     @property
     def misfiring(self) -> LimitCurve:
-        """Permitted while a cylinder misfires: that for passing where stated, else that for running."""
-        if self.passing is None:
+        """Permitted while a cylinder misfires: that for running, unless `misfiring_basis` says otherwise."""
+        if self.passing is None or not self.misfiring_basis:
             return self.continuous
         kept, passed = self.continuous, self.passing
 

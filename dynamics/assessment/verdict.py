@@ -1,7 +1,7 @@
 """The verdict: vibration over the speed compared with limits, and the measures required."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Literal
 
 import numpy as np
@@ -89,6 +89,14 @@ class LimitCheck:
         )
 
     @property
+    def at_running_speeds(self) -> "LimitCheck":
+        """The same check at its worst running speed, if any."""
+        if self.running is None or at_most(self.worst_speed, self.highest_running):
+            return self
+        speed, value, permitted = self.running
+        return replace(self, worst_speed=speed, worst_value=value, permitted=permitted, cause=None)
+
+    @property
     def used(self) -> float:
         """Share of the permitted amplitude that is used at the worst speed."""
         return self.worst_value / self.permitted
@@ -107,14 +115,19 @@ class LimitCheck:
     def sentence(self) -> str:
         """The finding with its numbers and the limit's source."""
         source = self.limit.source + (", assumed" if self.limit.assumed else "")
-        found = use_in_words(self.limit, self.worst_speed, self.worst_value, self.permitted)
+        found, reasons = self.use, "" if self.cause is None else self.cause.reasons
         if self.running and not at_most(self.worst_speed, self.highest_running):
             running = use_in_words(self.limit, *self.running)
             found = f"{running} at running speeds; above them {found}"
+            # The cause is that of one of the two.
+            reasons = reasons and f"at {format_quantity(self.worst_speed, 'rad/s', 4)}, {reasons}"
         text = f"{limit_at(self.limit.name, self.curve.name)}: {found} ({source})."
-        if self.cause is None:
-            return text
-        return f"{text} {self.cause.reasons[0].upper()}{self.cause.reasons[1:]}."
+        return f"{text} {reasons[0].upper()}{reasons[1:]}." if reasons else text
+
+    @property
+    def use(self) -> str:
+        """What is reached at the worst speed, and what is permitted there."""
+        return use_in_words(self.limit, self.worst_speed, self.worst_value, self.permitted)
 
     def plot(self, axes: Axes | None = None) -> Axes:
         """Draw the amplitude and the permitted value over the speed, with a dot at the worst speed.
@@ -212,6 +225,9 @@ class Verdict:
         [rad/s].
     remarks : tuple of str
         Open questions.
+    worst : LimitCheck
+        The check that decides, at its worst running speed; where limits are exceeded above the running
+        range alone, `checks[0]`.
     """
 
     status: Status
@@ -220,6 +236,7 @@ class Verdict:
     started_through: tuple[BarredRange, ...]
     running_range: tuple[float, float]
     remarks: tuple[str, ...]
+    worst: LimitCheck
 
     @property
     def ranges_to_bar(self) -> list[tuple[float, float]]:
@@ -229,15 +246,26 @@ class Verdict:
     @property
     def sentence(self) -> str:
         """The verdict in words, with the ranges and the worst finding."""
-        worst = self.checks[0]
+        worst, most, above = self.worst, self.checks[0], ""
+        if most.curve is worst.curve:  # which tells both
+            worst = most
+        elif most.used > worst.used:
+            place = limit_at(most.limit.name, most.curve.name)
+            above = f" Above the running range, {place}: {most.use}."
+        said = f"{self.headline}: {worst.sentence}{above}"
+        if self.status != "not acceptable":
+            return said
+        exceeded = (*self.barred, *self.started_through)
+        return f"{said} {' '.join(f'{one.sentence}.' for one in exceeded if not one.allowed)}"
+
+    @property
+    def headline(self) -> str:
+        """The status in words, with the running range or the ranges to bar."""
         if self.status == "fine":
-            return f"Fine from {shown_range(*self.running_range)}: {worst.sentence}"
+            return f"Fine from {shown_range(*self.running_range)}"
         if self.status == "not acceptable":
-            exceeded = (*self.barred, *self.started_through)
-            why = " ".join(f"{one.sentence}." for one in exceeded if not one.allowed)
-            return f"Not acceptable: {worst.sentence} {why}"
-        ranges = ", ".join(one.shown for one in self.barred)
-        return f"Barred range needed, {ranges}: {worst.sentence}"
+            return "Not acceptable"
+        return f"Barred range needed, {', '.join(one.shown for one in self.barred)}"
 
     def plot(self, axes: Axes | None = None) -> Axes:
         """Draw the share of each limit that is used over the speed, with barred ranges shaded.
@@ -306,6 +334,7 @@ def judge(
     findings: Sequence[tuple[VibrationLimit, AmplitudeCurve]],
     running_range: tuple[float, float],
     rule: BarredRangeRule,
+    full_load: bool = False,
 ) -> Verdict:
     """Compare vibration with its limits and propose barred speed ranges.
 
@@ -317,6 +346,8 @@ def judge(
         Lowest and highest running speed [rad/s]; every curve must cover it. A limit
         that its source states up to a higher speed is judged up to there, as far as calculated.
     rule : BarredRangeRule
+    full_load : bool, optional
+        As of `barred_ranges`.
 
     Returns
     -------
@@ -333,7 +364,7 @@ def judge(
     check_findings(findings)
     low, high = checked_running_range(running_range)
     checks = [_check(limit, curve, (low, high)) for limit, curve in findings]
-    ranges = barred_ranges(findings, rule, (low, high))
+    ranges = barred_ranges(findings, rule, (low, high), full_load)
     barred = tuple(one for one in ranges if one.position != "below")
     below = tuple(one for one in ranges if one.position == "below")
     refused = any(not one.allowed for one in ranges)
@@ -346,13 +377,16 @@ def judge(
             noted.append(f"{limit.name}: not judged above {stated}, where the limit ends")
         if limit.remark:
             noted.append(f"{limit.name}: {limit.remark}")
+    ranked = tuple(sorted(checks, key=lambda check: -check.used))
+    at_running = max((check.at_running_speeds for check in ranked), key=lambda check: check.used)
     return Verdict(
         status=status,
-        checks=tuple(sorted(checks, key=lambda check: -check.used)),
+        checks=ranked,
         barred=barred,
         started_through=below,
         running_range=(low, high),
         remarks=tuple(dict.fromkeys(noted)),
+        worst=ranked[0] if at_running.passed and not ranked[0].passed else at_running,
     )
 
 

@@ -4,7 +4,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from crankbase.checks.arrays import (
     FloatArray,
@@ -125,7 +125,7 @@ class Chain:
             stiffnesses.size,
             "kg m^2 (torsional) or kg (axial)",
         )
-        inertias = _checked_inertias(inertia, zero_allowed=bool(np.any(spread)) or len(gears) > 0)
+        inertias = _checked_inertias(inertia, zero_allowed=bool(np.any(spread)) or bool(gears))
         count = inertias.size
         pairs = checked_pairs(connections, count)
         if stiffnesses.size != len(pairs):
@@ -184,6 +184,14 @@ class Chain:
     def speed_ratios(self) -> FloatArray:
         """Speed of each node relative to node 0 (to its part's first node), shape (n,)."""
         return speed_ratios(self.connections, self.gears, self.inertia.size)[1]
+
+    @property
+    def damped_springs(self) -> NDArray[np.bool_]:
+        """Which springs have damping of their own: elements, then those of nodes to ground, (e + n,)."""
+        beside = {frozenset((dashpot.left, dashpot.right)) for dashpot in self.dashpots}
+        bridged = np.array([frozenset(pair) in beside for pair in self.connections], dtype=bool)
+        between = (self.damping > 0.0) | (self.loss_factor > 0.0) | bridged
+        return np.concatenate((between, (self.ground > 0.0) & (self.ground_damping > 0.0)))
 
     def expansion(self) -> FloatArray:
         """Return T of shape (n, q): node motions per motion of the unknowns that gears leave free."""

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from crankbase.checks.arrays import FloatArray, finite_vector, positive_number
+from crankbase.checks.choices import check_kind
 from crankbase.errors import InputError
 from dynamics.indices import node_index
 
@@ -98,8 +99,15 @@ def check_links(dashpots: Sequence[Dashpot], gears: Sequence[Gear], count: int) 
     Raises
     ------
     InputError
-        If a node does not exist, or both ends are one.
+        If one is no Dashpot or Gear, a node does not exist, or both ends are one.
     """
+    for field, links, kind, example in (
+        ("dashpots", dashpots, Dashpot, "Dashpot(left=0, right=1, damping=20.0)"),
+        ("gears", gears, Gear, "Gear(driver=1, driven=2, ratio=-0.6)"),
+    ):
+        check_kind(field, links, Sequence, f"a sequence of {kind.__name__}")
+        for place, link in enumerate(links):
+            check_kind(f"{field}[{place}]", link, kind, f"a {kind.__name__}, like {example}")
     for place, dashpot in enumerate(dashpots):
         _pair(f"dashpots[{place}]", (dashpot.left, dashpot.right), count)
     for place, gear in enumerate(gears):

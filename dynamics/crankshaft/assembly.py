@@ -10,11 +10,13 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
+from numpy.typing import NDArray
 
 from crankbase.checks.arrays import FloatArray, one_for_each
 from crankbase.checks.scalars import whole_within
 from crankbase.errors import InputError
 from crankbase.summaries import summarized
+from dynamics.crankshaft.joined_lines import JoinedLine, join_lines
 from dynamics.crankshaft.shaft_throw import RX, RY, RZ, UX, UY, UZ, ShaftThrow
 from dynamics.crankshaft.stations import Stations, on_axis, shaft_stations
 from dynamics.crankshaft.surroundings import ShaftSurroundings
@@ -22,6 +24,7 @@ from dynamics.crankshaft.surroundings import ShaftSurroundings
 MOST_THROWS = 100
 PIN_MOTIONS = ("tangential", "radial", "axial")
 SECTION_MOTIONS = ("ux", "uy", "uz", "rx", "ry", "rz")
+ROTATION, TRANSLATION = "rotation about the shaft axis", "axial translation"
 
 
 @summarized("section_count", "mass", "rigid", "positions [m]")
@@ -30,8 +33,8 @@ class AssembledShaft:
     """A crankshaft by its matrices.
 
     The u unknowns are the motions of the n + 1 sections in the shaft's frame, six each, the amplitudes
-    of the sections' bending, those of the throws' shapes, and the rotations of damper ring and
-    driven machine; those held by supports are left out.
+    of the sections' bending, those of the throws' shapes, the rotations of damper ring and driven
+    machine, and the motions of shaft lines; those held by supports are left out.
 
     Attributes
     ----------
@@ -47,11 +50,15 @@ class AssembledShaft:
     stations : Stations
         Slices of the shaft for the classification of its energy of motion.
     added : (a, u) array
-        Rotation of damper ring and driven machine, if present.
-    added_inertia : (a,) array
-        [kg m^2]
-    added_springs : (a, u) array
-        Rows whose squares are twice the strain energy of damper spring and coupling.
+        Rotation of damper ring and driven machine, and motion of the nodes of shaft lines, if present.
+    added_mass : (2, u, u) array
+        Mass matrices of these, along the shaft and about it.
+    added_springs : (b, u) array
+        Rows whose squares are twice the strain energy of damper spring, coupling, and springs of lines.
+    spring_kinds : (b,) array of int
+        0 for those along the shaft, 1 for those about it.
+    damped_springs : (b,) array of bool
+        Which of these have damping of their own.
     dashpots : (d, u) array
         Directions in which dashpots act.
     positions : (n + 1,) array
@@ -77,8 +84,10 @@ class AssembledShaft:
     pins: FloatArray = field(repr=False)
     stations: Stations = field(repr=False)
     added: FloatArray = field(repr=False)
-    added_inertia: FloatArray
+    added_mass: FloatArray = field(repr=False)
     added_springs: FloatArray = field(repr=False)
+    spring_kinds: NDArray[np.int64]
+    damped_springs: NDArray[np.bool_]
     dashpots: FloatArray = field(repr=False)
     positions: FloatArray
     pin_throws: tuple[int, ...]
@@ -147,7 +156,10 @@ def assemble_crankshaft(
             "because throws side by side share the motions of a section."
         )
     first_shape = (6 + bending) * count
-    size = first_shape + sum(throw.shapes for throw in throws) + len(rings)
+    first_ring = first_shape + sum(throw.shapes for throw in throws)
+    given, first_line = around.lines(count), first_ring + len(rings)
+    size = first_line + sum(chain.expansion().shape[1] - 1 for _, chain, _ in given)
+    lines = join_lines(given, first_line, size)
     mass, stiffness, damping, loss = np.zeros((4, size, size))
     pin_rows, pin_slices, pin_frames = [], [], []
     # Each throw turned by itself about the shaft axis, and what that moves.
@@ -204,14 +216,27 @@ def assemble_crankshaft(
             held.append(place)
         else:
             join(unit[place], spring, dashpot)
-    added_springs = np.zeros((len(rings), size))
-    for number, (_, ring, section) in enumerate(rings):
-        row = size - len(rings) + number
-        mass[row, row] += ring.inertia
+    added_mass = np.zeros((2, size, size))
+    added_springs = [np.zeros((0, size))]
+    spring_kinds, damped_springs = [1] * len(rings), []
+    for row, (_, ring, section) in enumerate(rings, start=first_ring):
+        added_mass[1, row, row] += ring.inertia
         beyond_first[row] += ring.inertia if section == 0 else 0.0
         twist = unit[row] - unit[6 * section + RZ]
         join(twist, ring.stiffness, ring.damping, ring.loss_factor)
-        added_springs[number] = math.sqrt(ring.stiffness) * twist
+        added_springs.append(math.sqrt(ring.stiffness) * twist[np.newaxis])
+        damped_springs.append(ring.damping > 0.0 or ring.loss_factor > 0.0)
+    for line in lines:
+        chain, moved = line.chain, line.motions
+        added_mass[int(line.kind == "torsional")] += moved.T @ chain.mass_matrix() @ moved
+        stiffness += moved.T @ chain.stiffness_matrix() @ moved
+        damping += moved.T @ chain.damping_matrix() @ moved
+        loss += moved.T @ chain.loss_matrix() @ moved
+        added_springs.append(chain.spring_rows() @ moved)
+        damped_springs += chain.damped_springs.tolist()
+        spring_kinds += [int(line.kind == "torsional")] * len(added_springs[-1])
+    mass += added_mass.sum(axis=0)
+    added = np.vstack((unit[first_ring:first_line], *(line.motions[1:] for line in lines)))
 
     kept = np.setdiff1d(np.arange(size), held)
     free = np.ix_(kept, kept)
@@ -223,7 +248,7 @@ def assemble_crankshaft(
     pin_names = [
         f"pin {number} {way}" for number in range(1, masses.size + 1) for way in PIN_MOTIONS
     ]
-    rigid, rigid_names = _rigid_motions(around, starts, size)
+    rigid, rigid_names = _rigid_motions(around, starts, first_ring, lines, size)
     return AssembledShaft(
         mass=mass[free],
         stiffness=stiffness[free],
@@ -234,13 +259,20 @@ def assemble_crankshaft(
         sections=unit[: 6 * count, kept],
         pins=np.vstack(pin_rows)[:, kept],
         stations=stations.of(kept),
-        added=unit[size - len(rings) :, kept],
-        added_inertia=np.array([ring.inertia for _, ring, _ in rings]),
-        added_springs=added_springs[:, kept],
+        added=added[:, kept],
+        added_mass=added_mass[:, kept][:, :, kept],
+        added_springs=np.vstack(added_springs)[:, kept],
+        spring_kinds=np.array(spring_kinds, dtype=np.int64),
+        damped_springs=np.array(damped_springs, dtype=bool),
         dashpots=np.array(dashpots).reshape(-1, size)[:, kept],
         positions=starts,
         pin_throws=tuple(pin_throws),
-        names=(*section_names, *pin_names, *(name for name, _, _ in rings)),
+        names=(
+            *section_names,
+            *pin_names,
+            *(name for name, _, _ in rings),
+            *(name for line in lines for name in line.names),
+        ),
         momenta=np.cumsum(np.vstack((beyond_first, momenta)), axis=0)[:, kept],
         moments=_pin_moments(np.vstack(pin_rows), about[pin_throws], pin_throws, count),
     )
@@ -275,7 +307,11 @@ def _supports(around: ShaftSurroundings, count: int) -> list[tuple[int, float, f
 
 
 def _rigid_motions(
-    around: ShaftSurroundings, places: FloatArray, size: int
+    around: ShaftSurroundings,
+    places: FloatArray,
+    first_ring: int,
+    lines: Sequence[JoinedLine],
+    size: int,
 ) -> tuple[FloatArray, tuple[str, ...]]:
     """Find the motions that no stiffness resists.
 
@@ -284,8 +320,9 @@ def _rigid_motions(
     around : ShaftSurroundings
     places : ndarray of shape (n + 1,)
         Of the sections along the shaft [m].
-    size : int
-        Number of unknowns: six for each section, shapes, and one for each ring.
+    first_ring, size : int
+        Unknown of the first ring, and the number of all.
+    lines : sequence of JoinedLine
 
     Returns
     -------
@@ -301,15 +338,22 @@ def _rigid_motions(
             column[component : 6 * count : 6] = value
         return column
 
-    found = {"rotation about the shaft axis": motion({RZ: 1.0})}
-    rings = around.rings(count)
-    for row, (name, ring, _) in enumerate(rings, start=size - len(rings)):
+    found = {ROTATION: motion({RZ: 1.0})}
+    for row, (name, ring, _) in enumerate(around.rings(count), start=first_ring):
         if ring.stiffness > 0.0:
-            found["rotation about the shaft axis"][row] = 1.0
+            found[ROTATION][row] = 1.0
         else:
             found[f"rotation of the {name.removeprefix('damper ')} alone"] = unit[row]
     if not any(support.stiffness > 0.0 for support in around.axial_supports):
-        found["axial translation"] = motion({UZ: 1.0})
+        found[TRANSLATION] = motion({UZ: 1.0})
+    for line in lines:
+        with_section, alone = line.rigid_motions()
+        together = ROTATION if line.kind == "torsional" else TRANSLATION
+        if with_section is None:
+            found.pop(together, None)
+        elif together in found:
+            found[together] += with_section
+        found |= {f"{together.partition(' ')[0]} of {names} alone": own for own, names in alone}
     bearings = np.array([])
     if around.bearings is not None:
         bearings = places[around.bearings.at(count)[0] > 0.0]
@@ -320,7 +364,7 @@ def _rigid_motions(
         arms = places - (bearings[0] if bearings.size else places.mean())
         found["tilt about x"] = motion({RX: 1.0, UY: -arms})
         found["tilt about y"] = motion({RY: 1.0, UX: arms})
-    return np.column_stack(list(found.values())), tuple(found)
+    return np.column_stack([np.zeros((size, 0)), *found.values()]), tuple(found)
 
 
 def _pin_directions(center: FloatArray, sense: int) -> FloatArray:

@@ -18,7 +18,8 @@ from dynamics.crankshaft.stations import Stations
 RESIDUAL = 1e-6
 # Causes of less are not told [Hz]: they print as nothing.
 SHOWN = 0.05
-CAUSES = ("bearings", "mass distribution", "flywheel tilt", "lateral inertia", "eccentric masses")
+# In the order of the steps, each added to those before it; the last one is a body's of its own.
+CAUSES = ("bearings", "mass distribution", "lateral inertia", "eccentric masses", "flywheel tilt")
 
 
 @summarized("kind", "rigid_chain [Hz]", "chain [Hz]", "shaft [Hz]", "causes")
@@ -39,9 +40,11 @@ class FrequencyDifference:
         Contributions to the frequency [Hz]; their sum with `rigid_chain` is `shaft`. "bearings":
         lateral motion of the journals. "mass distribution": inertia along each throw in place of lumps, and
         inertia loads within the shaft, which the journals' reactions carry from throw to throw.
-        "flywheel tilt": mass and diametral inertia of the end bodies resist the tilting of their sections.
-        "lateral inertia": that of the throws as if centered on the axis. "eccentric masses": the throws'
-        centers of mass off the axis.
+        "lateral inertia": that of the throws as if centered on the axis, and of the end bodies without the
+        flywheel's diametral inertia. "eccentric masses": the throws' centers of mass off the axis.
+        "flywheel tilt": the flywheel's diametral inertia resists the tilting of its section.
+    further : float or None
+        Of a second mode that the shaft divides the chain's into [Hz]: the steps lead to the first alone.
     """
 
     kind: str
@@ -50,10 +53,11 @@ class FrequencyDifference:
     chain: float
     shaft: float
     causes: dict[str, float]
+    further: float | None = None
 
     @property
     def sentence(self) -> str:
-        """Such as "axial mode 1: 81 Hz by the whole crankshaft, 75 Hz by the chain (flywheel tilt +6 Hz)"."""
+        """Such as "axial mode 1: 81.0 Hz by the whole crankshaft, 75.0 Hz by the chain (+6.0 Hz, ...)"."""
         name = f"{self.kind} mode {self.mode}"
         text = (
             f"{name}: {self.shaft:.1f} Hz by the whole crankshaft, {self.chain:.1f} Hz by the chain"
@@ -62,16 +66,30 @@ class FrequencyDifference:
 
     @property
     def shown_causes(self) -> str:
-        """Causes of the difference between crankshaft and chain in the same bearings, largest first.
+        """The difference between crankshaft and chain in the same bearings, and its causes step by step.
 
-        Causes of less than 0.05 Hz are left out.
+        Causes of less than 0.05 Hz, and what rounding leaves, are told together, so that what is
+        printed adds up.
         """
-        apart = {name: by for name, by in self.causes.items() if name != CAUSES[0]}
-        shown = sorted(
-            ((name, by) for name, by in apart.items() if abs(by) >= SHOWN),
-            key=lambda one: -abs(one[1]),
-        )
-        return ", ".join(f"{name} {by:+.1f} Hz" for name, by in shown)
+        shown = {
+            name: f"{by:+.1f}"
+            for name, by in self.causes.items()
+            if name != CAUSES[0] and abs(by) >= SHOWN
+        }
+        if not shown:
+            return ""
+        difference = round(round(self.shaft, 1) - round(self.chain, 1), 1)
+        rest = difference - sum(map(float, shown.values()))
+        steps = [f"{name} {by} Hz" for name, by in shown.items()]
+        if abs(rest) >= SHOWN:
+            steps.append(f"rounding and smaller steps {rest:+.1f} Hz")
+        return f"{difference:+.1f} Hz, step by step: {', '.join(steps)}"
+
+    @property
+    def tilt(self) -> "FlywheelTilt":
+        """The last step: the effect of the flywheel's diametral inertia, which is often assumed."""
+        without = self.shaft - self.causes[CAUSES[-1]]
+        return FlywheelTilt(self.kind, self.mode, without, self.shaft, self.further)
 
     @property
     def largest(self) -> str:
@@ -106,14 +124,18 @@ def frequency_difference(
     Notes
     -----
     Masses are added one kind after another, and the mode most similar to the chain's is followed. The
-    contribution of a cause depends on the order of the steps; the sum does not.
+    contribution of a cause depends on the order of the steps; the sum does not. The flywheel, the last
+    station, gets its diametral inertia last, so that its contribution is what a wrong value can change.
     """
     frequencies = [_elastic(rigid_chain, mode), _elastic(chain, mode)]
-    for tilt, lateral in ((False, False), (True, False), (True, True)):
-        on_axis = (1.0 - RESIDUAL) * _centered_mass(shaft, tilt=tilt, lateral=lateral)
+    for lateral in (False, True):
+        on_axis = (1.0 - RESIDUAL) * _centered_mass(shaft, lateral=lateral)
         changed = replace(shaft, mass=on_axis + RESIDUAL * shaft.mass)
-        frequencies.append(_matched(changed, chain, mode))
-    frequencies.append(_matched(shaft, chain, mode))
+        frequencies.append(_found(_match(changed, chain, mode)))
+    tilts = shaft.stations.motions[-1, [RX, RY]]
+    light = replace(shaft, mass=shaft.mass - shaft.stations.diametral[-1] * tilts.T @ tilts)
+    last = _match(shaft, chain, mode)
+    frequencies += [_found(_match(light, chain, mode)), _found(last)]
     return FrequencyDifference(
         kind=chain.kind,
         mode=mode,
@@ -121,6 +143,7 @@ def frequency_difference(
         chain=frequencies[1],
         shaft=frequencies[-1],
         causes=dict(zip(CAUSES, np.diff(frequencies).tolist(), strict=True)),
+        further=last.further_frequency,
     )
 
 
@@ -161,35 +184,6 @@ class FlywheelTilt:
         return f"{name} from {self.without:.1f} Hz without to {found} Hz with it"
 
 
-def flywheel_tilt(shaft: AssembledShaft, chain: EngineChain, mode: int = 1) -> FlywheelTilt:
-    """Find the effect of the flywheel's diametral inertia, often assumed, on a mode.
-
-    Parameters
-    ----------
-    shaft : AssembledShaft
-        With a flywheel, the last of its stations.
-    chain : EngineChain
-    mode : int
-        Elastic mode of the chain, from 1.
-
-    Returns
-    -------
-    FlywheelTilt
-
-    Raises
-    ------
-    InputError
-        As `frequency_difference`.
-    """
-    stations = shaft.stations
-    tilts = stations.motions[-1, [RX, RY]]
-    light = replace(shaft, mass=shaft.mass - stations.diametral[-1] * tilts.T @ tilts)
-    own = _match(shaft, chain, mode)
-    return FlywheelTilt(
-        chain.kind, mode, _matched(light, chain, mode), _found(own), own.further_frequency
-    )
-
-
 def _elastic(chain: EngineChain, mode: int) -> float:
     found = chain.chain.modes().elastic_frequencies
     if not 1 <= mode <= len(found):
@@ -197,10 +191,6 @@ def _elastic(chain: EngineChain, mode: int) -> float:
             f"mode: given {mode}; allowed is 1 to {len(found)}, because the chain has so many elastic modes."
         )
     return float(found[mode - 1])
-
-
-def _matched(shaft: AssembledShaft, chain: EngineChain, mode: int) -> float:
-    return _found(_match(shaft, chain, mode))
 
 
 def _match(shaft: AssembledShaft, chain: EngineChain, mode: int) -> ModeMatch:
@@ -218,22 +208,16 @@ def _found(match: ModeMatch) -> float:
     return match.shaft_frequency
 
 
-def _centered_mass(shaft: AssembledShaft, *, tilt: bool, lateral: bool) -> FloatArray:
-    """Mass matrix with all mass on the shaft axis: along and about it, and as requested across it."""
+def _centered_mass(shaft: AssembledShaft, *, lateral: bool) -> FloatArray:
+    """Mass matrix with all mass on the shaft axis: along and about it, and as requested across it.
+
+    Without the diametral inertia of the last station, the flywheel.
+    """
     stations: Stations = shaft.stations
-    count = len(stations.axial_mass)
-    bodies = np.arange(count) >= shaft.section_count + len(shaft.pin_throws)
-    across = np.where(bodies, tilt, lateral)
+    across = lateral * stations.lateral_mass
+    tilting = lateral * np.append(stations.diametral[:-1], 0.0)
     diagonal = np.column_stack(
-        (
-            across * stations.lateral_mass,
-            across * stations.lateral_mass,
-            stations.axial_mass,
-            across * stations.diametral,
-            across * stations.diametral,
-            stations.polar,
-        )
+        (across, across, stations.axial_mass, tilting, tilting, stations.polar)
     )
     centered = np.einsum("siu,si,siv->uv", stations.motions, diagonal, stations.motions)
-    added = shaft.added.T * shaft.added_inertia @ shaft.added
-    return np.asarray(centered + added)
+    return np.asarray(centered + shaft.added_mass.sum(axis=0))

@@ -1,7 +1,7 @@
 """Coupled forced vibration of a whole crankshaft, with separate effects of tangential and radial forces."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -18,11 +18,13 @@ from crankbase.tables.frames import grid
 from crankbase.units.units import RPM
 from dynamics.crankshaft.pin_excitation import shaft_excitation
 from dynamics.crankshaft.shaft_system import CrankshaftSystem
+from dynamics.excitation.combined_excitation import combined_excitation
 from dynamics.excitation.cylinders import CylinderForces
 from dynamics.plots.coordinates import infinite_where_unbounded, name_axis, orders_and_speeds
 from dynamics.plots.quantities import SPEED_LABEL, in_unit
 from dynamics.response.forced import ForcedResponse, forced_response
 from dynamics.response.linear_system import DEFAULT_MAGNIFIER
+from dynamics.response.order_excitation import OrderExcitation
 from dynamics.response.series import OrderSeries
 from dynamics.response.synthesis import synthesis
 
@@ -37,11 +39,20 @@ class CoupledResponse:
     crankshaft : CrankshaftSystem
     tangential, radial : ForcedResponse
         Under tangential forces alone and under radial forces alone; the motion under both is the sum.
+    further : ForcedResponse or None
+        Under forces of others than the cylinders, such as a propeller's, which are in the sum too.
     """
 
     crankshaft: CrankshaftSystem
     tangential: ForcedResponse
     radial: ForcedResponse
+    further: ForcedResponse | None = None
+
+    @property
+    def parts(self) -> tuple[ForcedResponse, ...]:
+        """The responses whose sum is the motion."""
+        found = (self.tangential, self.radial)
+        return found if self.further is None else (*found, self.further)
 
     @property
     def orders(self) -> FloatArray:
@@ -55,11 +66,11 @@ class CoupledResponse:
 
     @property
     def unbounded(self) -> NDArray[np.bool_]:
-        """Where either response is unbounded, (K, S)."""
-        return self.tangential.unbounded | self.radial.unbounded
+        """Where one of the responses is unbounded, (K, S)."""
+        return np.asarray(np.any([one.unbounded for one in self.parts], axis=0))
 
     def motion(self, point: str) -> ComplexArray:
-        """Return the motion (K, S) of a point such as "main bearing 1 uz" under both kinds of force.
+        """Return the motion (K, S) of a point such as "main bearing 1 uz" under all forces.
 
         Raises
         ------
@@ -67,10 +78,26 @@ class CoupledResponse:
             If there is no such point.
         """
         row = self.crankshaft.point(point)
-        return np.asarray(self.tangential.motion[:, :, row] + self.radial.motion[:, :, row])
+        return np.asarray(np.sum([one.motion[:, :, row] for one in self.parts], axis=0))
+
+    def elastic_motion(self, point: str) -> ComplexArray:
+        """Return the motion (K, S) of a point under all forces without rigid-body motion.
+
+        Raises
+        ------
+        InputError
+            If there is no such point.
+        """
+        return np.asarray(np.sum(self._elastic(point), axis=0))
+
+    def _elastic(self, point: str) -> list[ComplexArray]:
+        rigid = self.crankshaft.system.rigid.shape[1]
+        # Amplitudes of modes are the unknowns of this system, rigid motions first.
+        row = self.crankshaft.system.expand[self.crankshaft.point(point), rigid:]
+        return [one.unknowns[:, :, rigid:] @ row for one in self.parts]
 
     def split(self, point: str) -> "SplitMotion":
-        """Return the motion of a point under both kinds of force, by order and synthesized.
+        """Return the motion of a point by each kind of force and by all, by order and synthesized.
 
         Rigid-body motion of the shaft, which causes no strain, is left out.
 
@@ -85,7 +112,7 @@ class CoupledResponse:
 
     @cached_property
     def torque(self) -> OrderSeries:
-        """Alternating torque in the shaft at each main bearing, under both kinds of force [N m].
+        """Alternating torque in the shaft at each main bearing, under all forces [N m].
 
         It balances what lies between the free end and the bearing: minus its angular momentum's rate of
         change and the moment of its pins' forces. The small part of modal damping there is left out.
@@ -94,7 +121,7 @@ class CoupledResponse:
         first = 6 * shaft.section_count
         pins = slice(first, first + len(shaft.pins))
         acting = self.tangential.excitation.forces + self.radial.excitation.forces
-        moved = (self.tangential.unknowns + self.radial.unknowns) @ self.crankshaft.momenta.T
+        moved = np.sum([one.unknowns for one in self.parts], axis=0) @ self.crankshaft.momenta.T
         squared = (self.orders[:, np.newaxis] * self.speeds) ** 2
         values = -squared[:, :, np.newaxis] * moved - acting[:, :, pins] @ shaft.moments.T
         names = tuple(f"main bearing {place}" for place in range(1, shaft.section_count + 1))
@@ -106,14 +133,8 @@ class CoupledResponse:
         return {}
 
     def _split(self, point: str) -> "SplitMotion":
-        row = self.crankshaft.point(point)
-        rigid = self.crankshaft.system.rigid.shape[1]
-        # Amplitudes of modes are the unknowns of this system, rigid motions first.
-        mode_motion = self.crankshaft.system.expand[row, rigid:]
-        tangential, radial = (
-            each.unknowns[:, :, rigid:] @ mode_motion for each in (self.tangential, self.radial)
-        )
-        motions = {"tangential": tangential, "radial": radial, "both": tangential + radial}
+        each = self._elastic(point)
+        motions = {"tangential": each[0], "radial": each[1], "both": np.sum(each, axis=0)}
         unbounded, found = self.unbounded, {}
         for name, motion in motions.items():
             found[name] = np.where(unbounded, np.inf, np.abs(motion))
@@ -183,7 +204,7 @@ class CoupledResponse:
 @summarized("point", "both", "orders", "speeds [rad/s]")
 @dataclass(frozen=True, eq=False)
 class SplitMotion:
-    """Motion of a point [m or rad] by tangential forces, by radial forces, by both.
+    """Motion of a point [m or rad] by tangential forces, by radial forces, and "both": by all.
 
     Attributes
     ----------
@@ -269,6 +290,7 @@ def coupled_response(
     pins: Sequence[int] | None = None,
     magnifier: float | None = DEFAULT_MAGNIFIER,
     modal_damping: ArrayLike | None = None,
+    further: OrderExcitation | None = None,
 ) -> CoupledResponse:
     """Find the coupled vibration of a crankshaft under the forces of its cylinders.
 
@@ -285,6 +307,8 @@ def coupled_response(
         one of `DEFAULT_MAGNIFIER`. None adds nothing.
     modal_damping : float or array_like, optional
         Alternatively, share of critical damping of every elastic mode.
+    further : OrderExcitation, optional
+        Other forces on the points of the shaft, at the same speeds; orders may differ.
 
     Returns
     -------
@@ -306,8 +330,13 @@ def coupled_response(
         system = system.with_magnifier(magnifier)
     tangential = shaft_excitation(crankshaft, forces, pins=pins, radial=False)
     radial = shaft_excitation(crankshaft, forces, pins=pins, tangential=False)
-    answers = (forced_response(system, acting) for acting in (tangential, radial))
-    return CoupledResponse(crankshaft, *answers)
+    given = [tangential, radial]
+    if further is not None:
+        given.append(further)
+        every = combined_excitation(*given)
+        silent = replace(every, forces=np.zeros_like(every.forces))
+        given = [combined_excitation(one, silent) for one in given]
+    return CoupledResponse(crankshaft, *(forced_response(system, acting) for acting in given))
 
 
 def split_curves(

@@ -2,8 +2,11 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
+from numpy.typing import NDArray
+from scipy.optimize import linear_sum_assignment
 
 from crankbase.checks.arrays import FloatArray, positive_number
 from crankbase.errors import InputError
@@ -17,10 +20,12 @@ from dynamics.chains.engine_chains import (
     Kind,
 )
 from dynamics.crankshaft.assembly import AssembledShaft
+from dynamics.crankshaft.joined_lines import MOTION_OF
 from dynamics.crankshaft.shaft_modes import ShaftModes
 from dynamics.crankshaft.shaft_system import CrankshaftSystem
 from dynamics.crankshaft.shaft_throw import RZ, UZ
 from dynamics.crankshaft.stations import CLASSES
+from dynamics.running_limits import within
 
 # A mode of the shaft is looked for within this factor of the chain's frequency.
 SEARCHED = 2.0
@@ -49,7 +54,7 @@ class ModeMatch:
     share : float
         Share of the shaft mode's energy of this kind.
     likeness : float
-        Squared cosine, weighted by the chain's inertias, between both shapes; 1 for the same.
+        Squared cosine, weighted by the chain's masses, between both shapes; 1 for the same.
     chain_rigid, shaft_rigid : int
         Number of rigid modes of either; tables count elastic modes from 1.
     further_frequency : float or None
@@ -127,7 +132,7 @@ def matching_modes(
     Returns
     -------
     tuple of ModeMatch
-        The mode with the largest product of share and similarity.
+        As `match_modes`.
 
     Raises
     ------
@@ -149,21 +154,65 @@ def match_modes(
 
     Parameters
     ----------
-    shaft : AssembledShaft
-    modes : ShaftModes
-        Of that shaft.
-    chain : EngineChain
-    wanted : sequence of int
-        Modes of the chain, rigid ones counted.
+    shaft, modes, chain, wanted
+        As for `mode_likeness`.
 
     Returns
     -------
     tuple of ModeMatch
+        With the largest products of share and likeness in all; no mode of the shaft stands for two.
 
     Raises
     ------
     InputError
         If the chain has another number of throws.
+    """
+    share = modes.shares[CLASSES.index(chain.kind)]
+    likeness = mode_likeness(shaft, modes, chain, wanted)
+    scores = share * likeness
+    chain_modes = chain.chain.modes()
+    rigid, found = (chain_modes.rigid, modes.rigid), []
+    taken = linear_sum_assignment(scores, maximize=True)[1].tolist()
+    others = scores.copy()
+    others[:, taken] = 0.0
+    for row, (number, best) in enumerate(zip(wanted, taken, strict=True)):
+        match: tuple[int | None, float | None, float, float] = (None, None, 0.0, 0.0)
+        if scores[row, best] > 0.0:
+            here = float(modes.frequencies[best])
+            match = (best, here, float(share[best]), float(likeness[row, best]))
+        second = int(np.argmax(others[row]))
+        further: tuple[float | None, float] = (None, 0.0)
+        if others[row, second] >= DIVIDED:
+            further = (float(modes.frequencies[second]), float(share[second]))
+        frequency = float(chain_modes.frequencies[number])
+        found.append(ModeMatch(chain.kind, number, frequency, *match, *rigid, *further))
+    return tuple(found)
+
+
+def mode_likeness(
+    shaft: AssembledShaft, modes: ShaftModes, chain: EngineChain, wanted: Sequence[int]
+) -> FloatArray:
+    """Return how much each mode of the whole shaft moves the chain's nodes as the chain's modes do.
+
+    Parameters
+    ----------
+    shaft : AssembledShaft
+    modes : ShaftModes
+        Of that shaft.
+    chain : EngineChain
+    wanted : sequence of w int
+        Modes of the chain, rigid ones counted.
+
+    Returns
+    -------
+    ndarray of shape (w, q)
+        Squared cosine between both shapes, weighted by the chain's masses; 0 beyond twice the frequency
+        of the chain's mode and below half of it.
+
+    Raises
+    ------
+    InputError
+        As `match_modes`.
     """
     if chain.throws != shaft.section_count - 1:
         raise InputError(
@@ -171,32 +220,42 @@ def match_modes(
             "because the shaft has so many."
         )
     nodes, moved = _moved_nodes(shaft, modes, chain)
-    share = modes.shares[CLASSES.index(chain.kind)]
-    weight = chain.chain.inertia[nodes]
-    sizes = weight @ moved**2
+    weight = chain.chain.mass_matrix()[np.ix_(nodes, nodes)]
+    sizes = np.sum(moved * (weight @ moved), axis=0)
+    sizes = np.where(sizes > 0.0, sizes, 1.0)
     chain_modes = chain.chain.modes()
-    rigid = chain_modes.rigid, modes.rigid
-    found = []
-    for number in wanted:
-        frequency = float(chain_modes.frequencies[number])
-        shape = chain_modes.shapes[nodes, number]
-        likeness = (weight * shape) @ moved
-        likeness = likeness**2 / np.where(sizes > 0.0, sizes, 1.0) / (weight @ shape**2)
-        near = (modes.frequencies >= frequency / SEARCHED) & (
-            modes.frequencies <= frequency * SEARCHED
+    found = np.zeros((len(wanted), modes.frequencies.size))
+    for row, number in enumerate(wanted):
+        frequency, shape = (
+            chain_modes.frequencies[number],
+            weight @ chain_modes.shapes[nodes, number],
         )
-        score = np.where(near, share * likeness, 0.0)
-        best = int(np.argmax(score))
-        match: tuple[int | None, float | None, float, float] = (None, None, 0.0, 0.0)
-        if score[best] > 0.0:
-            here = float(modes.frequencies[best])
-            match = (best, here, float(share[best]), float(likeness[best]))
-        second = int(np.argmax(np.where(np.arange(score.size) == best, 0.0, score)))
-        further: tuple[float | None, float] = (None, 0.0)
-        if score[second] >= DIVIDED:
-            further = (float(modes.frequencies[second]), float(share[second]))
-        found.append(ModeMatch(chain.kind, number, frequency, *match, *rigid, *further))
-    return tuple(found)
+        near = within(modes.frequencies, frequency / SEARCHED, frequency * SEARCHED)
+        cosines = (shape @ moved) ** 2 / sizes / (shape @ chain_modes.shapes[nodes, number])
+        found[row] = np.where(near, cosines, 0.0)
+    return found
+
+
+def followed_modes(masses: FloatArray, shapes: Sequence[FloatArray]) -> NDArray[np.int64]:
+    """Follow modes by their shapes from one shaft to the next of the same masses.
+
+    Parameters
+    ----------
+    masses : ndarray of shape (u, u)
+    shapes : sequence of k ndarrays of shape (u, m)
+        Modes of unit modal mass of shafts that differ little from one to the next.
+
+    Returns
+    -------
+    ndarray of shape (k, m)
+        Row by row the mode of each shaft that follows mode 0, 1 ... of the first one: each once, with
+        the largest sum of squared products of shapes, weighted by the masses.
+    """
+    rows = [np.arange(shapes[0].shape[1])]
+    for before, after in pairwise(shapes):
+        alike = (before.T @ masses @ after) ** 2
+        rows.append(linear_sum_assignment(alike, maximize=True)[1][rows[-1]])
+    return np.array(rows)
 
 
 def _moved_nodes(
@@ -204,31 +263,28 @@ def _moved_nodes(
 ) -> tuple[list[int], FloatArray]:
     """Return the chain's nodes that the shaft has too, and how each mode moves them, (nodes, q).
 
-    Along the shaft, or about it: throws, ends, damper ring and driven machine. Without these a mode of
-    the ring resembles one of the crankshaft, whose throws it moves alike.
+    Along the shaft, or about it: throws, ends, damper ring, driven machine and shaft line. Without
+    these a mode of the ring resembles one of the crankshaft, whose throws it moves alike.
     """
     motions = modes.motions
     sections = shaft.section_count
-    if chain.kind == "axial":
-        return list(chain.sections), motions[:sections, UZ]
-    pins = np.array(shaft.pin_throws)
-    turns = motions[sections : sections + len(pins), RZ]
-    moved = dict(
-        zip(
-            chain.throw_nodes,
-            (turns[pins == throw].mean(axis=0) for throw in np.unique(pins)),
-            strict=True,
-        )
-    )
-    rings = dict(
+    added = dict(
         zip(
             shaft.names[len(shaft.names) - len(shaft.added) :],
             shaft.added @ modes.shapes,
             strict=True,
         )
     )
-    ends = {FREE_END: motions[0, RZ], FLYWHEEL: motions[sections - 1, RZ]}
+    if chain.kind == "axial":
+        moved, ends = dict(zip(chain.sections, motions[:sections, UZ], strict=True)), {}
+    else:
+        pins = np.array(shaft.pin_throws)
+        turns = motions[sections : sections + len(pins), RZ]
+        throws = (turns[pins == throw].mean(axis=0) for throw in np.unique(pins))
+        moved = dict(zip(chain.throw_nodes, throws, strict=True))
+        ends = {FREE_END: motions[0, RZ], FLYWHEEL: motions[sections - 1, RZ]} | added
     for node, name in enumerate(chain.nodes):
-        if node not in moved and name in (beside := ends | rings):
-            moved[node] = beside[name]
+        beside = ends.get(name, added.get(f"{name} {MOTION_OF[chain.kind]}"))
+        if node not in moved and beside is not None:
+            moved[node] = beside
     return list(moved), np.array(list(moved.values()))

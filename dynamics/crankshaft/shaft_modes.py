@@ -42,8 +42,8 @@ class ShaftModes:
     shares : (3, q) array
         Axial, torsional and bending shares of the energy, with the sum 1; see `Stations.energy_shares`.
     crankshaft_shares : (q,) array
-        Share of the strain energy outside the damper's spring and the coupling of a driven machine; 1 for
-        rigid motions.
+        Share of the strain energy outside the damper's spring, the coupling of a driven machine and the
+        shaft line; 1 for rigid motions.
     motions : (s, 6, q) array
         Of the stations: displacements, rotations, in the shaft's frame.
     positions : (s,) array
@@ -85,8 +85,8 @@ class ShaftModes:
     def first(self, kind: str) -> int | None:
         """Return the lowest elastic mode of the crankshaft itself in which a class has the largest share.
 
-        Modes of a coupling or a damper's ring, with more than half of the strain energy in its spring, are
-        skipped. None if there is no other.
+        Modes of a coupling, a damper's ring or a shaft line, with more than half of the strain energy in
+        its springs, are skipped. None if there is no other.
 
         Raises
         ------
@@ -217,7 +217,7 @@ def crankshaft_modes(shaft: AssembledShaft) -> ShaftModes:
         shapes=shapes,
         rigid=rigid,
         names=(*shaft.rigid_names, *(f"mode {number + 1}" for number in range(elastic))),
-        shares=shaft.stations.energy_shares(shapes, shaft.added, shaft.added_inertia),
+        shares=shaft.stations.energy_shares(shapes, shaft.added_mass),
         crankshaft_shares=1.0 - beside,
         motions=np.einsum("siu,uk->sik", shaft.stations.motions, shapes),
         positions=shaft.stations.positions,

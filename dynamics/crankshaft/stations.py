@@ -43,19 +43,16 @@ class Stations:
         """Return the stations for some of the unknowns."""
         return replace(self, motions=self.motions[:, :, kept])
 
-    def energy_shares(
-        self, shapes: FloatArray, added: FloatArray, added_inertia: FloatArray
-    ) -> FloatArray:
+    def energy_shares(self, shapes: FloatArray, added_mass: FloatArray) -> FloatArray:
         """Split the energy of motions into axial, torsional and bending shares.
 
         Parameters
         ----------
         shapes : ndarray of shape (u, k)
             Motions of the unknowns, such as modes.
-        added : ndarray of shape (a, u)
-            Rotations of bodies that only rotate (damper ring, driven machine), per unknown.
-        added_inertia : ndarray of shape (a,)
-            [kg m^2]
+        added_mass : ndarray of shape (2, u, u)
+            Mass matrices of bodies that only move along the shaft, and of those that only turn about it
+            (damper ring, driven machine, shaft line).
 
         Returns
         -------
@@ -80,8 +77,9 @@ class Stations:
         they are the shares of the kinetic energy itself.
         """
         moved = np.einsum("siu,uk->sik", self.motions, shapes) ** 2
-        axial = self.axial_mass @ moved[:, UZ]
-        torsional = self.polar @ moved[:, RZ] + added_inertia @ (added @ shapes) ** 2
+        along, about = np.sum(shapes * (added_mass @ shapes), axis=1)
+        axial = self.axial_mass @ moved[:, UZ] + along
+        torsional = self.polar @ moved[:, RZ] + about
         bending = self.lateral_mass @ (moved[:, UX] + moved[:, UY])
         bending = bending + self.diametral @ (moved[:, RX] + moved[:, RY])
         energies = np.vstack((axial, torsional, bending))

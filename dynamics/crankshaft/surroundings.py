@@ -11,7 +11,9 @@ from crankbase.checks.arrays import FloatArray, nonnegative_number, positive_num
 from crankbase.checks.scalars import whole_number
 from crankbase.errors import InputError, quoted
 from crankbase.summaries import summarized
-from dynamics.crankshaft.shaft_throw import RX, RY, UX, UY
+from dynamics.chains.chain import Chain
+from dynamics.chains.engine_chains import Kind
+from dynamics.crankshaft.shaft_throw import RX, RY, RZ, UX, UY, UZ
 
 
 @dataclass(frozen=True)
@@ -195,6 +197,9 @@ class ShaftSurroundings:
         shaft: rotating part of the rods and half of the reciprocating mass. Empty for none.
     loss_factor : float
         Of the shaft's material: its stiffness is k (1 + i loss_factor).
+    torsional_line, axial_line : Chain, optional
+        Shaft line at the last section: the first node of either chain turns, or moves along the shaft,
+        with it, and its inertia adds to that of the flywheel.
 
     Notes
     -----
@@ -211,6 +216,8 @@ class ShaftSurroundings:
     machine: TorsionalRing | None = None
     pin_masses: Sequence[float] = ()
     loss_factor: float = 0.0
+    torsional_line: Chain | None = None
+    axial_line: Chain | None = None
 
     def __post_init__(self) -> None:
         nonnegative_number("loss_factor", self.loss_factor, "", "it is that of a passive element")
@@ -219,6 +226,15 @@ class ShaftSurroundings:
         """Return the end bodies that are given: body, section, -1 at the free end or 1."""
         both = ((self.free_end, 0, -1.0), (self.flywheel, sections - 1, 1.0))
         return [(body, section, outward) for body, section, outward in both if body is not None]
+
+    def lines(self, sections: int) -> list[tuple[Kind, Chain, int]]:
+        """Return the shaft lines that are given: kind, chain, unknown of the section that it moves with."""
+        last = 6 * (sections - 1)
+        both: tuple[tuple[Kind, Chain | None, int], ...] = (
+            ("torsional", self.torsional_line, last + RZ),
+            ("axial", self.axial_line, last + UZ),
+        )
+        return [(kind, chain, place) for kind, chain, place in both if chain is not None]
 
     def rings(self, sections: int) -> list[tuple[str, TorsionalRing, int]]:
         """Return damper ring and driven machine, if given: name, ring, section it turns with."""

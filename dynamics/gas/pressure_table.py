@@ -1,11 +1,11 @@
 """Read the pressure in a cylinder over a cycle from a small CSV file."""
 
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 
 from crankbase.checks.arrays import FloatArray
+from crankbase.input_file import GivenFile
 from dynamics.cycle import PLACE_TOLERANCE
 from dynamics.gas.pressure import (
     ATMOSPHERE,
@@ -41,7 +41,7 @@ TABLE = TableKind(
 )
 
 
-def read_pressure_table(path: str | Path, strokes: int | None = None) -> GasPressure:
+def read_pressure_table(path: GivenFile, strokes: int | None = None) -> GasPressure:
     """Read a pressure table.
 
     The file is CSV: comment lines that start with a number sign, which state the source; the
@@ -54,7 +54,7 @@ def read_pressure_table(path: str | Path, strokes: int | None = None) -> GasPres
 
     Parameters
     ----------
-    path : str or Path
+    path : path
         The file.
     strokes : int, optional
         Strokes per cycle, 2 or 4; by default found from the angles.
@@ -74,7 +74,7 @@ def read_pressure_table(path: str | Path, strokes: int | None = None) -> GasPres
         outside -10 to 40 deg (angles counted from elsewhere).
     """
     cycles = possible_cycles(strokes)
-    rows = read_sample_rows(Path(path), TABLE)
+    rows = read_sample_rows(path, TABLE)
     remarks: list[str] = []
     found = rows.strokes(
         cycles,

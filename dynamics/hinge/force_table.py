@@ -1,10 +1,9 @@
 """Read the gas force on a piston over a revolution from a small CSV file."""
 
-from pathlib import Path
-
 import numpy as np
 
 from crankbase.checks.arrays import FloatArray
+from crankbase.input_file import GivenFile
 from dynamics.gas.pressure import WIDEST_GAP, widest_gap
 from dynamics.gas.pressure_table import CLOSING_TOLERANCE, closes_cycle, opens_little
 from dynamics.hinge.crosshead import GasForce
@@ -24,7 +23,7 @@ TABLE = TableKind(
 )
 
 
-def read_gas_force(path: str | Path) -> GasForce:
+def read_gas_force(path: GivenFile) -> GasForce:
     """Read a gas force table.
 
     The file is CSV: comment lines that start with a number sign, the header
@@ -34,7 +33,7 @@ def read_gas_force(path: str | Path) -> GasForce:
 
     Parameters
     ----------
-    path : str or Path
+    path : path
 
     Returns
     -------
@@ -49,7 +48,7 @@ def read_gas_force(path: str | Path) -> GasForce:
         wrong, angles do not increase, do not cover one revolution or leave a gap wider than 10 deg, or the
         closing sample differs from the first by more than a thousandth of the largest force.
     """
-    rows = read_sample_rows(Path(path), TABLE)
+    rows = read_sample_rows(path, TABLE)
     rows.strokes(
         {2: TURN_DEG},
         lambda angles, turn: closes_cycle(angles, turn) or opens_little(angles, turn),

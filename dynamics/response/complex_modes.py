@@ -102,7 +102,11 @@ class ComplexModes:
         return np.where(ratios < np.sqrt(0.5), peaks, 1.0)
 
     def contributions(
-        self, angular_frequencies: FloatArray, forces: ComplexArray, rows: FloatArray
+        self,
+        angular_frequencies: FloatArray,
+        forces: ComplexArray,
+        rows: FloatArray,
+        power: int = 1,
     ) -> ComplexArray:
         """Return the contribution of each mode to a linear combination of the motion.
 
@@ -114,6 +118,9 @@ class ComplexModes:
             On the unknowns of the system.
         rows : ndarray of shape (f, q)
             Linear combination, per motion of the unknowns; rigid motions must not change it.
+        power : int, optional
+            Of i w - s in the denominator: 1, or 3 for half the second derivative over the
+            frequency, with the sign changed.
 
         Returns
         -------
@@ -134,7 +141,7 @@ class ComplexModes:
             check_sizes(name, np.asarray(values, dtype=np.complex128))
         gap = 1j * angular_frequencies[:, np.newaxis] - eigenvalues
         met = np.abs(gap) <= UNBOUNDED_WITHIN * np.abs(eigenvalues)
-        parts = (forces @ inputs.T) * (rows @ outputs.T) / np.where(met, np.inf, gap)
+        parts = (forces @ inputs.T) * (rows @ outputs.T) / np.where(met, np.inf, gap**power)
         found = np.zeros((angular_frequencies.size, self.eigenvalues.size + 1), dtype=np.complex128)
         np.add.at(found.T, self.places, parts.T)
         return found

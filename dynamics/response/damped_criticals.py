@@ -1,6 +1,6 @@
 """Critical speeds with damping: where an order alone makes a quantity largest, and the mode responsible."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass
 from typing import Literal, NamedTuple
 
@@ -16,14 +16,22 @@ from dynamics.response.complex_modes import ComplexModes, complex_modes
 from dynamics.response.forced import ForcedResponse
 from dynamics.response.harmonic import harmonic_response
 from dynamics.response.over_speed import OverSpeed
-from dynamics.response.place_rows import load_rows, motion_row
-from dynamics.response.speed_grid import refined_speeds
+from dynamics.response.place_rows import load_rows, motion_rows
+from dynamics.response.speed_grid import LEAST_RATIO, refined_speeds
 from dynamics.running_limits import within
 
 # Maxima below this share of the largest one are round-off of orders that nothing excites.
 LEAST_SHARE = 1e-9
 # Share of a mode's largest magnifier down to which a peak is that of the mode: 1.7 half bandwidths.
 BAND = 0.5
+# Maxima of several places within a half bandwidth, at most this share of the speed, are one critical speed.
+NEARLY = 0.05
+# A place may stand for a critical speed if its share of its own largest peak is this part of the best one.
+LARGE = 0.25
+# A mode makes a peak too if it bends the curve at least this share of what the main one does.
+SEVERAL = 0.25
+# Peaks below this share of the largest one of their place are not worth a row of a table.
+LEAST_PEAK = 0.05
 # Steps of the golden section: a bracket becomes a millionth of what it was.
 SECTION, STEPS = 0.5 * (np.sqrt(5.0) - 1.0), 29
 
@@ -41,15 +49,15 @@ class DampedCritical:
     order : float
         In cycles per crankshaft revolution.
     mode : int
-        Number of the elastic mode with the largest part of the amplitude there, 1 the lowest; 0 for
-        an overdamped motion.
+        Number of the elastic mode that makes the peak, 1 the lowest; 0 for an overdamped motion.
     speed : float
         Speed of the maximum amplitude [rad/s]; NaN if there is none near this mode's
         frequencies: too much damping, or forces that cancel on the mode.
     amplitude : float
-        Of this order there, all modes together; inf where undamped, NaN without a maximum.
+        Of this order there, all modes together [N m or N, rad or m]; inf where undamped, NaN without a
+        maximum.
     place : str
-        Its element or node; empty without a maximum.
+        Its element or node, see `damped_criticals`; empty without a maximum.
     mode_share : float
         Part of the amplitude from this mode; others may counteract it.
     in_band : bool
@@ -64,11 +72,22 @@ class DampedCritical:
     locked_speed : float
         The same with that ring locked to its housing [rad/s]; NaN without one.
     severity : float
-        Amplitude over the largest bounded one of all; 1 for an unbounded one, 0 without a maximum.
+        Amplitude over the largest bounded one of its place by any order, at that of the places peaking there
+        where this share is largest; 1 for an unbounded one, 0 without a maximum.
     kind : {"major", "minor"}
         Whether all cylinders act in phase at this order, if known.
     in_running_range : bool
         Whether the engine runs at that speed, if known; limits may apply at higher speeds too.
+    of_load : bool
+        Whether the amplitude is that of an element's load, or else of a node's motion.
+    first_amplitude : float
+        Of the motion of the first node, a crankshaft's free end, by this order at this speed [rad or m].
+    others : tuple of str
+        Further places whose own peaks are at nearly this speed.
+    spread : tuple of two floats
+        Lowest and highest speed of the peaks of all these places [rad/s].
+    modes : tuple of int
+        All modes that make the peak at any of the places, the main one first; none for a peak of the forces.
     """
 
     order: float
@@ -85,6 +104,11 @@ class DampedCritical:
     severity: float
     kind: Literal["major", "minor"] = "minor"
     in_running_range: bool = True
+    of_load: bool = False
+    first_amplitude: float = float("nan")
+    others: tuple[str, ...] = ()
+    spread: tuple[float, float] = (float("nan"), float("nan"))
+    modes: tuple[int, ...] = ()
 
     @property
     def unbounded(self) -> bool:
@@ -118,7 +142,8 @@ class DampedCritical:
                 f"{self.undamped_speed * RPM:.4g} 1/min with the damper's ring free, "
                 f"{self.locked_speed * RPM:.4g} 1/min with it locked"
             )
-        found = f"peak at {self.speed_rpm:.4g} 1/min" if self.has_peak else "no peak"
+        peak = f"peak at {self.speed_rpm:.4g} 1/min in {self.place}"
+        found = peak if self.has_peak else "no peak"
         if self.has_peak and not self.in_band:
             found += ", where its forces are largest"
         return f"Order {self.order:g}, mode {self.mode}: {found} ({beside})."
@@ -130,7 +155,9 @@ class DampedCritical:
             "mode": (self.mode, "1"),
             "speed": (self.speed, "rad/s"),
             "amplitude": (self.amplitude, "SI"),
+            "first_amplitude": (self.first_amplitude, "rad or m"),
             "place": (self.place, ""),
+            "others": (len(self.others), "1"),
             "mode_share": (self.mode_share, "1"),
             "in_band": (self.in_band, ""),
             "mode_frequency": (self.mode_frequency, "Hz"),
@@ -150,22 +177,25 @@ def damped_criticals(
     node: int | str | None = None,
     speed_range: tuple[float, float] | None = None,
     modes: ComplexModes | None = None,
+    first: Collection[str] = (),
 ) -> tuple[DampedCritical, ...]:
-    """Find the critical speeds of a damped chain: the peaks of each order alone.
+    """Find the critical speeds of a damped chain: the peaks of each order alone, at every place.
 
     Parameters
     ----------
     response : ForcedResponse
         Its system and excitation are used; forces between its speeds are interpolated.
     elements : sequence of int or str, optional
-        Elements whose load k d [N m or N] is considered, at each speed that with the largest load; all
-        elements by default.
+        Elements whose loads k d [N m or N] alone are considered; by default the loads of all elements and
+        the elastic motions of all nodes [rad or m].
     node : int or str, optional
-        Node whose elastic motion is considered instead of loads [rad or m].
-    speed_range : tuple of two floats, optional
+        Node whose elastic motion alone is considered.
+    speed_range : tuple of two floats
         Within the speeds of the response; by default all of them [rad/s].
     modes : ComplexModes, optional
         Of the system, if known.
+    first : collection of str, optional
+        Places to name before others, such as those with limits.
 
     Returns
     -------
@@ -173,7 +203,7 @@ def damped_criticals(
         In ascending order, mode and speed. One order may have several peaks with one mode, as where forces
         grow with the speed next to a resonance: each is listed. For a mode that an order meets within
         the range, with ring free, ring locked or damped, there is an entry without a speed if the order
-        has no maximum near it.
+        has no maximum of this mode at any place.
 
     Raises
     ------
@@ -184,48 +214,113 @@ def damped_criticals(
     Notes
     -----
     Each order is calculated at the speeds of the response and about each damped frequency, an eighth
-    of its half bandwidth apart. Between the neighbors of each maximum a golden section finds the
-    speed to a millionth of their distance. The peak belongs to the mode that gives the largest part
-    of the amplitude in phase with it (`ComplexModes.contributions`). It counts as that mode's own if it
-    is `in_band`.
+    of its half bandwidth apart. Each place's maxima there are placed by a parabola through 1 / amplitude^2,
+    which is one near a resonance. Maxima of several places within a half bandwidth (`NEARLY` at most) are
+    one critical speed. It is told of one place: among those where it is at least `LARGE` as large a share
+    of the place's largest one as anywhere, one of `first`, then of the loads, the one with the largest
+    value. There a golden section finds the speed to a millionth of the distance of the calculated ones.
+
+    A maximum belongs to the mode that bends the curve down most: with the part y_k = r_k / (i w - s_k) of
+    each mode, -y_k'' / 2 = y_k / (i w - s_k)^2, taken in phase with the amplitude. A large mode far from
+    resonance adds to the amplitude but not to its bend. The peak counts as that mode's own if it is
+    `in_band`.
     """
     if node is not None and elements is not None:
         raise InputError(
             f"node: given {node!r} together with elements; allowed is one of both, because peaks are those "
             "of loads or of a motion."
         )
-    rows, names = load_rows(response, elements) if node is None else motion_row(response, node)
+    rows, names, loads = _places(response, elements, node)
     modes = complex_modes(response) if modes is None else modes
     ends = _checked_ends(response, speed_range)
     forces = OverSpeed.of(response.speeds, response.excitation.forces)
-    peaks = _Vibration(response, modes, rows, forces).peaks()
-    largest = max((own.amplitude for own in peaks if np.isfinite(own.amplitude)), default=0.0)
-    kept = [own for own in peaks if own.amplitude > LEAST_SHARE * largest]
-    bounded = (own.amplitude for own in kept if within(own.speed, *ends))
-    worst = max((size for size in bounded if np.isfinite(size)), default=0.0)
-    met = {(own.order, own.number) for own in kept if own.in_band}
-    found = [
-        _critical(modes, own.order, own.number, names, own, worst)
-        for own in kept
-        if within(own.speed, *ends)
-    ]
+    vibration = _Vibration(response, modes, rows, forces)
+    maxima = vibration.maxima()
+    scales = _largest(maxima, np.isfinite(maxima.values), len(rows))
+    kinds = np.where(loads, *(np.max(scales[loads == own], initial=0.0) for own in (True, False)))
+    maxima = maxima.chosen(maxima.values > LEAST_SHARE * kinds[maxima.places])
+    inside = within(maxima.speeds, *ends)
+    scales = _largest(maxima, inside & np.isfinite(maxima.values), len(rows))
+    preferred = np.isin(names, list(first))
+    peaks: list[_Peak] = []
+    met: set[tuple[float, int]] = set()
+    if maxima.speeds.size:
+        made = vibration.made(maxima.orders, maxima.places, maxima.speeds)
+        # A mode may have its peak beyond the range, or one that is told with another mode's.
+        makers = np.append(modes.numbers, 0)[made.mode]
+        met = set(zip(response.orders[maxima.orders].tolist(), makers.tolist(), strict=True))
+        peaks = vibration.peaks(
+            maxima.chosen(inside), made.chosen(inside), scales, kinds, loads, preferred
+        )
+    found = [_critical(modes, one, names, loads) for one in peaks]
+    met |= {(one.order, number) for one in peaks for number in one.modes}
     for order in response.orders.tolist():
         for number in range(1, modes.undamped.size + 1):
             if (order, number) not in met and _meets(modes, order, number, ends):
-                found.append(_critical(modes, order, number, names))
-    return tuple(sorted(found, key=lambda own: (own.order, own.mode, own.speed)))
+                found.append(_critical(modes, _no_peak(order, number), names, loads))
+    return tuple(sorted(found, key=lambda one: (one.order, one.mode, one.speed)))
+
+
+def _places(
+    response: ForcedResponse, elements: Sequence[int | str] | None, node: int | str | None
+) -> tuple[FloatArray, tuple[str, ...], NDArray[np.bool_]]:
+    """Return rows (p, q) per motion of the unknowns, names, and which are loads."""
+    if node is not None:
+        rows, names = motion_rows(response, [node])
+        return rows, names, np.zeros(1, dtype=bool)
+    if elements is not None or response.chain is not None:
+        rows, names = load_rows(response, elements)
+    else:
+        rows, names = np.empty((0, len(response.system.mass))), ()
+    loads = len(rows)
+    if elements is None:
+        moved, nodes = motion_rows(response)
+        rows, names = np.concatenate((rows, moved)), (*names, *nodes)
+    return rows, names, np.arange(len(rows)) < loads
+
+
+class _Maxima(NamedTuple):
+    """Local maxima (m,): index of order and place, speed, value, calculated speeds beside it."""
+
+    orders: NDArray[np.intp]
+    places: NDArray[np.intp]
+    speeds: FloatArray
+    values: FloatArray
+    low: FloatArray
+    high: FloatArray
+
+    def chosen(self, which: NDArray[np.bool_] | NDArray[np.intp]) -> "_Maxima":
+        """Return some of them."""
+        return _Maxima._make(column[which] for column in self)
+
+
+def _largest(maxima: _Maxima, counted: NDArray[np.bool_], places: int) -> FloatArray:
+    """Return the largest value of each place among the counted maxima, 0 without one."""
+    largest = np.zeros(places)
+    np.maximum.at(largest, maxima.places[counted], maxima.values[counted])
+    return largest
 
 
 class _Peak(NamedTuple):
-    """A maximum of an order: speed, amplitude, row of the place; number and share of its mode."""
+    """A critical speed of an order: at the place told of, with its mode and what belongs to it."""
 
     order: float
     speed: float
     amplitude: float
-    row: int
+    first_amplitude: float
+    place: int
+    others: tuple[int, ...]
+    spread: tuple[float, float]
     number: int
+    modes: tuple[int, ...]
     share: float
     in_band: bool
+    severity: float
+
+
+def _no_peak(order: float, number: int) -> _Peak:
+    none = float("nan")
+    return _Peak(order, none, none, none, -1, (), (none, none), number, (), none, False, 0.0)
 
 
 def _checked_ends(
@@ -250,7 +345,7 @@ def _checked_ends(
 
 @dataclass(frozen=True, eq=False)
 class _Vibration:
-    """A response evaluated at pairs of order and speed: the row with the largest value counts."""
+    """A response evaluated at pairs of order and speed, and its maxima at the places of the rows."""
 
     response: ForcedResponse
     modes: ComplexModes
@@ -258,73 +353,215 @@ class _Vibration:
     forces: OverSpeed
 
     def answer(
-        self, places: NDArray[np.intp], speeds: FloatArray
+        self, orders: NDArray[np.intp], speeds: FloatArray
     ) -> tuple[ComplexArray, NDArray[np.bool_], ComplexArray]:
-        """Return values of the rows (m, p), where unbounded (m,), and forces on the unknowns (m, q)."""
+        """Return motions (m, q), where unbounded (m,), and forces on the unknowns (m, q)."""
         system = self.response.system
-        forces = self.forces.at(places, speeds) @ system.expand
-        answer = harmonic_response(system, self.response.orders[places] * speeds, forces)
-        return answer.motion @ self.rows.T, answer.unbounded, forces
+        forces = self.forces.at(orders, speeds) @ system.expand
+        answer = harmonic_response(system, self.response.orders[orders] * speeds, forces)
+        return answer.motion, answer.unbounded, forces
 
-    def amplitudes(self, places: NDArray[np.intp], speeds: FloatArray) -> FloatArray:
-        """Return the largest amplitude of any row, (m,)."""
-        if not speeds.size:
-            return np.empty(0)
-        values, unbounded, _ = self.answer(places, speeds)
-        return np.where(unbounded, np.inf, np.max(np.abs(values), axis=1))
+    def maxima(self) -> _Maxima:
+        """Return the local maxima of all orders at all places."""
+        found = [self._maxima(order) for order in range(self.response.orders.size)]
+        return _Maxima._make(np.concatenate(column) for column in zip(*found, strict=True))
 
-    def brackets(self, place: int) -> FloatArray:
-        """Return the speeds below and above each maximum of an order, (m, 2)."""
+    def _maxima(self, place: int) -> _Maxima:
         order, known = float(self.response.orders[place]), self.response.speeds
         ends = (float(known[0]), float(known[-1]))
         about = refined_speeds(self.modes.frequencies, self.modes.damping_ratios, [order], ends)
         added = np.setdiff1d(about, known)
-        grid = np.concatenate((known, added))
-        values = np.max(np.abs(self.response.unknowns[place] @ self.rows.T), axis=1)
-        values = np.where(self.response.unbounded[place], np.inf, values)
-        found = np.append(values, self.amplitudes(np.full(added.size, place), added))
-        ascending = np.argsort(grid)
-        grid, found = grid[ascending], found[ascending]
-        tops = 1 + np.flatnonzero((found[1:-1] > found[:-2]) & (found[1:-1] >= found[2:]))
-        beside = np.isfinite(found[tops]).astype(np.intp)  # an unbounded one is where it is
-        return np.column_stack((grid[tops - beside], grid[tops + beside]))
+        motion, unbounded = self.response.unknowns[place], self.response.unbounded[place]
+        if added.size:
+            more, endless, _ = self.answer(np.full(added.size, place), added)
+            motion = np.concatenate((motion, more))
+            unbounded = np.concatenate((unbounded, endless))
+        ascending = np.argsort(np.concatenate((known, added)))
+        grid = np.concatenate((known, added))[ascending]
+        values = np.abs(motion[ascending] @ self.rows.T)
+        values[unbounded[ascending]] = np.inf
+        middle = values[1:-1]
+        tops, places = np.nonzero((middle > values[:-2]) & (middle >= values[2:]))
+        low, at, high = grid[tops], grid[tops + 1], grid[tops + 2]
+        value = middle[tops, places]
+        bounded = np.isfinite(value)
+        # Of 1 / amplitude^2 over that in the middle, 1 there and more beside it.
+        with np.errstate(divide="ignore", over="ignore"):
+            left, right = (
+                np.minimum((np.where(bounded, value, 0.0) / values[tops + step, places]) ** 2, 1e6)
+                - 1.0
+                for step in (0, 2)
+            )
+        below, above = at - low, high - at
+        bend = (left / below + right / above) / (below + above)
+        slope = right / above - bend * above
+        flat = ~bounded | ~(bend > 0.0)
+        move = np.where(flat, 0.0, -0.5 * slope / np.where(flat, 1.0, bend))
+        lowest = 1.0 + 0.5 * slope * move
+        value = np.where(lowest > 0.0, value / np.sqrt(np.maximum(lowest, 1e-12)), value)
+        # An unbounded one is where it is.
+        return _Maxima(
+            np.full(tops.size, place),
+            places,
+            np.clip(at + move, low, high),
+            value,
+            np.where(bounded, low, at),
+            np.where(bounded, high, at),
+        )
 
-    def peaks(self) -> list[_Peak]:
-        """Return all local maxima of all orders."""
-        brackets = [self.brackets(place) for place in range(self.response.orders.size)]
-        places = np.repeat(np.arange(len(brackets)), [len(own) for own in brackets])
-        if not places.size:
-            return []
-        low, high = np.concatenate(brackets).T
-        speeds = _golden_section(lambda some: self.amplitudes(places, some), low, high)
-        values, unbounded, forces = self.answer(places, speeds)
-        best = np.argmax(np.abs(values), axis=1)
-        value = values[np.arange(speeds.size), best]
-        orders = self.response.orders[places]
-        parts = self.modes.contributions(orders * speeds, forces, self.rows[best])
+    def made(
+        self, orders: NDArray[np.intp], places: NDArray[np.intp], speeds: FloatArray
+    ) -> "_Made":
+        """Return what makes maxima at speeds."""
+        motion, unbounded, forces = self.answer(orders, speeds)
+        rows = self.rows[places]
+        value = np.sum(motion * rows, axis=1)
+        w = self.response.orders[orders] * speeds
         size = np.where(value == 0.0, 1.0, np.abs(value))[:, np.newaxis]
-        shares = (parts / size * np.conj(value[:, np.newaxis] / size)).real
+        phase = np.conj(value[:, np.newaxis] / size)
+        parts, bends = (
+            (self.modes.contributions(w, forces, rows, power) * phase).real for power in (1, 3)
+        )
+        shares = parts / size
         # Where nothing bounds the amplitude, the mode at its own frequency makes it.
-        own = np.append(self.modes.eigenvalues.imag, np.inf)
-        apart = np.abs(own - (orders * speeds)[:, np.newaxis])
+        apart = np.abs(np.append(self.modes.eigenvalues.imag, np.inf) - w[:, np.newaxis])
         alone = (apart == np.min(apart, axis=1, keepdims=True)).astype(np.float64)
-        shares = np.where(unbounded[:, np.newaxis], alone, shares)
-        most = np.argmax(shares, axis=1)
+        shares, bends = (np.where(unbounded[:, np.newaxis], alone, own) for own in (shares, bends))
+        reached = self.modes.magnifiers(w) >= BAND * self.modes.largest_magnifiers
+        in_band = np.column_stack((reached, np.zeros(w.size, dtype=bool)))
+        in_band |= unbounded[:, np.newaxis] & (alone > 0.0)
+        mode = np.argmax(bends, axis=1)
+        each = np.arange(w.size)
+        own = in_band[each, mode] & (bends[each, mode] > 0.0)
+        first = np.abs(motion @ motion_rows(self.response, [0])[0][0])
+        return _Made(
+            np.where(unbounded, np.inf, np.abs(value)),
+            np.where(unbounded, np.inf, first),
+            np.where(own, mode, np.argmax(shares, axis=1)),
+            shares,
+            own,
+            in_band & (bends >= SEVERAL * np.max(bends, axis=1, keepdims=True)) & (bends > 0.0),
+        )
+
+    def peaks(
+        self,
+        maxima: _Maxima,
+        made: "_Made",
+        scales: FloatArray,
+        kinds: FloatArray,
+        loads: NDArray[np.bool_],
+        preferred: NDArray[np.bool_],
+    ) -> list[_Peak]:
+        """Return the critical speeds of maxima, those of several places taken together."""
+        if not maxima.speeds.size:
+            return []
         numbers = np.append(self.modes.numbers, 0)
-        reached = self.modes.magnifiers(orders * speeds) >= BAND * self.modes.largest_magnifiers
-        in_band = np.column_stack((reached, np.zeros(speeds.size, dtype=bool)))
+        ratios = np.append(self.modes.damping_ratios, 1.0)
+        near = np.clip(ratios[made.mode], LEAST_RATIO, NEARLY) * maxima.speeds
+        scale = scales[maxima.places]
+        share = np.divide(maxima.values, scale, out=np.ones(scale.size), where=scale > 0.0)
+        share = np.minimum(share, 1.0)
+        groups = _together(maxima, share, near)
+        # Values beside the largest of their kind, since loads and motions have different units.
+        kind = kinds[maxima.places]
+        size = np.divide(maxima.values, kind, out=np.ones(kind.size), where=kind > 0.0)
+        ranks = np.lexsort((size, loads[maxima.places], preferred[maxima.places]))
+        rank = np.empty(ranks.size)
+        rank[ranks] = np.arange(ranks.size)
+        told = np.array(
+            [
+                group[
+                    np.argmax(
+                        np.where(share[group] >= LARGE * np.max(share[group]), rank[group], -1.0)
+                    )
+                ]
+                for group in groups
+            ]
+        )
+        chosen = maxima.chosen(told)
+        speeds = _golden_section(
+            lambda some: self._amplitudes(chosen.orders, chosen.places, some),
+            chosen.low,
+            chosen.high,
+        )
+        there = self.made(chosen.orders, chosen.places, speeds)
+        near = maxima.speeds.copy()
+        near[told] = speeds
         return [
             _Peak(
-                float(orders[row]),
+                float(self.response.orders[chosen.orders[row]]),
                 float(speeds[row]),
-                float("inf") if unbounded[row] else float(np.abs(value[row])),
-                int(best[row]),
-                int(numbers[most[row]]),
-                float(shares[row, most[row]]),
-                bool(in_band[row, most[row]] or unbounded[row]),
+                float(there.value[row]),
+                float(there.first[row]),
+                int(chosen.places[row]),
+                tuple(int(one) for one in maxima.places[group] if one != chosen.places[row]),
+                (float(np.min(near[group])), float(np.max(near[group]))),
+                int(numbers[mode := there.mode[row]]),
+                tuple(
+                    dict.fromkeys(
+                        number
+                        for number in (
+                            *numbers[there.mode[row : row + 1][there.own[row : row + 1]]].tolist(),
+                            *numbers[there.makers[row]].tolist(),
+                            *numbers[made.mode[group][made.own[group]]].tolist(),
+                        )
+                        if number
+                    )
+                ),
+                float(there.shares[row, mode]),
+                bool(there.own[row]),
+                float(np.max(share[group])),
             )
-            for row in range(speeds.size)
+            for row, group in enumerate(groups)
         ]
+
+    def _amplitudes(
+        self, orders: NDArray[np.intp], places: NDArray[np.intp], speeds: FloatArray
+    ) -> FloatArray:
+        motion, unbounded, _ = self.answer(orders, speeds)
+        return np.where(unbounded, np.inf, np.abs(np.sum(motion * self.rows[places], axis=1)))
+
+
+class _Made(NamedTuple):
+    """What makes maxima (m,): value, that of the first node, mode (index; last: overdamped motions).
+
+    Then the shares of all modes in the value (m, modes + 1), whether the maximum is the mode's own, and all
+    modes that make it (m, modes + 1).
+    """
+
+    value: FloatArray
+    first: FloatArray
+    mode: NDArray[np.intp]
+    shares: FloatArray
+    own: NDArray[np.bool_]
+    makers: NDArray[np.bool_]
+
+    def chosen(self, which: NDArray[np.bool_]) -> "_Made":
+        """Return that of some maxima."""
+        return _Made._make(column[which] for column in self)
+
+
+def _together(maxima: _Maxima, share: FloatArray, near: FloatArray) -> list[NDArray[np.intp]]:
+    """Return the indices of the maxima of each critical speed: about one with most others near it.
+
+    Of each place one belongs to it: two maxima of one place are two critical speeds.
+    """
+    groups = []
+    for order in np.unique(maxima.orders):
+        left = np.flatnonzero(maxima.orders == order)
+        left = left[np.argsort(-share[left], kind="stable")]
+        apart = np.abs(maxima.speeds[left] - maxima.speeds[left, np.newaxis])
+        close = apart <= near[left, np.newaxis]
+        while left.size:
+            middle = int(np.argmax(np.count_nonzero(close, axis=1)))
+            members = np.flatnonzero(close[middle])
+            members = members[np.argsort(apart[middle, members], kind="stable")]
+            _, firsts = np.unique(maxima.places[left[members]], return_index=True)
+            taken = members[firsts]
+            groups.append(left[taken])
+            kept = np.setdiff1d(np.arange(left.size), taken)
+            left, apart, close = left[kept], apart[np.ix_(kept, kept)], close[np.ix_(kept, kept)]
+    return groups
 
 
 def _golden_section(
@@ -349,40 +586,33 @@ def _meets(modes: ComplexModes, order: float, number: int, ends: tuple[float, fl
 
 
 def _critical(
-    modes: ComplexModes,
-    order: float,
-    number: int,
-    names: tuple[str, ...],
-    peak: _Peak | None = None,
-    worst: float = 0.0,
+    modes: ComplexModes, peak: _Peak, names: tuple[str, ...], loads: NDArray[np.bool_]
 ) -> DampedCritical:
     """Describe a peak, or state that a mode has none, with the frequencies of the mode."""
-    none = float("nan")
-    peak = peak or _Peak(order, none, none, -1, number, none, in_band=False)
+    none, number = float("nan"), peak.number
     places = np.flatnonzero(modes.numbers == number)
 
     def met(frequencies: FloatArray | None) -> float:
         if frequencies is None or not number:
             return none
-        return 2.0 * np.pi * float(frequencies[number - 1]) / order
+        return 2.0 * np.pi * float(frequencies[number - 1]) / peak.order
 
     return DampedCritical(
-        order=order,
+        order=peak.order,
         mode=number,
         speed=peak.speed,
         amplitude=peak.amplitude,
-        place="" if peak.row < 0 else names[peak.row],
+        place="" if peak.place < 0 else names[peak.place],
         mode_share=peak.share,
         in_band=peak.in_band,
         mode_frequency=float(modes.frequencies[places[0]]) if places.size else none,
         damping_ratio=float(modes.damping_ratios[places[0]]) if places.size else none,
         undamped_speed=met(modes.undamped),
         locked_speed=met(modes.locked),
-        severity=_severity(peak.amplitude, worst),
+        severity=peak.severity,
+        of_load=peak.place >= 0 and bool(loads[peak.place]),
+        first_amplitude=peak.first_amplitude,
+        others=tuple(names[place] for place in peak.others),
+        spread=peak.spread,
+        modes=peak.modes,
     )
-
-
-def _severity(amplitude: float, worst: float) -> float:
-    if np.isnan(amplitude):
-        return 0.0
-    return min(amplitude / worst, 1.0) if worst > 0.0 else 1.0

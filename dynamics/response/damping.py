@@ -92,9 +92,10 @@ def damped(
     element_magnifier: ArrayLike | Mapping[int, float] | None = None,
     engine_magnifier: EngineMagnifier | None = None,
     undamped: bool = False,
+    add: bool = False,
     source: str = "given",
 ) -> DampedChain:
-    """Add damping of any kinds to a chain; its own damping is kept.
+    """Give a chain damping of any kinds; its own damping is kept.
 
     Parameters
     ----------
@@ -116,6 +117,8 @@ def damped(
         Absolute damping of cylinders by the magnifier of their own motion.
     undamped : bool, optional
         Leave the chain undamped on purpose.
+    add : bool, optional
+        Whether damping of nodes and elements that have some of the kind is added to it.
     source : str, optional
         Source of the values, for the record.
 
@@ -127,7 +130,8 @@ def damped(
     ------
     InputError
         If a value is out of range, lengths do not fit, magnifier and modal damping are both given,
-        or undamped is combined with any damping.
+        undamped is combined with any damping, or a node or an element already has damping of the kind and
+        `add` is not True.
     """
     given = {
         "magnifier": magnifier,
@@ -155,7 +159,6 @@ def damped(
     at_nodes = values_at_nodes(
         "absolute", absolute, chain.inertia.size, UNIT, "damping takes energy away"
     )
-    ground = chain.ground_damping + at_nodes
     losses = of_elements("loss_factor", loss_factor, chain, unit="")
     inverse = _inverse_magnifiers(element_magnifier, chain)
     by_place = {
@@ -169,17 +172,32 @@ def damped(
             f"magnifier of elements, least {1.0 / np.max(inverse):g} (loss factor 1/magnifier): "
             f"{source}"
         )
+    of_cylinders = np.zeros(chain.inertia.size)
     if engine_magnifier is not None:
-        ground = ground + _cylinder_damping(engine_magnifier, chain)
+        of_cylinders = _cylinder_damping(engine_magnifier, chain)
         said.append(
             f"magnifier {engine_magnifier.magnifier:g} of cylinders (absolute damping, taken at "
             f"{engine_magnifier.frequency:g} Hz): {source}"
         )
+    if not add:
+        for field, added, before, places in (
+            ("absolute", at_nodes, chain.ground_damping, chain.names),
+            ("engine_magnifier", of_cylinders, chain.ground_damping + at_nodes, chain.names),
+            ("relative", between, chain.damping, chain.elements),
+            ("loss_factor", losses, chain.loss_factor, chain.elements),
+            ("element_magnifier", inverse, chain.loss_factor + losses, chain.elements),
+        ):
+            twice = np.flatnonzero((added > 0.0) & (before > 0.0))
+            if twice.size:
+                raise InputError(
+                    f"{field}: given damping of {places[twice[0]]}, which has some of this kind already "
+                    f"({compact(before[twice[0]], 4)}); allowed are places without, or add=True to add to it."
+                )
     whole = replace(
         chain,
         damping=chain.damping + between,
         loss_factor=chain.loss_factor + losses + inverse,
-        ground_damping=ground,
+        ground_damping=chain.ground_damping + at_nodes + of_cylinders,
     )
     system = chain_system(whole).with_added_damping(magnifier, modal_damping)
     if modal_damping is not None:

@@ -8,7 +8,6 @@ from crankbase.checks.arrays import FloatArray
 from crankbase.errors import InputError
 from dynamics.indices import index_of_name
 from dynamics.response.forced import ForcedResponse
-from dynamics.response.linear_system import LinearSystem
 from dynamics.response.loads import chain_of
 
 Rows = tuple[FloatArray, tuple[str, ...]]
@@ -30,8 +29,8 @@ def load_rows(response: ForcedResponse, elements: Sequence[int | str] | None = N
     return rows[places], tuple(chain.elements[place] for place in places)
 
 
-def motion_row(response: ForcedResponse, node: int | str) -> Rows:
-    """Return the motion of a node relative to that of the rigid body, (1, q), and its name.
+def motion_rows(response: ForcedResponse, nodes: Sequence[int | str] | None = None) -> Rows:
+    """Return the motions of nodes relative to those of the rigid body, (p, q), and their names.
 
     Raises
     ------
@@ -39,9 +38,13 @@ def motion_row(response: ForcedResponse, node: int | str) -> Rows:
         If there is no such node.
     """
     why = "an amplitude is that of a node"
-    place = index_of_name("node", node, response.names, "nodes", why)
-    row = _elastic(response.system, response.system.expand[place])
-    return row[np.newaxis], (response.names[place],)
+    chosen = range(len(response.names)) if nodes is None else nodes
+    places = [index_of_name("node", one, response.names, "nodes", why) for one in chosen]
+    system = response.system
+    rows = system.expand[places]
+    rigid = system.shapes[:, : system.rigid.shape[1]]
+    rows = rows - (rows @ rigid) @ (system.mass @ rigid).T
+    return rows, tuple(response.names[place] for place in places)
 
 
 def named_row(response: ForcedResponse, name: str) -> FloatArray:
@@ -55,14 +58,8 @@ def named_row(response: ForcedResponse, name: str) -> FloatArray:
     if response.chain is not None and name in response.chain.elements:
         return np.asarray(load_rows(response, [name])[0][0])
     if name in response.names:
-        return np.asarray(motion_row(response, name)[0][0])
+        return np.asarray(motion_rows(response, [name])[0][0])
     raise InputError(
         f"place: given {name!r}; allowed are elements and nodes of the response, because modes tell how "
         "these move."
     )
-
-
-def _elastic(system: LinearSystem, row: FloatArray) -> FloatArray:
-    """Return a combination of unknowns (q,) without the contribution of rigid-body motion."""
-    rigid = system.shapes[:, : system.rigid.shape[1]]
-    return np.asarray(row - system.mass @ rigid @ (rigid.T @ row))

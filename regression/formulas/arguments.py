@@ -1,9 +1,48 @@
 """Arguments common to all formulas: the angle between neighboring cranks, and the moduli."""
 
 import math
+from typing import Protocol, runtime_checkable
 
+from crankbase.checks.choices import check_kind
 from crankbase.checks.scalars import is_number
 from crankbase.errors import InputError, quoted
+from fem.material import STEEL, Material
+from geometry.throw import CrankThrow
+
+
+@runtime_checkable
+class OfThrow(Protocol):
+    """What has a throw and its material: an analysis of a throw, or an engine."""
+
+    @property
+    def throw(self) -> CrankThrow:
+        """Its throw."""
+
+    @property
+    def material(self) -> Material:
+        """Of the throw."""
+
+
+def throw_and_material(
+    given: CrankThrow | OfThrow, material: Material | None
+) -> tuple[CrankThrow, Material]:
+    """Return the throw and the material of what is given; steel by default.
+
+    Raises
+    ------
+    InputError
+        If what has a material is given with another one, or the material is none.
+    """
+    if isinstance(given, OfThrow):
+        if material not in (None, given.material):
+            raise InputError(
+                "material: given another one than the analysis has; allowed is the throw with a material, "
+                "or the analysis without one."
+            )
+        return given.throw, given.material
+    steel = STEEL if material is None else material
+    check_kind("material", steel, Material, "a Material")
+    return given, steel
 
 
 def fold_angle_deg(gamma_deg: float) -> float:
@@ -20,6 +59,11 @@ def checked_angle_deg(gamma_deg: float) -> float:
     InputError
         If the angle is not a finite number.
     """
+    if isinstance(gamma_deg, Material):
+        raise InputError(
+            "gamma_deg: given a Material; write it as material=..., because the second argument is the angle "
+            "between neighboring cranks."
+        )
     if not is_number(gamma_deg):
         raise InputError(
             f"gamma_deg: given {quoted(gamma_deg)}; allowed is a finite angle in deg between "

@@ -27,8 +27,9 @@ original authors given in each formula's source.
 from collections.abc import Mapping
 
 from crankbase.errors import InputError
+from fem.material import Material
 from geometry.throw import CrankThrow
-from regression.formulas.arguments import checked_angle_deg, shear_modulus
+from regression.formulas.arguments import OfThrow, checked_angle_deg, throw_and_material
 from regression.formulas.case import ThrowCase
 from regression.formulas.catalogue import AXIAL_FORMULA_NAMES, AXIAL_FORMULAS, AXIAL_VARIANTS
 from regression.formulas.constants import checked_constants
@@ -37,11 +38,10 @@ from regression.formulas.reading import AxialFormula, reading_value
 
 
 def axial_formulas(
-    throw: CrankThrow,
+    throw: CrankThrow | OfThrow,
     gamma_deg: float = 180.0,
     *,
-    youngs_modulus: float = 2.1e11,
-    poisson_ratio: float = 0.3,
+    material: Material | None = None,
     variant: str = "corrected",
     constants: Mapping[str, float] | None = None,
 ) -> dict[str, FormulaValue]:
@@ -49,14 +49,13 @@ def axial_formulas(
 
     Parameters
     ----------
-    throw : CrankThrow
-        The throw's dimensions [m]. Fillets are not used.
+    throw : CrankThrow or ThrowAnalysis
+        The throw's dimensions [m], or an analysis of it, of which the material is used too. Fillets are
+        not used.
     gamma_deg : float, optional
         Angle between neighboring cranks, gamma_k [deg]; folded to 0 ... 180, so 240 counts as 120.
-    youngs_modulus : float, optional
-        E [Pa].
-    poisson_ratio : float, optional
-        For the shear modulus G = E / (2 (1 + nu)).
+    material : Material, optional
+        Of the throw; `STEEL` by default.
     variant : {"corrected", "printed", "plain", "k/4"}, optional
         The reading. A formula that lacks the reading, or whose print cannot be evaluated,
         is left out. "plain" is an alternative of TsNIIMF alone (the web's thickness h without
@@ -86,7 +85,7 @@ def axial_formulas(
     >>> round(axial_formulas(throw)["Draminsky (1)"].value * 1e9, 4)
     2.4598
     """
-    case = _case(throw, gamma_deg, youngs_modulus, poisson_ratio, constants)
+    case = _case(throw, gamma_deg, material, constants)
     _check_variant(variant)
     return {
         name: _evaluate(formula, variant, case)
@@ -97,11 +96,10 @@ def axial_formulas(
 
 def axial_formula(
     name: str,
-    throw: CrankThrow,
+    throw: CrankThrow | OfThrow,
     gamma_deg: float = 180.0,
     *,
-    youngs_modulus: float = 2.1e11,
-    poisson_ratio: float = 0.3,
+    material: Material | None = None,
     variant: str = "corrected",
     constants: Mapping[str, float] | None = None,
 ) -> FormulaValue:
@@ -111,7 +109,7 @@ def axial_formula(
     ----------
     name : str
         One of `AXIAL_FORMULA_NAMES`.
-    throw, gamma_deg, youngs_modulus, poisson_ratio, variant, constants
+    throw, gamma_deg, material, variant, constants
         As in `axial_formulas`.
 
     Returns
@@ -131,7 +129,7 @@ def axial_formula(
             f"formula: given {name!r}; allowed are {', '.join(AXIAL_FORMULA_NAMES)}, the "
             "published axial formulas that are known here."
         )
-    case = _case(throw, gamma_deg, youngs_modulus, poisson_ratio, constants)
+    case = _case(throw, gamma_deg, material, constants)
     _check_variant(variant)
     formula = AXIAL_FORMULAS[name]
     fault = _fault(name, formula, variant, case)
@@ -165,7 +163,7 @@ def axial_formula_faults(
     InputError
         As in `axial_formulas`.
     """
-    case = _case(throw, gamma_deg, 1.0, 0.3, None)
+    case = _case(throw, gamma_deg, None, None)
     _check_variant(variant)
     faults = {
         name: _fault(name, formula, variant, case) for name, formula in AXIAL_FORMULAS.items()
@@ -184,18 +182,18 @@ def _fault(name: str, formula: AxialFormula, variant: str, case: ThrowCase) -> s
 
 
 def _case(
-    throw: CrankThrow,
+    throw: CrankThrow | OfThrow,
     gamma_deg: float,
-    youngs_modulus: float,
-    poisson_ratio: float,
+    material: Material | None,
     constants: Mapping[str, float] | None,
 ) -> ThrowCase:
     given = dict(constants or {})
+    own, used = throw_and_material(throw, material)
     return ThrowCase(
-        throw,
+        own,
         checked_angle_deg(gamma_deg),
-        youngs_modulus,
-        shear_modulus(youngs_modulus, poisson_ratio),
+        used.youngs_modulus,
+        used.shear_modulus,
         checked_constants(given),
         frozenset(given),
     )

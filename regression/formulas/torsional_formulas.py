@@ -17,8 +17,9 @@ import math
 from collections.abc import Mapping
 
 from crankbase.units.quantity import format_quantity
+from fem.material import Material
 from geometry.throw import CrankThrow
-from regression.formulas.arguments import shear_modulus
+from regression.formulas.arguments import OfThrow, throw_and_material
 from regression.formulas.case import ThrowCase, round_inertia
 from regression.formulas.formula_value import FormulaValue
 from regression.formulas.reading import Reading, reading_value
@@ -161,21 +162,14 @@ TORSIONAL_FORMULA_NAMES: tuple[str, ...] = tuple(_FORMULAS)
 
 
 def torsional_formulas(
-    throw: CrankThrow,
-    *,
-    youngs_modulus: float = 2.1e11,
-    poisson_ratio: float = 0.3,
+    throw: CrankThrow | OfThrow, *, material: Material | None = None
 ) -> dict[str, FormulaValue]:
     """Torsional compliance of a throw by textbook formulas.
 
     Parameters
     ----------
-    throw : CrankThrow
-        The throw's dimensions [m]. Fillets are not used.
-    youngs_modulus : float, optional
-        E [Pa].
-    poisson_ratio : float, optional
-        For the shear modulus G = E / (2 (1 + nu)).
+    throw, material
+        As in `axial_formulas`.
 
     Returns
     -------
@@ -196,8 +190,8 @@ def torsional_formulas(
     >>> round(torsional_formulas(throw)["Carter"].value * 1e8, 3)
     4.234
     """
-    modulus = shear_modulus(youngs_modulus, poisson_ratio)
-    case = ThrowCase(throw, 180.0, youngs_modulus, modulus, {}, frozenset())
+    own, used = throw_and_material(throw, material)
+    case = ThrowCase(own, 180.0, used.youngs_modulus, used.shear_modulus, {}, frozenset())
     return {
         name: reading_value(reading, case, f"{source}; {_TEXTBOOK}", "rad/(N m)", "textbook")
         for name, (reading, source) in _FORMULAS.items()

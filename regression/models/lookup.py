@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from crankbase.summaries import summarized
 from crankbase.tables.frames import table
 from regression.models.angle import between_ends, between_values
-from regression.models.error_band import ErrorBand
+from regression.models.extrapolation import ErrorBand
 from regression.models.response_model import ResponseModel
 from regression.models.response_query import ResponseValues
 

@@ -13,7 +13,7 @@ from crankbase.checks.scalars import is_number
 from crankbase.errors import InputError
 from regression.models.angle import between_values
 from regression.models.compliance_model import ComplianceModel
-from regression.models.error_band import error_band
+from regression.models.extrapolation import error_band
 from regression.response_kinds import ANGLE_LAWS
 
 

@@ -15,13 +15,12 @@ from fem.end_reactions import LARGEST_LOAD, EndReaction, Reactions
 from fem.throw_frames import END_LOADS, LOAD_UNITS
 from geometry.throw import CrankThrow
 from regression.end_reactions import NEEDED, RIGHT_MOMENTS, ThrowLengths, end_reactions
-from regression.models.family import Family
-from regression.models.family_throw import angle_law_remarks
+from regression.models.family import Family, angle_law_remarks
 
 if TYPE_CHECKING:
     from fem.supports import Support
     from regression.models.lookup import Lookups
-    from regression.models.model_content import ModelContent
+    from regression.models.model_file import ModelContent
 
 Array = NDArray[np.float64]
 

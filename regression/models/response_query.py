@@ -8,19 +8,153 @@ the full path, which gives the messages.
 import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, partial
 from operator import itemgetter
 from typing import Any
 
 import numpy as np
 
 from crankbase.errors import InputError
-from regression.models.evaluator import PIECE, CompiledEquation, pieces
+from fem.material import Material
+from regression.fits.forms import FittedForm
+from regression.fits.groups import GROUPS, group_named
+from regression.fits.terms import Term
 from regression.models.extrapolation import FARTHEST, edges, find_out_of_range
 from regression.models.family import Family, Given
-from regression.models.response_model import IS
+from regression.models.response_model import IS, ResponseModel
 from regression.models.study_constraints import Finding, StudyConstraint, worst
-from regression.response_kinds import is_positive_response
+from regression.response_kinds import is_positive_response, response_scale
+
+# Values of one column that are evaluated at a time: 64 kB, so that a few columns fit into a cache.
+PIECE = 8192
+
+# Floats or arrays: the closures do not ask.
+ColumnValues = Any
+
+
+@dataclass(frozen=True)
+class CompiledEquation:
+    """An equation as two functions of its columns, which are not coded and not logged.
+
+    Attributes
+    ----------
+    scalar : callable
+        Sequence of k floats to a float; `OverflowError` or `ValueError` if it has no value.
+    array : callable
+        Sequence of k floats or arrays of one shape to an array (or a float); infinite or NaN
+        where it has no value.
+    """
+
+    scalar: Callable[[Sequence[float]], float]
+    array: Callable[[Sequence[ColumnValues]], ColumnValues]
+
+
+def compile_equation(fitted: FittedForm) -> CompiledEquation:
+    """Compile a fitted form.
+
+    Parameters
+    ----------
+    fitted : FittedForm
+
+    Returns
+    -------
+    CompiledEquation
+        Equal to `fitted.predict` within rounding.
+    """
+    codings = tuple(zip(fitted.log_factors, fitted.center, fitted.half_range, strict=True))
+    polynomial = _horner_tree(dict(zip(fitted.terms, fitted.coefficients, strict=True)))
+    if not fitted.logarithmic:
+        total = _closure(polynomial)
+        return CompiledEquation(
+            lambda columns: total(_coded(columns, codings, math.log)),
+            lambda columns: total(_coded(columns, codings, np.log)),
+        )
+    # exp(constant) once and for all: the rest is of order 1 and loses no digits in the exponential.
+    size = math.exp(polynomial.constant)
+    rest = _closure(_HornerNode(0.0, polynomial.children))
+    return CompiledEquation(
+        lambda columns: size * math.exp(rest(_coded(columns, codings, math.log))),
+        lambda columns: size * np.exp(rest(_coded(columns, codings, np.log))),
+    )
+
+
+def _coded(
+    columns: Sequence[ColumnValues],
+    codings: tuple[tuple[bool, float, float], ...],
+    logarithm: Callable[[ColumnValues], ColumnValues],
+) -> list[ColumnValues]:
+    return [
+        ((logarithm(value) if logged else value) - center) / half_range
+        for value, (logged, center, half_range) in zip(columns, codings, strict=True)
+    ]
+
+
+@dataclass(frozen=True)
+class _HornerNode:
+    """Node of a Horner scheme: constant + sum of z_i times child i."""
+
+    constant: float
+    children: Mapping[int, "_HornerNode"]
+
+
+def _horner_tree(coefficients: Mapping[Term, float]) -> _HornerNode:
+    """Build a Horner scheme: terms grouped by their first column, and so on within each group."""
+    inner: dict[int, dict[Term, float]] = {}
+    for term, coefficient in coefficients.items():
+        if term:
+            inner.setdefault(term[0], {})[term[1:]] = coefficient
+    return _HornerNode(
+        coefficients.get((), 0.0), {number: _horner_tree(inner[number]) for number in sorted(inner)}
+    )
+
+
+def _closure(nest: _HornerNode) -> Callable[[Sequence[ColumnValues]], ColumnValues]:
+    constant = nest.constant
+    leaves = tuple((i, n.constant) for i, n in nest.children.items() if not n.children)
+    branches = tuple((i, _closure(n)) for i, n in nest.children.items() if n.children)
+
+    def evaluate(coded: Sequence[ColumnValues]) -> ColumnValues:
+        total = constant
+        for number, coefficient in leaves:
+            total = total + coefficient * coded[number]
+        for number, inner in branches:
+            total = total + coded[number] * inner(coded)
+        return total
+
+    return evaluate
+
+
+def pieces(
+    columns: Mapping[str, ColumnValues], shape: tuple[int, ...]
+) -> Iterator[tuple[int, dict[str, ColumnValues]]]:
+    """Cut columns that are broadcast to one shape into pieces of `PIECE` places.
+
+    Parameters
+    ----------
+    columns : mapping
+        Name to a float, or to an array that can be broadcast to `shape`.
+    shape : tuple of int
+
+    Yields
+    ------
+    start : int
+        Place of the piece in C order.
+    piece : dict
+        Name to a float or a one-dimensional array.
+    """
+    flat: dict[str, ColumnValues] = {}
+    for name, column in columns.items():
+        array = np.asarray(column)
+        flat[name] = array.item() if array.size == 1 else np.broadcast_to(array, shape).reshape(-1)
+    for start in range(0, math.prod(shape), PIECE):
+        yield (
+            start,
+            {
+                name: column[start : start + PIECE] if isinstance(column, np.ndarray) else column
+                for name, column in flat.items()
+            },
+        )
+
 
 # Ratios that did not vary in a study agree with it within this (of 1, or of the ratio if larger): a
 # throw scaled by hand is rounded, and so small a part changes no compliance noticeably.
@@ -372,3 +506,115 @@ def _common_shape(values: Mapping[str, Any]) -> tuple[int, ...]:
             f"dimensions: given arrays of the shapes {shapes}; allowed are shapes that can be "
             "broadcast together, one value or equally many of each."
         ) from None
+
+
+def make_response_query(
+    name: str,
+    response: ResponseModel,
+    family: Family,
+    material: Mapping[str, Any],
+    constant_groups: Mapping[str, float],
+    constraints: tuple[StudyConstraint, ...] = (),
+) -> ResponseQuery:
+    """Prepare a response for queries.
+
+    Parameters
+    ----------
+    name : str
+        Name of the response; determines whether its values are positive.
+    response : ResponseModel
+    family : Family
+    material : mapping
+        Of the study; an equation in dimensionless groups needs its constants.
+    constant_groups : mapping
+        Groups that did not vary in the study, besides those that follow from its fixed dimensions.
+    constraints : tuple of StudyConstraint
+        Of the study.
+
+    Raises
+    ------
+    InputError
+        If a column is not one of the family's, or the material's constants are missing.
+    """
+    readers = [_column_source(name, response.basis, family) for name in response.factors]
+    columns = tuple(
+        Column(name, read, low, high, unit)
+        for name, (read, _, unit), low, high in zip(
+            response.factors, readers, response.lowest, response.highest, strict=True
+        )
+    )
+    needed = dict.fromkeys(name for _, names, _ in readers for name in names)
+    needed |= dict.fromkeys(name for one in constraints for name in one.read.names)
+    equation = compile_equation(response.fitted)
+    if response.basis == "factors":
+        return ResponseQuery(name, family, columns, (), tuple(needed), equation, None, constraints)
+    ratios, names = _ratios(family, constant_groups)
+    needed |= dict.fromkeys(("pin_diameter", *names))
+    try:
+        constants = Material(**material)
+    except InputError as error:
+        raise InputError(
+            f"material: given {dict(material)}; an equation in dimensionless groups needs its "
+            f"constants ({error})"
+        ) from None
+    scale = partial(response_scale, response.unit, material=constants)
+    scale({"pin_diameter": 1.0})  # refuses a unit that has no scale
+    return ResponseQuery(name, family, columns, ratios, tuple(needed), equation, scale, constraints)
+
+
+def _column_source(name: str, basis: str, family: Family) -> tuple[Reader, tuple[str, ...], str]:
+    """Function, requirements and unit of a column."""
+    field, is_label, label = name.partition(IS)
+    if is_label:
+        if label not in family.categories.get(field, ()):
+            raise InputError(
+                f"factors: given {name}, which is no label of a category of the model; allowed are "
+                f"those of {', '.join(family.categories) or 'no category'}."
+            )
+        return (lambda known: (known[field] == label) * 1.0), (field,), ""
+    if basis == "groups":
+        group = group_named(name)
+        return group.value, group.dimensions, ""
+    return itemgetter(name), (name,), family.unit(name)
+
+
+def _ratios(
+    family: Family, constant_groups: Mapping[str, float]
+) -> tuple[tuple[Ratio, ...], tuple[str, ...]]:
+    """Ratios that must agree with the study so that a throw of another size is of its family."""
+    fixed = family.fixed
+    groups = [group for group in GROUPS.values() if set(group.dimensions) <= fixed.keys()]
+    found = {
+        group.name: Ratio(group.name, group.dimensions, group.value, group.value(fixed))
+        for group in groups
+    }
+    for name, value in constant_groups.items():
+        group = group_named(name)
+        groups.append(group)
+        found.setdefault(name, Ratio(name, group.dimensions, group.value, value))
+    names = [name for group in groups for name in group.dimensions]
+    covered = {name for name in names if fixed.get(name)}
+    reference = (
+        "pin_diameter"
+        if "pin_diameter" in fixed
+        else next(
+            (name for name, value in fixed.items() if value and family.unit(name) == "m"), None
+        )
+    )
+    for name, value in fixed.items():
+        if name in covered or name == reference or name in names:
+            continue
+        if family.unit(name) != "m" or reference is None:
+            found[name] = Ratio(name, (name,), itemgetter(name), value)
+        else:
+            below = fixed[reference]
+            read = _ratio_reader(name, reference)
+            shown = "D_shm" if reference == "pin_diameter" else reference
+            ratio = Ratio(f"{name}/{shown}", (name, reference), read, value / below)
+            found[ratio.name] = ratio
+            names += [name, reference]
+    return tuple(found.values()), tuple(dict.fromkeys((*names, *fixed)))
+
+
+def _ratio_reader(above: str, below: str) -> Reader:
+    return lambda known: known[above] / known[below]

@@ -4,22 +4,280 @@ import itertools
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
 from crankbase.errors import InputError
-from regression.plans.design_choice import LARGEST_DESIGN, DesignChoice
-from regression.plans.designs_factorial import (
-    ROMAN,
-    aliased_effects,
-    corner_fraction,
-    corners_by_generators,
-    resolution_of,
-)
 from regression.plans.designs_space import latin_hypercube_points, sobol_points
-from regression.plans.designs_surface import box_behnken, central_composite
 from regression.plans.factors import Factor, rounded
+
+ROMAN = {3: "III", 4: "IV", 5: "V", 6: "VI", 7: "VII", 8: "VIII"}
+# Products of columns examined for the shortest word of a fraction.
+LARGEST_SEARCH = 300_000
+
+Coded = NDArray[np.float64]
+
+
+def corner_fraction(factors: int, resolution: int) -> Coded:
+    """Return a regular fraction of the corners of a cube, of at least a resolution.
+
+    The smallest found by `pydoe.fracfact_by_res`; all corners if no fraction is sufficient.
+
+    Parameters
+    ----------
+    factors : int
+        2 or more.
+    resolution : int
+        3 to 8: no product of fewer columns is constant.
+
+    Returns
+    -------
+    (n, factors) ndarray
+        Of -1 and 1.
+
+    Raises
+    ------
+    InputError
+        If no such design is found.
+    """
+    from pydoe import ff2n, fracfact_by_res
+
+    if factors < 3:
+        return np.asarray(ff2n(factors), dtype=np.float64)
+    try:
+        return np.asarray(fracfact_by_res(factors, resolution), dtype=np.float64)
+    except ValueError as error:
+        raise InputError(
+            f"study.resolution: given {ROMAN[resolution]} for {factors} factors; allowed is a lower "
+            f"resolution or fewer factors, because no such design is known ({error})."
+        ) from None
+
+
+def corners_by_generators(generators: str, factors: int) -> Coded:
+    """Return the fraction that generators such as "a b c abc" describe.
+
+    Parameters
+    ----------
+    generators : str
+        One word for each factor: single letters a, b, c ... vary freely, longer words are their
+        products, with - in front for the opposite sign.
+    factors : int
+
+    Raises
+    ------
+    InputError
+        If they are not generators, or for another number of factors.
+    """
+    from pydoe import fracfact
+
+    words = generators.split()
+    try:
+        if len(words) != factors:
+            raise ValueError(f"{len(words)} words for {factors} factors of two levels")
+        found = np.asarray(fracfact(" ".join(words)), dtype=np.float64)
+    except (ValueError, IndexError) as error:
+        raise InputError(
+            f"study.generators: given {generators!r}; allowed is one word for each factor, like "
+            f'"a b c abc" ({str(error).rstrip(".")}).'
+        ) from None
+    return found
+
+
+def resolution_of(design: Coded) -> int | None:
+    """Return the length of the shortest product of columns that is constant, or None.
+
+    Parameters
+    ----------
+    design : (n, k) ndarray
+        Of -1 and 1.
+
+    Returns
+    -------
+    int or None
+        The resolution; None for all corners, where nothing is confounded, or if the search up to
+        `LARGEST_SEARCH` products finds none.
+    """
+    columns, everything = _as_bits(design)
+    if len(np.unique(design, axis=0)) == 2 ** design.shape[1]:
+        return None
+    searched = 0
+    for length in range(1, len(columns) + 1):
+        for chosen in itertools.combinations(columns, length):
+            product = 0
+            for column in chosen:
+                product ^= column
+            if product in (0, everything):
+                return length
+            searched += 1
+            if searched > LARGEST_SEARCH:
+                return None
+    return None
+
+
+def aliased_effects(design: Coded, names: tuple[str, ...]) -> tuple[str, ...]:
+    """List aliased effects: main effects and two-factor interactions confounded in a fraction.
+
+    Parameters
+    ----------
+    design : (n, k) ndarray
+        Of -1 and 1.
+    names : tuple of str
+        Of the factors.
+
+    Returns
+    -------
+    tuple of str
+        Groups such as ``"web_width = pin_length x web_thickness"``; groups of one effect are left out.
+    """
+    columns, everything = _as_bits(design)
+    groups: dict[int, list[str]] = {}
+    for length in (1, 2):
+        for places in itertools.combinations(range(len(columns)), length):
+            product = 0
+            for place in places:
+                product ^= columns[place]
+            # An effect and its negative cannot be told apart either; a product of two columns is
+            # the complement of the bits' difference.
+            key = min(product, product ^ everything)
+            groups.setdefault(key, []).append(" x ".join(names[place] for place in places))
+    return tuple(" = ".join(group) for group in groups.values() if len(group) > 1)
+
+
+def _as_bits(design: Coded) -> tuple[list[int], int]:
+    """Write each column as an integer, one bit for each run, and the integer of all ones."""
+    bits = [int("".join("1" if value > 0.0 else "0" for value in column), 2) for column in design.T]
+    return bits, (1 << len(design)) - 1
+
+
+# A study of more finite element runs than this is a slip of the pen, and planning it takes long.
+LARGEST_DESIGN = 20_000
+
+DesignKind = Literal[
+    "full factorial",
+    "fractional factorial",
+    "central composite",
+    "box-behnken",
+    "latin hypercube",
+    "sobol",
+    "file",
+]
+SPACE_FILLING = ("latin hypercube", "sobol")
+# What some designs take beside the factors, and which.
+TAKERS: Mapping[str, tuple[str, ...]] = {
+    "runs": SPACE_FILLING,
+    "resolution": ("fractional factorial", "central composite"),
+    "generators": ("fractional factorial",),
+    "face": ("central composite",),
+    "file": ("file",),
+}
+
+
+@dataclass(frozen=True)
+class DesignChoice:
+    """A design of experiments with its parameters.
+
+    Parameters
+    ----------
+    kind : str
+        As in `DesignKind`.
+    runs : int, optional
+        Number of runs of a Latin hypercube or a Sobol sequence, at most `LARGEST_DESIGN`.
+    resolution : int, optional
+        Of a fractional factorial (4 if neither it nor generators are given), or of the fraction of a
+        central composite design's corners (all corners by default); 3 to 8.
+    generators : str, optional
+        Of a fractional factorial, instead of a resolution: "a b c abc".
+    face : str, optional
+        Of a central composite design: "faced" (default), "inscribed" or "circumscribed".
+    rows : tuple of tuple of float, optional
+        Runs of the design "file" [SI], one value for each factor.
+    """
+
+    kind: str = "full factorial"
+    runs: int | None = None
+    resolution: int | None = None
+    generators: str | None = None
+    face: str | None = None
+    rows: tuple[tuple[float, ...], ...] | None = None
+
+
+FACES = ("faced", "inscribed", "circumscribed")
+# pydoe builds these from a list of all pairs; 30 factors make 1741 runs.
+MOST_FACTORS = 30
+
+
+def central_composite(factors: int, face: str, resolution: int | None) -> NDArray[np.float64]:
+    """Return corners, stars and the center, all inside the box.
+
+    Parameters
+    ----------
+    factors : int
+        2 or more.
+    face : str
+        "faced": corners and the middles of the faces, three levels. "inscribed": stars in the middles
+        of the faces and corners moved in to 1 / alpha, rotatable with alpha = (number of corners)^(1/4),
+        five levels. "circumscribed" has its stars outside the corners; scaled down until they are in
+        the box, it is the inscribed design.
+    resolution : int, optional
+        Of the fraction of the corners; all corners if None.
+
+    Returns
+    -------
+    (n, factors) ndarray
+        Within -1 to 1; the center once, because finite elements repeat exactly.
+
+    Raises
+    ------
+    InputError
+        If there are too few factors.
+    """
+    from pydoe import ff2n, star
+
+    if not 2 <= factors <= MOST_FACTORS:
+        raise InputError(
+            f"study.design: given 'central composite' with {factors} factors that are numbers; allowed "
+            f"are 2 to {MOST_FACTORS}."
+        )
+    corners = (
+        np.asarray(ff2n(factors), dtype=np.float64)
+        if resolution is None
+        else corner_fraction(factors, resolution)
+    )
+    stars, _ = star(factors)
+    if face != "faced":
+        corners = corners / len(corners) ** 0.25
+    return np.vstack([corners, stars, np.zeros((1, factors))])
+
+
+def box_behnken(factors: int) -> NDArray[np.float64]:
+    """Return the middles of the edges in each plane of two factors, and the center once.
+
+    Parameters
+    ----------
+    factors : int
+        3 or more.
+
+    Returns
+    -------
+    (2 k (k - 1) + 1, k) ndarray
+        Of -1, 0 and 1.
+
+    Raises
+    ------
+    InputError
+        If there are too few factors.
+    """
+    from pydoe import bbdesign
+
+    if not 3 <= factors <= MOST_FACTORS:
+        raise InputError(
+            f"study.design: given 'box-behnken' with {factors} factors that are numbers; allowed are "
+            f"3 to {MOST_FACTORS}, because it varies two at a time while others rest in the middle."
+        )
+    return np.asarray(bbdesign(factors, center=1), dtype=np.float64)
+
 
 # Streams of random numbers drawn from one seed, so that runs and held-out designs differ.
 HELD_OUT_STREAM, RUN_STREAM = 0, 1

@@ -11,10 +11,11 @@ from numpy.typing import NDArray
 from crankbase.errors import InputError
 from fem.material import STEEL, Material
 from geometry.throw import CrankThrow
-from regression.plans.design_choice import SPACE_FILLING, DesignChoice
 from regression.plans.designs import (
     HELD_OUT_STREAM,
     RUN_STREAM,
+    SPACE_FILLING,
+    DesignChoice,
     check_ranges,
     fixed_design,
     space_filling_points,

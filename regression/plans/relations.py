@@ -5,8 +5,10 @@ that pint would interpret loosely ("a b" as a product, "1,6" as 16, "410 mm / 2 
 put in brackets before.
 """
 
+import math
+import operator
 import re
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from graphlib import CycleError, TopologicalSorter
 from typing import Any
@@ -18,7 +20,7 @@ from crankbase.checks.choices import did_you_mean
 from crankbase.checks.scalars import is_number
 from crankbase.errors import InputError, quoted
 from crankbase.text_limits import LARGEST_POWER, LONGEST_EXPRESSION
-from crankbase.units.quantity import unit_registry
+from crankbase.units.quantity import format_quantity, unit_registry
 
 TOKEN = re.compile(
     r"(?P<number>(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)"
@@ -323,3 +325,192 @@ def is_unit(name: str) -> bool:
 def used_names(expressions: Iterable[Expression]) -> set[str]:
     """Return all quantities used in some expressions."""
     return {name for expression in expressions for name in expression.names}
+
+
+COMPARISON = re.compile(r"(<=|>=|==|!=|=|<|>)")
+# Sides of a constraint that differ by less than this part count as equal: rounding must not exclude a
+# design that lies on it.
+EQUAL_WITHIN = 1e-9
+
+
+@dataclass(frozen=True)
+class Constraint:
+    """Comparisons that must all be met, such as ``0.2 <= web_thickness / pin_diameter <= 0.6``."""
+
+    field: str
+    text: str
+    sides: tuple[Expression, ...]
+    signs: tuple[str, ...]
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Quantities of the study that it uses."""
+        return tuple(dict.fromkeys(name for side in self.sides for name in side.names))
+
+
+def read_constraint(text: object, field: str, units: Units) -> Constraint:
+    """Check the grammar of a constraint and that its sides are of one kind.
+
+    Raises
+    ------
+    InputError
+        If it is not a comparison by <, <=, > or >=, or compares quantities of different kinds.
+    """
+    if isinstance(text, str):
+        check_length(text, field)
+    pieces = COMPARISON.split(text) if isinstance(text, str) else []
+    sides, signs = pieces[0::2], pieces[1::2]
+    if not signs or not set(signs) <= {"<", "<=", ">", ">="}:
+        raise InputError(
+            f"{field}: given {text!r}; allowed is a comparison by <, <=, > or >=, like "
+            '"web_thickness >= 0.25 * pin_diameter".'
+        )
+    assert isinstance(text, str)
+    read = tuple(read_expression(side, field, units) for side in sides)
+    ones = {name: np.array(1.0) for side in read for name in side.names}
+    first, *others = (calculated(side, ones, units) for side in read)
+    for other in others:
+        if not same_kind(first, other):
+            raise InputError(
+                f"{field}: given {text!r}, which compares {kind_of(first)} with {kind_of(other)}; "
+                "allowed are sides of one kind."
+            )
+    return Constraint(field, text, read, tuple(signs))
+
+
+def constraint_violations(
+    constraint: Constraint, values: Values, units: Units, count: int
+) -> list[str | None]:
+    """Return for each of `count` designs how it violates a constraint; None if it does not.
+
+    Sides that differ by less than one part in 1e9 count as equal.
+    """
+    unit, found = _sides(constraint, values, units)
+    sides = np.array([np.broadcast_to(side, (count,)) for side in found], dtype=float)
+    reasons: list[str | None] = [None] * count
+    for sign, left, right in zip(constraint.signs, sides[:-1], sides[1:], strict=True):
+        kept = holds(sign, left, right)
+        for place in np.flatnonzero(~kept):
+            if reasons[place] is None:
+                reasons[place] = (
+                    f"the constraint {constraint.text!r} is broken: "
+                    f"{format_quantity(left[place], unit)} is not {sign} "
+                    f"{format_quantity(right[place], unit)}"
+                )
+    return reasons
+
+
+def constraint_excess(constraint: Constraint, values: Values, units: Units) -> NDArray[np.float64]:
+    """Return the violation of a constraint, as a share of its smaller sides; 0 or less is met."""
+    _, sides = _sides(constraint, values, units)
+    rows = []
+    for sign, left, right in zip(constraint.signs, sides[:-1], sides[1:], strict=True):
+        small, large = (left, right) if sign.startswith("<") else (right, left)
+        size = np.abs(small)
+        rows.append((small - large) / np.where(size > 0.0, size, 1.0))
+    worst: NDArray[np.float64] = np.max(np.broadcast_arrays(*rows), axis=0)
+    return worst
+
+
+def _sides(constraint: Constraint, values: Values, units: Units) -> tuple[str, list[Any]]:
+    """Return the unit in which to compare, and the sides in it."""
+    found = [calculated(side, values, units) for side in constraint.sides]
+    unit = shown_unit(found[0])
+    return unit, [side.to(unit).magnitude for side in found]
+
+
+def holds(sign: str, left: Any, right: Any) -> NDArray[np.bool_]:
+    """Compare values or arrays by a sign; what is not finite holds nothing."""
+    with np.errstate(invalid="ignore"):
+        margin = EQUAL_WITHIN * np.maximum(np.abs(left), np.abs(right))
+        gap = right - left if sign.startswith("<") else left - right
+        kept: NDArray[np.bool_] = np.isfinite(gap) & (
+            gap >= -margin if "=" in sign else gap > margin
+        )
+        return kept
+
+
+Known = Mapping[str, Any]
+# Values [SI] by name to that of an expression [SI].
+Compiled = Callable[[Known], Any]
+
+
+def compile_expression(expression: Expression) -> Compiled:
+    """Compile a checked expression.
+
+    Parameters
+    ----------
+    expression : Expression
+        From `read_expression`, its units checked.
+
+    Returns
+    -------
+    callable
+        Floats or arrays [SI] by name to the value [SI]; not finite if undefined. For arrays
+        numpy's warnings are the caller's.
+    """
+    from pint.pint_eval import build_eval_tree, tokenizer
+
+    places = {f"quantity_{place}": name for place, name in enumerate(expression.names)}
+
+    def operand(token: Any) -> Compiled:
+        text = token.string
+        if text in places:
+            return operator.itemgetter(places[text])
+        if text[0].isalpha():
+            size = float(unit_registry().Quantity(1.0, text).to_base_units().magnitude)
+        else:
+            size = float(text)
+        return lambda _: size
+
+    tree = build_eval_tree(tokenizer(expression.prepared.replace("^", "**")))
+    evaluate = tree.evaluate(operand, _BINARY, _UNARY)
+
+    def value(known: Known) -> Any:
+        try:
+            found = evaluate(known)
+        except ArithmeticError:
+            return math.nan
+        return math.nan if isinstance(found, complex) else found
+
+    return value
+
+
+def compile_constraint(constraint: Constraint) -> Compiled:
+    """Compile a checked constraint to a test of whether it holds, a bool or an array of them."""
+    sides = [compile_expression(side) for side in constraint.sides]
+
+    def test(known: Known) -> Any:
+        found = [side(known) for side in sides]
+        kept: Any = True
+        for sign, left, right in zip(constraint.signs, found, found[1:], strict=False):
+            kept = kept & _compared(sign, left, right)
+        return kept
+
+    return test
+
+
+def _compared(sign: str, left: Any, right: Any) -> Any:
+    if not (isinstance(left, float) and isinstance(right, float)):
+        return holds(sign, left, right)
+    gap = right - left if sign[0] == "<" else left - right
+    margin = EQUAL_WITHIN * max(abs(left), abs(right))
+    return math.isfinite(gap) and (gap >= -margin if len(sign) > 1 else gap > margin)
+
+
+def _binary(operation: Callable[[Any, Any], Any]) -> Callable[[Compiled, Compiled], Compiled]:
+    return lambda left, right: lambda known: operation(left(known), right(known))
+
+
+def _unary(operation: Callable[[Any], Any]) -> Callable[[Compiled], Compiled]:
+    return lambda only: lambda known: operation(only(known))
+
+
+_BINARY: Any = {
+    "+": _binary(operator.add),
+    "-": _binary(operator.sub),
+    "*": _binary(operator.mul),
+    "/": _binary(operator.truediv),
+    "**": _binary(operator.pow),
+}
+_UNARY: Any = {"+": _unary(operator.pos), "-": _unary(operator.neg)}

@@ -9,13 +9,6 @@ from numpy.typing import NDArray
 
 from crankbase.errors import InputError
 from geometry.throw import CrankThrow
-from regression.plans.constraints import (
-    EQUAL_WITHIN,
-    Constraint,
-    constraint_excess,
-    constraint_violations,
-    read_constraint,
-)
 from regression.plans.factors import (
     FREE_NAME,
     Factor,
@@ -27,10 +20,15 @@ from regression.plans.factors import (
     unknown_field,
 )
 from regression.plans.relations import (
+    EQUAL_WITHIN,
+    Constraint,
     Expression,
+    constraint_excess,
+    constraint_violations,
     evaluate_expression,
     evaluation_order,
     is_unit,
+    read_constraint,
     read_expression,
     used_names,
 )

@@ -6,14 +6,126 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from crankbase.drawing.bars import draw_rows
-from crankbase.drawing.diagram_style import BLUE, GRAY, GREEN, ORANGE
-from crankbase.drawing.legends import legend_inside, write_title
+from crankbase.drawing.bars import PALE, draw_rows
+from crankbase.drawing.diagram_style import BLUE, GRAY, GREEN, ORANGE, math_symbol
+from crankbase.drawing.legends import display_unit, legend_inside, write_title
+from regression.factor_labels import factor_text
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
+
 Array = NDArray[np.float64]
+POINTS = 80
+
+
+def factor_size(unit: str, labels: Sequence[str]) -> float:
+    """Size of the unit that a factor is shown in; of a choice 1."""
+    return 1.0 if labels else display_unit(unit)[1]
+
+
+def sweep(lowest: float, highest: float, labels: Sequence[str]) -> Array:
+    """Values over a factor's range [SI]; of a choice its labels' numbers over and over."""
+    if labels:
+        return np.resize(np.arange(len(labels), dtype=np.float64), POINTS)
+    return np.linspace(lowest, highest, POINTS)
+
+
+def label_factor_axis(axes: "Axes", name: str, unit: str, labels: Sequence[str]) -> None:
+    """Label the horizontal axis with a factor and its unit; for a choice with its labels."""
+    if labels:
+        axes.set_xticks(range(len(labels)), list(labels), fontsize=8)
+        axes.set_xlim(-0.5, len(labels) - 0.5)
+        axes.set_xlabel(factor_text(name))
+        return
+    shown = display_unit(unit)[0] if unit else ""
+    axes.set_xlabel(f"{factor_text(name)} [{shown}]" if shown else factor_text(name))
+
+
+def response_text(symbol: str, unit: str) -> str:
+    """Write a response with the unit that it is shown in."""
+    return f"{math_symbol(symbol)} [{display_unit(unit)[0]}]"
+
+
+Mask = NDArray[np.bool_]
+
+KINDS = ((False, BLUE, "o", "fitted runs"), (True, ORANGE, "D", "held out"))
+
+
+def draw_runs(axes: "Axes", x: Array, y: Array, held_out: Mask) -> None:
+    """Draw a dot for each design, in the units of the axes."""
+    for held, color, marker, label in KINDS:
+        chosen = held_out == held
+        axes.plot(
+            x[chosen], y[chosen], marker, color=color, markersize=3.5, alpha=0.75, label=label
+        )
+
+
+def draw_parity(axes: "Axes", by_fe: Array, by_equation: Array, held_out: Mask) -> None:
+    """Draw values by an equation over those by finite elements, in the units of the axes."""
+    ends = np.array([by_fe.min(), by_fe.max()])
+    axes.plot(ends, ends, color=GRAY, linewidth=1.0)
+    draw_runs(axes, by_fe, by_equation, held_out)
+
+
+def draw_errors(axes: "Axes", x: Array, errors: Array, held_out: Mask) -> None:
+    """Draw errors of an equation [%] over anything, with the line of no error."""
+    axes.axhline(0.0, color=GRAY, linewidth=1.0)
+    draw_runs(axes, x, errors, held_out)
+
+
+def draw_section(axes: "Axes", x: Array, y: Array, on_line: Mask) -> None:
+    """Draw finite element results on a section's line filled, those shifted to it open."""
+    for those, filling, alpha, label in (
+        (~on_line, "none", 0.45, "others, moved to this line"),
+        (on_line, ORANGE, 1.0, "finite elements"),
+    ):
+        axes.plot(
+            x[those],
+            y[those],
+            "o",
+            color=ORANGE,
+            markerfacecolor=filling,
+            markersize=3.5,
+            alpha=alpha,
+            label=label if those.any() else None,
+        )
+
+
+def draw_formula_bars(
+    axes: "Axes",
+    names: Sequence[str],
+    values: Array,
+    valid: Sequence[bool],
+    label: str,
+    beside: float | None,
+) -> None:
+    """Draw a bar for each formula, pale where it does not apply, and a line for finite elements.
+
+    Parameters
+    ----------
+    axes : matplotlib.axes.Axes
+    names : sequence of n str
+    values : (n,) array
+        In the unit of the axis.
+    valid : sequence of n bool
+    label : str
+        Of the lying axis, with its unit.
+    beside : float or None
+        By finite elements, in the unit of the axis.
+    """
+    from matplotlib.patches import Patch
+
+    draw_rows(axes, names, values, label, colors=[BLUE if one else PALE for one in valid])
+    handles: list[Any] = [Patch(color=BLUE, label="applies to the throw")]
+    if not all(valid):
+        handles.append(Patch(color=PALE, label="does not apply"))
+    if beside is not None:
+        handles.append(axes.axvline(beside, color="black", linewidth=1.8, label="finite elements"))
+    axes.legend(
+        frameon=False, handles=handles, fontsize=8, loc="upper left", bbox_to_anchor=(1.0, 1.0)
+    )
+
 
 # Bars of a Pareto diagram: what comes after them is hardly seen.
 BARS = 16

@@ -1,7 +1,7 @@
 """Read results from elsewhere into a study: a table of earlier or measured values, another store."""
 
-from collections.abc import Mapping
-from dataclasses import replace
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -14,11 +14,113 @@ from regression.plans.factors import Factor, changed_record, field_value
 from regression.plans.plan import MODEL_VERSION, StudyPlan
 from regression.plans.relations import evaluate_expression
 from regression.plans.variants import Variants
-from regression.records import HELD_OUT, MEASURED, RUN, ExtraRow
-from regression.runs.store_results import factor_value, is_in_range
+from regression.records import HELD_OUT, MEASURED, RUN, ExtraRow, Outcome
+from regression.runs.export_table import ImportedColumn, read_columns, read_lines
+from regression.runs.store import ResultStore
+from regression.runs.store_rows import damaged_rows_warning
 from regression.runs.study_table import DONE, throw_dimensions, throw_outlines
-from regression.runs.table_columns import Column, read_columns, read_lines
 from regression.throw_values import format_value, same_dimension
+
+
+def is_in_range(factor: Factor, given: Any) -> bool:
+    """Whether a value of a factor lies in the study's range; rounding must not put it outside."""
+    if factor.labels:
+        return given in factor.labels
+    inside = factor.lowest <= given <= factor.highest
+    return inside or same_dimension(given, factor.lowest) or same_dimension(given, factor.highest)
+
+
+def factor_value(factor: Factor, given: Any) -> float:
+    """Return the value of a factor as in designs: for a label, its index."""
+    return float(factor.labels.index(given)) if factor.labels else float(given)
+
+
+@dataclass(frozen=True)
+class StoreResults:
+    """Results of another store for a study.
+
+    Attributes
+    ----------
+    finished : tuple of Outcome
+        Results of exactly the study's own designs.
+    rows : tuple of ExtraRow
+        Results of other designs of the same throw and material, at other values of the factors within
+        the study's ranges.
+    left_out : int
+        Results that do not belong to the study.
+    """
+
+    finished: tuple[Outcome, ...]
+    rows: tuple[ExtraRow, ...]
+    left_out: int
+
+
+def read_store(store: ResultStore, plan: StudyPlan, keys: Iterable[str]) -> StoreResults:
+    """Find the results of another store for a study.
+
+    Parameters
+    ----------
+    store : ResultStore
+    plan : StudyPlan
+    keys : iterable of str
+        Of the study's designs.
+
+    Raises
+    ------
+    InputError
+        If there are none.
+    """
+    own = set(keys)
+    finished, rows, left_out = [], list(store.extra_rows(plan.key)), 0
+    others = 0  # of another version of the model
+    for role, outcome, version in store.results():
+        if outcome.key in own:
+            finished.append(outcome)
+            continue
+        row = _row_of(outcome, role, plan, store.path.name) if version == MODEL_VERSION else None
+        if row is None:
+            left_out += 1
+            others += version != MODEL_VERSION
+        else:
+            rows.append(row)
+    if not finished and not rows:
+        damaged = f"; {damaged_rows_warning(store.damaged, store.path)}" if store.damaged else ""
+        raise InputError(
+            f"import: given {str(store.path)!r}, in which {left_out} results are of another throw, material, "
+            f"accuracy or model version ({others} of another version than {MODEL_VERSION}, which must not be "
+            f"mixed); allowed is a store with results of this study{damaged}."
+        )
+    return StoreResults(tuple(finished), tuple(rows), left_out)
+
+
+def _row_of(outcome: Outcome, role: str, plan: StudyPlan, source: str) -> ExtraRow | None:
+    """Make a row from another study's result, if the study could have such a design."""
+    inputs: Mapping[str, Any] = outcome.inputs
+    same = all(inputs.get(name) == value for name, value in plan.settings.items())
+    if outcome.responses is None or not same:
+        return None
+    try:
+        given = {name: field_value(inputs["throw"], name) for name in plan.names}
+    except IndexError:  # a pin that the other throw does not have
+        return None
+    for factor in plan.factors:
+        value = given[factor.name]  # None also for a ratio that only relations use
+        if value is None or not is_in_range(factor, value):
+            return None
+    values = tuple(factor_value(factor, given[factor.name]) for factor in plan.factors)
+    variant = plan.variants().at(np.array([values]))[0]
+    if variant.throw is None or variant.throw != inputs["throw"]:
+        return None
+    return ExtraRow(
+        role=role,
+        dimensions=throw_dimensions(variant.throw),
+        outlines=throw_outlines(variant.throw),
+        values=values,
+        responses=outcome.responses,
+        errors=outcome.errors,
+        source=f"{source}, design {outcome.key}",
+    )
+
 
 ROLES = (RUN, HELD_OUT, MEASURED)
 # A dimension and a ratio that both were measured agree if they do to this share: they were rounded.
@@ -78,7 +180,7 @@ class _RowReader:
         self._needed = every if needed is None else needed
         self._whose = "the study" if needed is None else "the table"
 
-    def row(self, number: int, columns: list[Column], cells: list[str]) -> ExtraRow | None:
+    def row(self, number: int, columns: list[ImportedColumn], cells: list[str]) -> ExtraRow | None:
         """Read one line; None for a design without a result."""
         line = f"{self._file}, line {number}"
         given: dict[str, dict[str, Any]] = {

@@ -14,13 +14,16 @@ from typing import Any, TypeVar
 from crankbase.errors import InputError
 from regression.records import MEASURED, ExtraRow, Outcome, StudyStoppedError, content_key
 from regression.runs.store_file import (
+    CHECKSUMS_SINCE,
     DAMAGED,
+    EXTRA_ROWS_SINCE,
     MADE_BY,
     check_place,
     damaged_store,
     error_cause,
     is_ours,
     open_store,
+    schema_version,
     transaction,
 )
 from regression.runs.store_rows import (
@@ -33,7 +36,6 @@ from regression.runs.store_rows import (
     read_design,
     read_extra,
 )
-from regression.runs.store_schema import CHECKSUMS_SINCE, EXTRA_ROWS_SINCE, schema_version
 
 Row = TypeVar("Row", Outcome, ExtraRow)
 # Digits in which rows from elsewhere are compared: the same number in another unit differs in its last.

@@ -8,15 +8,17 @@ from pathlib import Path
 
 from regression.plans.plan import MODEL_VERSION, StudyPlan
 from regression.records import content_key
-from regression.runs.registered_designs import is_list_sound, registered_designs
 from regression.runs.store import ResultStore
-from regression.runs.store_file import check_place, connect_readonly, is_ours
-from regression.runs.store_schema import (
+from regression.runs.store_file import (
     CHECKSUMS_SINCE,
     SCHEMA_VERSION,
+    check_place,
+    connect_readonly,
+    is_ours,
     missing_parts,
     schema_version,
 )
+from regression.runs.study import is_list_sound, registered_designs
 
 
 @dataclass(frozen=True)

@@ -14,16 +14,17 @@ from crankbase.errors import InputError
 from regression.plans.plan import MODEL_VERSION, StudyPlan
 from regression.records import StudyStoppedError, content_key
 from regression.runs.claims import Claims
-from regression.runs.registered_designs import is_design
 from regression.runs.store import ResultStore, read_plan
-from regression.runs.store_file import connect_readonly, transaction
-from regression.runs.store_rows import DamagedRowError, read_design, read_extra
-from regression.runs.store_schema import (
+from regression.runs.store_file import (
     CHECKSUMS_SINCE,
     SCHEMA_VERSION,
+    connect_readonly,
     schema_version,
+    transaction,
     wanted_columns,
 )
+from regression.runs.store_rows import DamagedRowError, read_design, read_extra
+from regression.runs.study import is_design
 
 # No row takes less of the file than so many bytes.
 SMALLEST_ROW = 32

@@ -17,8 +17,7 @@ from fem.responses import RESPONSES
 from geometry.throw import CrankThrow
 from regression.plans.factors import Factor
 from regression.plans.plan import ExcludedDesign, PlannedDesign, StudyPlan
-from regression.plots.factor_axis import factor_size, label_factor_axis, response_text
-from regression.plots.runs import draw_runs
+from regression.plots.equations import draw_runs, factor_size, label_factor_axis, response_text
 from regression.records import HELD_OUT, MEASURED, ExtraRow, Outcome
 from regression.throw_values import same_dimension
 

@@ -1,6 +1,6 @@
 """The task of a worker process: to compute the responses of designs.
 
-`regression.runs.supervised` starts it, as a child that ends with its coordinator.
+`regression.runs.workers` starts it, as a child that ends with its coordinator.
 """
 
 import math

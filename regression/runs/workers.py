@@ -1,15 +1,184 @@
 """Local worker processes: a crash or a hang costs one design, not the study."""
 
 import contextlib
+import subprocess
+from collections import deque
 from collections.abc import Callable, Iterable, Mapping
+from pathlib import Path
 from queue import Empty, SimpleQueue
 from typing import Any
 
-from crankbase.calls import WATCH, Limits, Message, Messages, ProcessLostError
+from crankbase.calls import (
+    GIGABYTE,
+    WATCH,
+    CallProcess,
+    Limits,
+    Message,
+    Messages,
+    ProcessLostError,
+    answered,
+)
+from crankbase.checks.scalars import is_number
+from crankbase.errors import InputError
+from crankbase.processes import start_child
 from regression.records import Outcome
 from regression.runs.interrupts import interrupts_deferred
-from regression.runs.supervised import TIME_LIMIT, SupervisedProcess
-from regression.runs.work_queue import Claim, WorkQueue
+
+# Seconds that a design may take at 1 % accuracy before its worker counts as hanging.
+TIME_LIMIT = 300.0
+ONE_THREAD = {f"{library}_NUM_THREADS": "1" for library in ("MKL", "OMP", "OPENBLAS")}
+# Memory of one design is kept for the next: where the C library is GNU's, giving it back and asking for it
+# again takes a twentieth of a worker's time.
+KEPT_MEMORY = {"MALLOC_MMAP_THRESHOLD_": str(2**25), "MALLOC_TRIM_THRESHOLD_": str(2**29)}
+# A worker cannot do with less: the libraries alone take a quarter of it.
+SMALLEST_MEMORY = 0.5 * GIGABYTE
+
+
+def design_limits(
+    accuracy: float, time_limit: float | None = None, memory_limit: float | None = None
+) -> Limits:
+    """Make the limits of a study's designs.
+
+    Parameters
+    ----------
+    accuracy : float
+        Of the study: a finer mesh has a longer limit.
+    time_limit : float, optional
+        Seconds.
+    memory_limit : float, optional
+        Bytes.
+
+    Raises
+    ------
+    InputError
+    """
+    for name, given, kind in (
+        ("time_limit", time_limit, "seconds, like 300"),
+        ("memory_limit", memory_limit, "bytes, like 4e9"),
+    ):
+        if given is not None and not is_number(given):
+            raise InputError(f"{name}: given {given!r}; allowed is a finite number of {kind}.")
+    if time_limit is not None and time_limit <= 0.0:
+        raise InputError(
+            f"time_limit: given {time_limit:g} s; allowed is a positive time, because every "
+            "design takes some."
+        )
+    if memory_limit is not None and memory_limit < SMALLEST_MEMORY:
+        raise InputError(
+            f"memory_limit: given {memory_limit / GIGABYTE:g} GB; allowed is "
+            f"{SMALLEST_MEMORY / GIGABYTE:g} GB or more, because the libraries of a worker take up to "
+            "half of that."
+        )
+    seconds = TIME_LIMIT * max(1.0, 0.01 / accuracy) if time_limit is None else time_limit
+    return Limits(seconds, memory_limit)
+
+
+class SupervisedProcess(CallProcess):
+    """A worker process that computes one design after another, until it is lost or ended.
+
+    Parameters
+    ----------
+    messages : SimpleQueue, optional
+        As for `CallProcess`.
+    """
+
+    def __init__(self, messages: Messages | None = None) -> None:
+        super().__init__(spawn_worker(), "the worker process", messages)
+
+    def compute(self, request: Mapping[str, Any]) -> None:
+        """Send it a design."""
+        self.give("regression.runs.worker:answer", request)
+
+    def take(self, message: Message) -> tuple[str, Any]:
+        """Return the response to a design; it is lost, too, if the machine could not compute it."""
+        kind, content = super().take(message)
+        try:
+            answer = answered(kind, content)
+        except RuntimeError as error:  # it could not even load what designs need
+            self.lose(str(error))
+        if "lost" in answer:  # memory or disk ran out: the next design gets a fresh process
+            self.lose(answer["lost"])
+        return kind, answer
+
+
+def spawn_worker(folder: Path | None = None) -> subprocess.Popen[bytes]:
+    """Start a worker process in a folder; with one thread, so that no result depends on the machine."""
+    return start_child(
+        "crankbase.calls",
+        "geometry.built_solid:keep_solids",
+        environment=ONE_THREAD | KEPT_MEMORY,
+        cwd=folder,
+        stdin=subprocess.PIPE,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.DEVNULL,
+    )
+
+
+# Claims a design: True if it is to be computed, False while another program computes it, None once it is
+# finished.
+Claim = Callable[[str], bool | None]
+
+# A design is tried once more after its worker is lost, then set aside.
+TRIES = 2
+
+
+class WorkQueue:
+    """Designs to compute, handed out one by one.
+
+    Parameters
+    ----------
+    designs : iterable of (key, inputs)
+    claim : callable, optional
+        Called with a key before its design is assigned; by default every design is.
+    """
+
+    def __init__(
+        self, designs: Iterable[tuple[str, Mapping[str, Any]]], claim: Claim | None = None
+    ) -> None:
+        self._claim: Claim = claim or (lambda _: True)
+        self._inputs = dict(designs)
+        self._waiting = deque(self._inputs)
+        self._tries = dict.fromkeys(self._inputs, 0)
+
+    def __len__(self) -> int:
+        """Count the designs that wait."""
+        return len(self._waiting)
+
+    def next_request(self) -> dict[str, Any] | None:
+        """Return the next design as a request to a worker; None if none is available now."""
+        for _ in range(len(self._waiting)):
+            key = self._waiting.popleft()
+            claimed = self._claim(key)
+            if claimed:
+                self._tries[key] += 1
+                return {"key": key, "inputs": self._inputs[key]}
+            if claimed is False:
+                self._waiting.append(key)
+        return None
+
+    def outcome(self, answer: Mapping[str, Any], worker: str) -> Outcome:
+        """Make the outcome from a worker's response."""
+        return self._outcome(
+            answer["key"],
+            responses=answer.get("responses"),
+            reason=answer.get("reason"),
+            seconds=answer["seconds"],
+            errors=answer.get("errors") or {},
+            unknowns=answer.get("unknowns"),
+            worker=worker,
+        )
+
+    def lost(self, key: str, reason: str, seconds: float, worker: str) -> Outcome | None:
+        """Take back a design whose worker is lost: None if it will be tried again, else its outcome."""
+        if self._tries[key] < TRIES:
+            self._waiting.append(key)
+            return None
+        return self._outcome(
+            key, responses=None, reason=reason, seconds=seconds, lost=True, worker=worker
+        )
+
+    def _outcome(self, key: str, **found: Any) -> Outcome:
+        return Outcome(key=key, inputs=self._inputs[key], attempts=self._tries[key], **found)
 
 
 def run_designs(

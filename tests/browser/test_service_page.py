@@ -7,6 +7,7 @@ import pytest
 from comparing import close
 from crankfem import STEEL, CrankThrow, analyze_throw
 from crankfem.files.engine.engine_template import engine_template
+from serving import Served
 
 pytest.importorskip("fastapi", reason="the service needs crankfem[serve]")
 pytestmark = pytest.mark.further
@@ -29,8 +30,9 @@ TURN = """async (place) => {
 
 
 @pytest.fixture(scope="module")
-def served(serve, tmp_path_factory, models):
-    return serve(tmp_path_factory.mktemp("page"), "--models", str(models))
+def served(tmp_path_factory, models):
+    with Served(tmp_path_factory.mktemp("page"), "--models", str(models)) as started:
+        yield started
 
 
 @pytest.fixture

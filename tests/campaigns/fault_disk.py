@@ -86,7 +86,7 @@ def without_log(bench: Bench, draw: Random, store: Path) -> Finding:
 
 
 @contextmanager
-def _mounted(folder: Path, kilobytes: int) -> Iterator[Path]:
+def mounted(folder: Path, kilobytes: int) -> Iterator[Path]:
     """A small disk in memory."""
     folder.mkdir()
     subprocess.run(
@@ -95,14 +95,14 @@ def _mounted(folder: Path, kilobytes: int) -> Iterator[Path]:
     try:
         yield folder
     finally:
-        subprocess.run(["umount", folder], check=True)
+        subprocess.run(["umount", "--lazy", folder], check=True)
 
 
 def full_disk(bench: Bench, draw: Random, store: Path) -> Finding:
     """Run a study on a disk that runs full, then with space."""
     finding = Finding(inputs=1)
     most = bench.finished.stat().st_size // 1000
-    with _mounted(store.with_suffix(""), draw.randrange(8, 2 * most)) as folder:
+    with mounted(store.with_suffix(""), draw.randrange(8, 2 * most)) as folder:
         own = folder / "runs.sqlite"
         bench.end(bench.doe(own), finding)
         before = rows(own)
@@ -116,7 +116,7 @@ def full_disk(bench: Bench, draw: Random, store: Path) -> Finding:
 def full_scratch(bench: Bench, draw: Random, store: Path) -> Finding:
     """Run a study whose temporary files find no space."""
     finding = Finding(inputs=1)
-    with _mounted(store.with_suffix(""), draw.randrange(4, 40)) as folder:
+    with mounted(store.with_suffix(""), draw.randrange(4, 40)) as folder:
         process = bench.doe(store, env=environment() | {"TMPDIR": str(folder)})
         bench.end(process, finding)
     bench.complete(store, finding)
@@ -138,7 +138,7 @@ def file_limit(bench: Bench, draw: Random, store: Path) -> Finding:
 def read_only(bench: Bench, draw: Random, store: Path) -> Finding:
     """Work in a folder that can only be read."""
     finding = Finding(inputs=1)
-    with _mounted(store.with_suffix(""), 9000) as folder:
+    with mounted(store.with_suffix(""), 9000) as folder:
         own = folder / "runs.sqlite"
         with (
             closing(sqlite3.connect(bench.finished)) as whole,

@@ -17,6 +17,8 @@ from random import Random
 
 import fault_disk
 import fault_kills
+import fault_names
+import fault_service
 from fault_tools import Bench, Finding
 
 Attack = Callable[[Bench, Random, Path], Finding]
@@ -27,7 +29,11 @@ ATTACKS: dict[str, tuple[Attack, int]] = {
     "worker killed (SIGKILL, SIGABRT or SIGSEGV)": (fault_kills.worker, 25),
     "Dask worker killed": (fault_kills.dask_worker, 12),
     "Dask scheduler killed": (fault_kills.dask_scheduler, 5),
-    "service killed during a job": (fault_kills.server, 10),
+    "service killed during a job": (fault_service.server, 10),
+    "worker of the service killed, jobs in the queue": (fault_service.worker_killed, 9),
+    "disk of the service full, jobs in the queue": (fault_service.disk_full, 9),
+    "pairs of headers, under both parsers": (fault_service.header_pairs, 3000),
+    "400 followers of the service's jobs": (fault_service.followers, 1200),
     "mesher killed or aborted": (fault_kills.mesher_killed, 15),
     "mesher stopped (hangs)": (fault_kills.mesher_hang, 3),
     "worker stopped (hangs)": (fault_kills.worker_hang, 3),
@@ -41,6 +47,7 @@ ATTACKS: dict[str, tuple[Attack, int]] = {
     "files limited in size": (fault_disk.file_limit, 4),
     "folder read-only": (fault_disk.read_only, 3),
     "results folder half written or cut": (fault_disk.results_folder, 3),
+    "files named in every field": (fault_names.named_files, 3000),
 }
 COLUMNS = ("inputs", "lost", "silent", "tracebacks", "hangs")
 BEGIN, END = "<!-- table: begin -->", "<!-- table: end -->"

@@ -19,8 +19,8 @@ from numpy.typing import NDArray
 
 from crankfem import load_throw
 from crankfem.analyses.study.studies import StudyResult, fitted
-from regression.models.error_band import ErrorBand, error_band
-from regression.plans.design_choice import DesignChoice
+from regression.models.extrapolation import ErrorBand, error_band
+from regression.plans.designs import DesignChoice
 from regression.plans.factors import Factor
 from regression.plans.plan import StudyPlan
 from regression.runs.study import run_plan

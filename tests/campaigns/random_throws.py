@@ -14,8 +14,8 @@ import numpy as np
 
 from crankbase.errors import InputError, MeshError
 from geometry.mass import mass_properties, mesh_mass_properties
-from geometry.mesh_repair import corner_quality, smallest_jacobians
 from geometry.mesher import mesh_isolated
+from geometry.shapes import corner_quality, smallest_jacobians
 from geometry.sizes import predict_unknowns
 from geometry.throw import CrankThrow
 from geometry.throw_dimensions import Counterweight, FurtherPin, Web

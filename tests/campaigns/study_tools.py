@@ -8,7 +8,7 @@ from collections.abc import Iterable
 from pathlib import Path
 
 from geometry.throw import CrankThrow
-from regression.plans.design_choice import DesignChoice
+from regression.plans.designs import DesignChoice
 from regression.plans.factors import Factor
 from regression.plans.plan import StudyPlan, plan_designs
 

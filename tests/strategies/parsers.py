@@ -20,8 +20,12 @@ from crankfem.files.engine.throw_file import load_study, load_throw_file
 from dynamics.gas.pressure_table import read_pressure_table
 from dynamics.torque_table import read_torque_table
 from regression.models.model_file import checksum
-from regression.plans.constraints import constraint_violations, read_constraint
-from regression.plans.relations import calculated, read_expression
+from regression.plans.relations import (
+    calculated,
+    constraint_violations,
+    read_constraint,
+    read_expression,
+)
 from regression.runs.study import import_results
 from strategies.files import NUMBERS, ROOT, UNITS, as_bytes, changed_json, changed_texts, texts_of
 from strategies.outcomes import Outcome, outcome_of

@@ -125,7 +125,7 @@ def _examples() -> list[list[str]]:
             "optimum model.json --minimize web_thickness", "serve --port 0",
             "stress throw.toml", "export throw.toml throw.msh", "throw mine.toml --gamma '120 deg'",
             "run mine.toml",
-            "compare model.json model.json", "fit runs.sqlite", "report folder", "class mine.toml",
+            "fit runs.sqlite", "report folder", "class mine.toml",
             "draw throw.toml throw.svg",
         )
     ]  # fmt: skip

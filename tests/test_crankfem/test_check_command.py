@@ -1,13 +1,19 @@
 """What `crankfem check` says of files of every kind."""
 
 import re
+from contextlib import suppress
+from pathlib import Path
 
 import numpy as np
 import pytest
 
 import crankfem as cf
 from comparing import close
+from crankfem.analyses.file_check import check_file
 from crankfem.analyses.vibration.engine_limits import engine_limits, unmodeled_plant
+from crankfem.files.engine.usual_sizes import SHARP
+
+ENGINES = Path(__file__).resolve().parents[2] / "data" / "engines"
 
 
 def test_an_engine_is_shown_as_understood(call):
@@ -185,3 +191,61 @@ def test_limits_outside_the_verdict_are_named_and_a_rule_by_assumption_counts_as
     assert "coupling_torque" not in said
     assert "coupling_torque" in limits
     assert limits["crankshaft_stress"].assumed
+
+
+def changed_file(tmp_path, pattern, new):
+    """Write the file of 6ChN 25/34 with one line changed."""
+    text = (ENGINES / "6chn25-34.toml").read_text(encoding="utf-8")
+    changed = re.sub(rf"(?m)^{pattern} = .*\n", new, text)
+    assert changed != text
+    path = tmp_path / "mine.toml"
+    path.write_text(changed, encoding="utf-8")
+    return path
+
+
+def test_a_fillet_that_is_left_out_is_told_with_its_effect(tmp_path):
+    checked = check_file(str(changed_file(tmp_path, "fillet_radius", "")))
+    (told,) = checked.warnings
+    sharp, filleted = (
+        cf.axial_law(checked.throw.changed(fillet_radius=radius)).pinned for radius in (0.0, 0.0121)
+    )
+    assert told.startswith("throw.fillet_radius: not given, so corners are taken as sharp: e_n is ")
+    assert f"e_n is {100.0 * (sharp / filleted - 1.0):.2g} % above that with 12.1 mm" in told
+    assert not check_file(
+        str(changed_file(tmp_path, "fillet_radius", 'fillet_radius = "0 mm"\n'))
+    ).warnings
+
+
+def test_the_effect_of_sharp_corners_of_the_shipped_engines_holds():
+    found = []
+    for path in ENGINES.glob("*.toml"):
+        throw, _ = cf.load_throw(path)
+        sharp = throw.changed(
+            fillet_radius=0.0, main_journal_fillet_radius=None, pin_fillet_radius=None
+        )
+        with suppress(cf.InputError):
+            found.append(cf.axial_law(sharp).pinned / cf.axial_law(throw).pinned - 1.0)
+    assert len(found) >= 15
+    assert f"{100.0 * min(found):.0f} to {100.0 * max(found):.0f} %" == SHARP
+
+
+@pytest.mark.parametrize("journal", [22, 60, 90])
+def test_a_wrong_main_journal_is_named_by_itself(tmp_path, journal):
+    line = f'main_journal_diameter = "{journal} mm"\n'
+    (told,) = check_file(str(changed_file(tmp_path, "main_journal_diameter", line))).warnings
+    assert told.startswith(f"throw.main_journal_diameter: given {journal} mm, with which ")
+    low, high = (float(one) for one in re.search(r"suit (\S+) mm to (\S+) mm", told).groups())
+    assert low <= 220.0 <= high
+    for suiting in (1.01 * low, 0.99 * high):
+        line = f'main_journal_diameter = "{suiting:.4g} mm"\n'
+        with suppress(cf.InputError):  # where it stands outside the web
+            said = check_file(str(changed_file(tmp_path, "main_journal_diameter", line))).warnings
+            assert not any("law's training throws" in one for one in said)
+
+
+def test_a_missing_field_is_told_once_with_file_and_section(call, tmp_path):
+    answer = call("check", str(changed_file(tmp_path, "firing_order", "")))
+    assert answer.code != 0
+    assert answer.err.count("firing_order") == 1
+    assert answer.err.startswith("Error: engine.firing_order: missing; give cylinder numbers in")
+    assert answer.err.endswith("(mine.toml, section [engine], line 6).\n")

@@ -473,7 +473,7 @@ def test_a_table_of_ones_own_comes_before_the_shipped_one(call, tmp_path):
 @pytest.mark.parametrize(
     ("arguments", "fragment"),
     [
-        (("nowhere.csv",), "nowhere.csv: the torque table cannot be read"),
+        (("nowhere.csv",), "nowhere.csv: cannot be read as a torque table"),
         (
             ("yamz5340_torque_one_throw.csv", "--strokes", "3"),
             "strokes: given 3; allowed are 2 and",
@@ -713,7 +713,7 @@ def test_an_interrupt_ends_with_a_word_and_130(call, monkeypatch):
     def interrupted(*_, **__):
         raise KeyboardInterrupt
 
-    monkeypatch.setattr("crankfem.analyses.study.growth.run_plan", interrupted)
+    monkeypatch.setattr("crankfem.analyses.study.studies.run_plan", interrupted)
     answer = call("doe", "6chn25-34")
     assert answer.code == 130
     assert answer.out == ""

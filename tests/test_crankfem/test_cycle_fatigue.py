@@ -9,9 +9,14 @@ import crankfem as cf
 from comparing import close
 from crankbase.errors import InputError
 from crankfem.analyses.strength import cycle_fatigue, shaft_loads
-from crankfem.analyses.strength.cycle_fatigue import EngineFatigue, FatiguePlace, fatigue_or_reason
+from crankfem.analyses.strength.cycle_fatigue import (
+    EngineFatigue,
+    FatiguePlace,
+    fatigue_or_reason,
+    fatigue_record,
+    fatigue_table,
+)
 from crankfem.analyses.strength.cycle_loads import ShaftUnderForces, cycle_loads
-from crankfem.analyses.strength.fatigue_records import fatigue_record, fatigue_table
 from crankfem.analyses.strength.shaft_loads import judged_speeds
 from crankfem.analyses.vibration.misfiring import Superposition
 from crankfem.files.engine.mechanism_file import mechanism_of

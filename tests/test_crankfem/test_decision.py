@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from crankfem.analyses.vibration.assessment import Assessment
 from crankfem.analyses.vibration.decision import engine_decision
 from crankfem.analyses.vibration.engine_limits import engine_limits, engine_verdict
 from crankfem.files.engine.engine_file import load_engine
@@ -13,6 +14,11 @@ SPEEDS = np.linspace(0.1, 1.2, 2201) * RATED
 
 
 def decided(*peaks, **limits):
+    """Return the decision on peaks, as `judged` does."""
+    return judged(*peaks, **limits)[1]
+
+
+def judged(*peaks, **limits):
     """Peaks at shares of the rated speed [MPa], narrow."""
     engine = load_engine("6chn25-34").changed(engine={"drives": "propeller"})
     if limits:
@@ -22,7 +28,8 @@ def decided(*peaks, **limits):
     )
     limit = engine_limits(engine)[0]["crankshaft_stress"]
     findings = [(limit, AmplitudeCurve("throw 1 - throw 2", SPEEDS, stress))]
-    return engine_decision(engine, engine_verdict(engine, findings).status, findings)
+    verdict = engine_verdict(engine, findings)
+    return verdict, engine_decision(engine, verdict.status, findings)
 
 
 # By the rule 45 - 24 r^2 is permitted, up to r = 0.8 twice that in passing: at 0.9 25.56, at 0.6 36.36 and
@@ -64,3 +71,20 @@ def test_both_decide_together():
 def test_what_is_given_is_not_tried(limits):
     found = decided(KEPT, **limits)
     assert (found.status, found.trials) == ("not acceptable", ())
+
+
+@pytest.mark.parametrize(
+    ("peaks", "limits", "begins"),
+    [
+        ((KEPT,), {}, "Undecided: acceptable with a tensile strength of 507 MPa, not with 506 MPa"),
+        ((KEPT,), {"crankshaft_stress": 20e6}, "Not acceptable: torsional stress"),
+        (((0.9, 1.0),), {"crankshaft_stress": 20e6}, "Fine from "),
+    ],
+)
+def test_there_is_one_conclusion(peaks, limits, begins):
+    verdict, decision = judged(*peaks, **limits)
+    said = Assessment(verdict, decision, {}, (), None, None).conclusion
+    assert said.startswith(begins)
+    # The status of the values used is told as theirs where it is not the conclusion.
+    used = f"With the values used, not acceptable{verdict.sentence.removeprefix('Not acceptable')}"
+    assert said.endswith(used if decision.status == "undecided" else verdict.sentence)

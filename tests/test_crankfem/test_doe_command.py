@@ -18,7 +18,7 @@ from fem.responses import RESPONSES
 from puppets import PRELUDE, puppet
 from regression.records import StudyStoppedError
 from regression.runs import store_file as store_module
-from regression.runs import supervised
+from regression.runs import workers as workers_module
 from regression.runs.store import ResultStore
 
 NAMES = [name for name in RESPONSES if name != "fillet_stress_factor"]
@@ -61,7 +61,7 @@ def study(tmp_path, monkeypatch):
     def spawn():
         return puppet(PUPPET)
 
-    monkeypatch.setattr(supervised, "spawn_worker", spawn)
+    monkeypatch.setattr(workers_module, "spawn_worker", spawn)
     monkeypatch.chdir(tmp_path)
     (tmp_path / "study.toml").write_text(STUDY, encoding="utf-8")
     return "study.toml"
@@ -140,7 +140,7 @@ def test_doe_checks_a_store_and_repairs_it(call, study, tmp_path):
 
 @pytest.mark.slow
 def test_doe_adds_runs_once(call, study, monkeypatch):
-    monkeypatch.setattr("crankfem.analyses.study.growth.PLACES", 40)
+    monkeypatch.setattr("crankfem.analyses.study.studies.PLACES", 40)
     answer = call("doe", study, "--more", "3")
     assert answer.code == 0, answer.err
     added = "12 runs and 3 held-out designs in runs.sqlite; {} computed now, 0 without a result, 3 of the"
@@ -264,7 +264,7 @@ def test_limits_are_quantities(call, study, monkeypatch):
         given.update(options)
         raise StudyStoppedError("store: runs.sqlite cannot be used now (the disk is full).")
 
-    monkeypatch.setattr("crankfem.analyses.study.growth.run_plan", run_plan)
+    monkeypatch.setattr("crankfem.analyses.study.studies.run_plan", run_plan)
     answer = call(
         "doe", study, "--time-limit", "2 min", "--memory-limit", "4 GiB", "--dask", "tcp://h:1"
     )
@@ -306,8 +306,8 @@ def test_a_locked_store_ends_doe_with_one_sentence_and_3(call, study, tmp_path, 
 
 INTERRUPTED = """
 import os, subprocess, sys
-from regression.runs import supervised
-supervised.spawn_worker = lambda: subprocess.Popen(
+from regression.runs import workers as workers_module
+workers_module.spawn_worker = lambda: subprocess.Popen(
     [sys.executable, "-S", "-c", os.environ["PUPPET"]], stdin=subprocess.PIPE, stdout=subprocess.PIPE
 )
 from crankfem.cli.entry import main

@@ -7,8 +7,9 @@ import pytest
 from comparing import close
 from crankbase.errors import InputError
 from crankfem.analyses.assumptions import assumed_values
+from crankfem.analyses.engine_refusals import refuse_what_cannot_run
 from crankfem.analyses.shaft.chains import engine_throw_inertias
-from crankfem.analyses.vibration.engine_limits import rule_of
+from crankfem.analyses.vibration.engine_limits import engine_limits, rule_of
 from crankfem.analyses.vibration.run import engine_vibration
 from crankfem.files.engine.engine_file import load_engine
 from crankfem.files.engine.mechanism_file import load_mechanism, mechanism_of
@@ -96,13 +97,20 @@ def test_a_mechanism_of_the_engine_before_is_refused(engine):
         engine_vibration(longer, mechanism=load_mechanism(input_path("6chn25-34")))
 
 
-def test_a_strength_beyond_the_rule_is_refused_when_read(engine):
-    limits = {"crankshaft_rule": "KR main engine", "yield_strength": 550e6}
-    engine.changed(limits=limits | {"tensile_strength": 800e6, "alloy": True})
-    with pytest.raises(
-        InputError, match=r"limits\.tensile_strength: given 850 MPa; .* set alloy to true"
-    ):
-        engine.changed(limits=limits | {"tensile_strength": 850e6})
+@pytest.mark.parametrize("rule", [{}, {"crankshaft_rule": "KR main engine"}])
+def test_a_strength_beyond_the_rule_stays_as_given_and_is_told(engine, rule):
+    given = {"yield_strength": 550e6, "tensile_strength": 850e6, "alloy": True}
+    strong = engine.changed(limits=given | rule)
+    refuse_what_cannot_run(strong)
+    assert strong.limits.tensile_strength == 850e6
+    assert (
+        "850 MPa enters the rule as 835 MPa" in engine_limits(strong)[0]["crankshaft_stress"].remark
+    )
+
+
+def test_a_yield_strength_above_the_assumed_steel_is_refused_before_the_run(engine):
+    with pytest.raises(InputError, match=r"^limits\.yield_strength: given 550 MPa without tensile"):
+        refuse_what_cannot_run(engine.changed(limits={"yield_strength": 550e6}))
 
 
 @pytest.mark.parametrize(

@@ -7,6 +7,7 @@ import pytest
 
 from comparing import close
 from crankbase.errors import InputError
+from crankfem.files.reading.data_files import InputFiles
 from crankfem.files.sections.excitation_sections import (
     GasMap,
     Misfire,
@@ -56,7 +57,7 @@ LAYOUT = EngineLayout(
 
 def test_a_map_along_a_curve_reads_its_tables(file):
     section = GasMap.from_text({"points": POINTS})
-    found = gas_map_pressure(section, 4, file)
+    found = gas_map_pressure(section, 4, InputFiles(file))
     assert found.speeds == close(np.array([0.5, 0.75, 1.0]) * RATED)
     assert gas_map_load(section, RATED) is None
     full = read_pressure_table(file.parent / "full.csv")
@@ -73,7 +74,7 @@ def test_a_grid_takes_the_load_of_a_law(file):
         for load, name in ((0.2, "low.csv"), (1.0, "full.csv"))
     ]
     section = GasMap.from_text({"points": grid, "law": "propeller", "method": "linear"})
-    found, load = gas_map_pressure(section, 4, file), gas_map_load(section, RATED)
+    found, load = gas_map_pressure(section, 4, InputFiles(file)), gas_map_load(section, RATED)
     assert load(np.array([0.6 * RATED])) == close([0.36])
     assert found.weights([0.6 * RATED], load) == close(
         np.array([[0.8 * 0.8, 0.8 * 0.2, 0.2 * 0.8, 0.2 * 0.2]])
@@ -102,7 +103,7 @@ def test_a_grid_takes_the_load_of_a_law(file):
 )
 def test_wrong_maps_are_refused(file, values, sentence):
     with pytest.raises(InputError, match=sentence):
-        gas_map_pressure(GasMap.from_text(values), 4, file)
+        gas_map_pressure(GasMap.from_text(values), 4, InputFiles(file))
 
 
 def test_misfire_takes_the_motored_pressure_of_table_or_cycle(file):

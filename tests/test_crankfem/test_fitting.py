@@ -9,16 +9,25 @@ import pytest
 
 from comparing import close
 from crankbase.errors import InputError
-from crankfem.analyses.study.fit_records import comparisons, study_record, warnings_of
-from crankfem.analyses.study.fitting import fit_study, response_name
+from crankfem.analyses.study.fit_records import (
+    comparisons,
+    compliance_model,
+    study_record,
+    warnings_of,
+)
 from crankfem.analyses.study.nominal_throw import nominal_points, sensitivities
 from crankfem.analyses.study.plots.fit_plots import plot_fits
-from crankfem.analyses.study.response_fits import dimensions_at, predicted, surface
-from crankfem.analyses.study.study_model import compliance_model
+from crankfem.analyses.study.response_fits import (
+    dimensions_at,
+    fit_study,
+    predicted,
+    response_name,
+    surface,
+)
 from crankfem.cli.tables.fit_tables import print_comparisons, print_fits
 from geometry.throw import CrankThrow
 from plans import plan_of_levels, table_of_function
-from regression.plans.design_choice import DesignChoice
+from regression.plans.designs import DesignChoice
 from regression.plans.factors import Factor
 from regression.plans.plan import StudyPlan, plan_designs
 from regression.records import ExtraRow, Outcome
@@ -171,7 +180,7 @@ def test_the_record_of_a_study_fits_nothing_anew(table, fits, monkeypatch):
     def refuse(*_, **__):
         raise AssertionError
 
-    monkeypatch.setattr("crankfem.analyses.study.fitting.fit_form", refuse)
+    monkeypatch.setattr("crankfem.analyses.study.response_fits.fit_form", refuse)
     reasons = study_record(table, fits)["unfitted"]
     assert reasons == fits["mass"].unfitted
 

@@ -10,10 +10,9 @@ import pytest
 from comparing import close
 from crankbase.drawing.curves import draw_curves
 from crankbase.drawing.diagram_style import figure
-from crankfem.analyses.throw import formula_spread
+from crankfem.analyses.throw import formula_records
 from crankfem.analyses.throw.formula_diagrams import formulas_over_angle
-from crankfem.analyses.throw.formula_records import fe_axial
-from crankfem.analyses.throw.formula_spread import EngineSpread, Ratio, formula_spreads
+from crankfem.analyses.throw.formula_records import EngineSpread, Ratio, fe_axial, formula_spreads
 from crankfem.files.engine.throw_file import load_throw
 from crankfem.files.reading import data_files
 from fem.analysis import analyze_throw
@@ -140,7 +139,7 @@ def test_published_table(call):
 
 def test_all_engines_in_one_table(call, monkeypatch, analysis):
     monkeypatch.setattr(data_files, "shipped_names", lambda _: ("6chn25-34", "6chn25-34"))
-    monkeypatch.setattr(formula_spread, "analyze_throw", lambda *_, **__: analysis)
+    monkeypatch.setattr(formula_records, "analyze_throw", lambda *_, **__: analysis)
     answer = call("formulas", "--all", "--gamma", "120 deg", "--constant", "k_3=1")
     assert answer.code == 0
     title = (

@@ -10,17 +10,15 @@ import numpy as np
 import pytest
 
 from crankbase.errors import InputError
-from crankfem.analyses.study import growth
-from crankfem.analyses.study.fitting import fit_study
-from crankfem.analyses.study.growth import run_grown, worst_designs
-from crankfem.analyses.study.response_fits import surface
+from crankfem.analyses.study import studies
+from crankfem.analyses.study.response_fits import fit_study, surface
+from crankfem.analyses.study.studies import run_grown, worst_designs
 from plans import FILLETED, plan_of_levels, table_of_function
 from puppets import puppet
-from regression.plans.design_choice import DesignChoice
-from regression.plans.designs import values_at
+from regression.plans.designs import DesignChoice, values_at
 from regression.plans.factors import Factor
 from regression.plans.plan import StudyPlan
-from regression.runs import supervised
+from regression.runs import workers
 from regression.runs.store import ResultStore
 from regression.runs.study import read_study
 
@@ -69,7 +67,7 @@ def largest_error(table):
 @pytest.mark.slow
 @pytest.mark.parametrize("kind", DESIGNS)
 def test_runs_where_the_equation_is_worst_help_more_than_as_many_random_ones(monkeypatch, kind):
-    monkeypatch.setattr(growth, "PLACES", 300)
+    monkeypatch.setattr(studies, "PLACES", 300)
     before, grown, by_chance = [], [], []
     for seed in range(1, 4):
         plan = plan_of(kind, seed)
@@ -87,7 +85,7 @@ def test_runs_where_the_equation_is_worst_help_more_than_as_many_random_ones(mon
 
 
 def test_added_runs_keep_constraints_and_relations_and_are_new(monkeypatch):
-    monkeypatch.setattr(growth, "PLACES", 100)
+    monkeypatch.setattr(studies, "PLACES", 100)
     factors = (
         Factor("web_width", "m", 0.270, 0.330),
         Factor("web_thickness", "m", 0.040, 0.100),
@@ -123,8 +121,8 @@ TWO = {"web_width": (0.280, 0.300, 0.330), "pin_length": (0.130, 0.150, 0.170)}
 
 @pytest.fixture
 def quick(monkeypatch):
-    monkeypatch.setattr(supervised, "spawn_worker", lambda: puppet(WORKER))
-    monkeypatch.setattr(growth, "PLACES", 60)
+    monkeypatch.setattr(workers, "spawn_worker", lambda: puppet(WORKER))
+    monkeypatch.setattr(studies, "PLACES", 60)
 
 
 def test_the_store_remembers_what_was_added(quick, tmp_path):
@@ -177,6 +175,6 @@ def test_numbers_that_no_study_grows_by(tmp_path, more):
 def test_too_few_throws_to_grow_by(monkeypatch):
     plan = plan_of("latin hypercube")
     table = table_of_function(plan, compliance)
-    monkeypatch.setattr(growth, "draw_feasible_points", lambda *_, **__: None)
+    monkeypatch.setattr(studies, "draw_feasible_points", lambda *_, **__: None)
     with pytest.raises(InputError, match=r"^more: given 10 further designs; allowed are as many"):
         worst_designs(table, fit_study(table), 10)

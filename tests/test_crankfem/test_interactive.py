@@ -19,33 +19,26 @@ from matplotlib.figure import Figure
 from comparing import close
 from crankbase.drawing.curves import ON_PAPER, draw_curves
 from crankbase.errors import InputError
-from crankfem.analyses.study.fitting import fit_study
-from crankfem.analyses.study.response_fits import predicted
+from crankfem.analyses.study.response_fits import fit_study, predicted
 from crankfem.analyses.throw.formula_diagrams import formulas_over_angle
 from crankfem.report.interactive import vibration as vibration_plots
-from crankfem.report.interactive.campbell import campbell
-from crankfem.report.interactive.curve_decimation import visible_points
-from crankfem.report.interactive.curves import UNSEEN, figure_of
-from crankfem.report.interactive.labels import design_texts
+from crankfem.report.interactive.campbell import campbell, mode_shapes, shaft_modes
+from crankfem.report.interactive.curves import UNSEEN, figure_of, visible_points
 from crankfem.report.interactive.mechanism import (
+    MECHANISM,
     developed_load,
     polar_load,
 )
-from crankfem.report.interactive.mechanism_plots import MECHANISM
-from crankfem.report.interactive.mesh_decimation import decimate_triangles
-from crankfem.report.interactive.rounding import rounded
-from crankfem.report.interactive.shaft import shaft_modes
-from crankfem.report.interactive.shapes import mode_shapes
+from crankfem.report.interactive.plot import write_figure
 from crankfem.report.interactive.study import parity, response_over_factors
-from crankfem.report.interactive.style import plain_layout
+from crankfem.report.interactive.style import design_texts, plain_layout, rounded
 from crankfem.report.interactive.throw_view import (
     DRAWN_DISPLACEMENT,
     MOST_STRESSED,
     throw_view,
 )
-from crankfem.report.interactive.triangles import TriangleSurface, polylines
+from crankfem.report.interactive.triangles import TriangleSurface, decimate_triangles, polylines
 from crankfem.report.interactive.vibration import VIBRATION, amplitudes_over_speed, axial_split
-from crankfem.report.interactive.writing import write_figure
 from crankfem.report.plots import ANGLES, STUDY
 from dynamics.assessment.limits import LimitCurve, VibrationLimit
 from dynamics.engine.loads import LoadDiagram
@@ -56,7 +49,7 @@ from fem import fillet_stress
 from fem.analysis import analyze_throw
 from fem.fillet_stress import fillet_stresses
 from geometry.throw import CrankThrow
-from regression.plans.design_choice import DesignChoice
+from regression.plans.designs import DesignChoice
 from regression.plans.factors import Factor
 from regression.plans.plan import StudyPlan, plan_designs
 from regression.records import Outcome
@@ -769,7 +762,7 @@ def test_vibration_of_an_engine(tmp_path, strict, coupled_vibration):
     told = " ".join(
         text for trace in figures["torsional_campbell"]["data"] for text in trace.get("text", ())
     )
-    assert all(f"order {one.order:g}, mode {one.mode}<" in told for one in forced.resonances)
+    assert all(f"order {one.order:g}, mode {one.mode}<" in told for one in forced.peaks)
     modes = run.whole.modes
     (menu,) = figures["shaft_modes"]["layout"]["updatemenus"]
     first = menu["buttons"][0]

@@ -12,6 +12,7 @@ from fem.modes import free_modes
 from fem.supports import Neighbors
 from geometry.throw import CrankThrow
 from regression.formulas.axial_formulas import axial_formula
+from regression.law.throw_law import axial_law
 from regression.plans.factors import Factor
 
 THROW = CrankThrow(
@@ -31,7 +32,7 @@ THROW = CrankThrow(
     [
         lambda number: Neighbors(number, 0.0),
         lambda number: free_modes(None, STEEL, highest_frequency=number),
-        lambda number: axial_formula("Anderson", THROW, youngs_modulus=number),
+        lambda number: axial_law(THROW, youngs_modulus=number),
         lambda number: axial_formula("Anderson", THROW, gamma_deg=number),
         lambda number: THROW.changed(crank_radius=number),
         lambda number: positive_number("field", number, "s", "time runs"),

@@ -23,7 +23,7 @@ from crankfem.files.reading.data_files import input_path
 from dynamics.chains.engine_chains import axial_chain
 from regression.end_reactions import GUIDED_MOMENTS
 from regression.fits.fits import fit_form
-from regression.models import optimum_search
+from regression.models import optimum as optimum_module
 from regression.models.compliance_model import ComplianceModel
 from regression.models.response_model import ResponseModel
 
@@ -395,7 +395,7 @@ def frequencies():
 @pytest.fixture
 def short_search(monkeypatch):
     """Few generations, for chains are slow to ask; the end of the search is as exact as ever."""
-    monkeypatch.setattr(optimum_search, "_GENERATIONS", 12)
+    monkeypatch.setattr(optimum_module, "_GENERATIONS", 12)
 
 
 def test_frequencies_fall_as_throws_soften(frequencies):

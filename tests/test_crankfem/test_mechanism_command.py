@@ -8,7 +8,7 @@ import pytest
 
 from comparing import close
 from crankbase.tables.table import merged_rows
-from crankfem.analyses.mechanism.balanced_masses import (
+from crankfem.analyses.mechanism.balance_records import (
     balance_contents,
     mechanism_balance_record,
     throw_mass_table,
@@ -22,7 +22,7 @@ from crankfem.analyses.mechanism.rod_model_records import (
 )
 from crankfem.files.engine.engine_file import load_engine
 from crankfem.files.engine.mechanism_file import load_mechanism
-from crankfem.report.interactive.mechanism_plots import MECHANISM
+from crankfem.report.interactive.mechanism import MECHANISM
 from dynamics.balance.balance import balance
 from geometry.crankshaft import throw_masses
 

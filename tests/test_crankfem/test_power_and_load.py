@@ -17,6 +17,7 @@ from crankfem.analyses.vibration.engine_load import engine_load
 from crankfem.analyses.vibration.records import load_record
 from crankfem.cli.tables.vibration_tables import print_load
 from crankfem.files.engine.mechanism_load import pressures_at
+from crankfem.files.reading.data_files import InputFiles
 from crankfem.files.sections.excitation_sections import GasMap
 from crankfem.files.sections.load_section import LoadSection
 
@@ -182,7 +183,7 @@ def test_a_pressure_map_is_checked_in_place_of_the_gas(engine, tmp_path):
     ]
     section = GasMap.from_text({"points": points, "method": "linear"})
     changed = engine.changed(engine={"rated_power": 330e3}, gas=None, gas_map=section)
-    changed = replace(changed, path=tmp_path / "engine.toml")
+    changed = replace(changed, files=InputFiles(tmp_path / "engine.toml"))
     told = engine_load(changed, cf.engines.mechanism_of(changed))
     mean = 1.366668e6 * np.interp(told.speeds / RPM, [200.0, 515.0], [0.5, 1.0])
     assert told.law == "map"

@@ -87,6 +87,11 @@ def test_the_promised_names():
     assert promised <= set(cf.__all__)
 
 
+@pytest.mark.parametrize("module", [cf, cf.chains])
+def test_only_public_names_are_listed(module):
+    assert [name for name in dir(module) if not name.startswith("__")] == module.__all__
+
+
 def test_an_unknown_name():
     with pytest.raises(AttributeError, match="module 'crankfem' has no attribute 'magic'"):
         cf.magic  # noqa: B018

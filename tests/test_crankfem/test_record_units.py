@@ -39,7 +39,6 @@ QUICK = {
     "fields throw": 0,
 }
 MODEL = {
-    "compare model.json model.json": 0,
     "fit runs.sqlite --model other.json": 0,
     "lookup model.json web_width=301mm web_thickness=68.3mm": 5,
     "optimum model.json --minimize axial_compliance --limit 'web_width <= 0.301 m'": 1,

@@ -429,3 +429,17 @@ def test_a_hinge():
     assert run.to_pandas()["flywheel"].tolist() == [one.flywheel for one in run.others]
     with pytest.raises(InputError, match="show: given 'sound'; allowed are moment, gas force, "):
         run.plot(show="sound")
+
+
+def test_a_backend_that_turns_on_interactive_drawing_keeps_it(monkeypatch):
+    made = pyplot.figure
+
+    def selecting(*arguments, **options):
+        # As the inline backend of notebooks, selected by the first figure.
+        pyplot.ion()
+        return made(*arguments, **options)
+
+    with pyplot.ioff(), monkeypatch.context() as patch:
+        patch.setattr(pyplot, "figure", selecting)
+        pyplot.close(cf.Chain([0.1, 0.78], [9e5]).modes().plot().figure)
+        assert pyplot.isinteractive()

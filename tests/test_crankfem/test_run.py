@@ -19,7 +19,7 @@ from crankbase.errors import SolveError
 from crankfem.analyses.vibration import run as vibration_run
 from crankfem.jobs import pipeline, run_drawing
 from crankfem.jobs.run_files import PICTURED, make_folder, the_only_run
-from crankfem.report.interactive import mechanism_plots
+from crankfem.report.interactive import mechanism
 from crankfem.report.interactive import vibration as interactive_vibration
 from regression.models.compliance_model import ComplianceModel
 
@@ -402,7 +402,7 @@ def test_what_cannot_be_drawn_costs_no_other_result(
         raise ValueError("no such picture")
 
     monkeypatch.setattr(vibration_run, "draw_campbell", fail)
-    monkeypatch.setattr(mechanism_plots, "polar_load", fail)
+    monkeypatch.setattr(mechanism, "polar_load", fail)
     monkeypatch.setattr(run_drawing, "write_vtu", fail)
     answer = call("run", one_cylinder("Engine SECOND"), "--json")
     assert answer.code == 0, answer.err

@@ -86,7 +86,7 @@ def test_the_study_gives_way_and_the_model_is_told(saved, silent, tmp_path):
 WRONG = {
     "no such file": (
         {"vibration.model": '"nowhere.json"'},
-        "vibration.model: nowhere.json: cannot",
+        "vibration.model: given 'nowhere.json', which is not in the folder of mine.toml",
     ),
     "no model": ({"vibration.model": '"mine.toml"'}, "is a TOML file"),
     "another throw": (

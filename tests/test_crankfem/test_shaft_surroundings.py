@@ -1,6 +1,7 @@
 """What an engine file puts around the whole crankshaft, and how that is damped; no finite elements."""
 
 import math
+from pathlib import Path
 from types import SimpleNamespace
 
 import numpy as np
@@ -10,7 +11,7 @@ from comparing import close
 from crankfem.analyses.shaft.chains import engine_axial_chain
 from crankfem.analyses.shaft.shaft_surroundings import shaft_surroundings
 from crankfem.analyses.shaft.whole_damping import damping_remarks, modal_damping
-from crankfem.analyses.shaft.whole_shaft import shaft_response, unmodeled_sections
+from crankfem.analyses.shaft.whole_shaft import not_comparable, shaft_response
 from crankfem.analyses.vibration.engine_limits import engine_limits, even_firing_interval
 from crankfem.analyses.vibration.modes import axial_weights
 from crankfem.files.engine.engine_file import load_engine
@@ -150,13 +151,33 @@ def test_each_kind_of_motion_brings_its_damping(given, axial, torsional):
             "cylinder_damping",
         )
     )
-    engine = SimpleNamespace(damping=None if given is None else SimpleNamespace(**fields | given))
-    crankshaft = SimpleNamespace(
-        modes=SimpleNamespace(rigid=1, shares=SHARES), kept=2, corrections=1
+    own_fields = fields | (given or {})
+    damps = bool(own_fields["loss_factor"] or own_fields["cylinder_damping"])
+    fields |= {"damps_torsion": damps}
+    engine = SimpleNamespace(
+        damping=None if given is None else SimpleNamespace(**fields | given), provenance={}
     )
+    modes = SimpleNamespace(
+        rigid=1, shares=SHARES, shapes=np.eye(3), angular_frequencies=np.array([0.0, 10.0, 20.0])
+    )
+    # A coupling with damping of its own has a tenth of the strain energy of the first elastic mode.
+    coupled = SimpleNamespace(
+        added_springs=np.array([[0.0, 10.0 * np.sqrt(0.1), 0.0]]),
+        spring_kinds=np.array([0]),
+        damped_springs=np.array([True]),
+    )
+    bare = SimpleNamespace(
+        added_springs=np.empty((0, 3)),
+        spring_kinds=np.empty(0, dtype=int),
+        damped_springs=np.empty(0, dtype=bool),
+    )
+    crankshaft = SimpleNamespace(modes=modes, kept=2, corrections=1, shaft=bare)
+    first = modal_damping(engine, SimpleNamespace(**vars(crankshaft) | {"shaft": coupled}))[0]
+    is_given = given is not None and "axial_magnifier" in given
+    assert first == close(axial * (1.0 if is_given else 0.9))
     if given is not None:
         bent = SimpleNamespace(
-            damping=SimpleNamespace(**fields | given | {"bending_magnifier": 20.0})
+            damping=SimpleNamespace(**fields | given | {"bending_magnifier": 20.0}), provenance={}
         )
         assert modal_damping(bent, crankshaft)[-1] == close(1 / 40)
     mixed = 0.5 * axial + 0.25 * torsional + 0.25 / 80
@@ -222,7 +243,13 @@ def test_cylinders_act_on_the_pins_and_with_the_damping_of_the_file(two_pins):
         loss_factor=None,
         cylinder_damping=None,
     )
-    engine = SimpleNamespace(pins=(3, 0, 1, 2), damping=damping)
+    engine = SimpleNamespace(
+        pins=(3, 0, 1, 2),
+        damping=damping,
+        provenance={},
+        propeller_forces=None,
+        shaft_lines={},
+    )
     whole = SimpleNamespace(crankshaft=two_pins)
     found = shaft_response(engine, whole, forces)
     ratios = modal_damping(engine, two_pins)
@@ -237,8 +264,14 @@ def test_cylinders_act_on_the_pins_and_with_the_damping_of_the_file(two_pins):
 def test_what_only_the_chains_know(tmp_path):
     text = ALL.replace('\n[propeller_forces]\nnode = "propeller"\nmean_thrust = "1 kN"\n', "")
     engine, *_ = around(text, tmp_path=tmp_path)
-    assert unmodeled_sections(engine) == ("[shaft_line]",)
-    assert unmodeled_sections(load_engine("6chn25-34")) == ()
+    assert not_comparable(engine) == ""
+    assert not_comparable(load_engine("6chn25-34")) == ""
+    assert "shaft_line.plant" in not_comparable(load_engine("5rt-flex50d"))
+    # A propeller on the line moves it; one elsewhere is in the chains alone.
+    with_propeller = load_engine(Path(__file__).parents[1] / "data/engines/5-42-176-propeller.toml")
+    assert not_comparable(with_propeller) == ""
+    elsewhere = with_propeller.changed(propeller_forces={"node": "flywheel"})
+    assert "act on flywheel, not behind the flywheel" in not_comparable(elsewhere)
 
 
 def test_axial_work_of_a_radial_force_counts_all_throws_that_it_lengthens():

@@ -11,7 +11,7 @@ from crankfem.files.engine.mechanism_file import load_mechanism
 from crankfem.files.engine.throw_file import load_throw
 from crankfem.files.reading.data_files import input_path, shipped_names
 from crankfem.files.reading.toml_file import read_toml
-from geometry.shaft_ends import ShaftEnds
+from geometry.crankshaft import ShaftEnds
 
 # The types whose compliance the paper of 2021 lists, in its order.
 TYPES_OF_THE_PAPER = (

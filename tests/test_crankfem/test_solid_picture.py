@@ -11,18 +11,15 @@ from comparing import close
 from crankbase.errors import InputError
 from crankfem.analyses.throw.pictures import solid_picture
 from crankfem.analyses.throw.pictures.solid_picture import (
+    ENDS,
     PICTURE,
     picture_shaft,
     picture_throw,
     render,
-)
-from crankfem.analyses.throw.pictures.solid_surface import (
-    ENDS,
     shaft_surface,
     throw_surface,
 )
-from geometry.crankshaft import Crankshaft
-from geometry.shaft_ends import ShaftEnds
+from geometry.crankshaft import Crankshaft, ShaftEnds
 from geometry.throw import CrankThrow
 
 pytestmark = pytest.mark.slow

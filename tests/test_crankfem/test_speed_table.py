@@ -6,6 +6,7 @@ from pathlib import Path
 import pytest
 
 from crankfem.analyses.vibration.speed_table import speed_table
+from crankfem.analyses.vibration.tables import resonance_table
 
 STORED = Path(__file__).with_name("report_results.json")
 
@@ -107,3 +108,29 @@ def test_a_mode_that_makes_no_peak_has_no_critical_speed_outside(results):
     assert "7" not in modes()
     peaks[-1]["in_running_range"] = True
     assert "7" in modes()
+
+
+def test_every_peak_is_in_the_table_or_told_to_be_left_out(results):
+    """A branch's peak counts by its own largest one, small peaks and those of the forces in a sentence."""
+    vibration = results["vibration"]
+    record = vibration["forced"]["torsional"]
+    one = next(own for own in record["resonances"] if own["order"] == 12.0)
+    new = {"place": "pump shaft", "value": 294.0, "unit": "N m", "others": [], "modes": [2]}
+    new |= {"mode": 2, "in_band": True, "spread_rpm": [440.0, 440.0], "in_running_range": True}
+    at = enumerate((1.0, 0.6, 0.06, 0.04, 0.01))
+    record["resonances"] = [
+        one | new | {"speed_rpm": 440.0 + place, "order": 4.0 + place, "severity": share}
+        for place, share in at
+    ]
+    record["resonances"].append(record["resonances"][0] | {"in_band": False, "order": 20.0})
+    table = speed_table(vibration, most=2)
+    rows = [texts for texts in table.texts() if texts[0] == "torsional"]
+    assert len(rows) == 2
+    assert all("pump shaft" in texts and "294 N m" in texts for texts in rows)
+    assert "1 critical speed, up to 6 % of the largest peak at a place" in table.note
+    assert "2 peaks below 5 % of the largest one at every place" in table.note
+    assert "1 peak of the exciting forces" in table.note
+    shown = resonance_table(record)
+    assert len(shown.rows) == 3
+    assert "critical speed" not in shown.note
+    assert "2 peaks below 5 %" in shown.note

@@ -10,6 +10,7 @@ import pytest
 
 from comparing import close
 from crankbase.errors import InputError
+from crankbase.input_file import InputFile
 from crankfem.analyses.study.studies import run_study, study_key
 from crankfem.cli import console
 from crankfem.cli.tables.design_tables import plan_record, print_plan
@@ -20,7 +21,7 @@ from crankfem.files.study.study_file import study_plan
 from fem.material import STEEL
 from geometry.throw import CrankThrow
 from plans import FILLETED, plan_of_levels
-from regression.plans.design_choice import DesignChoice, DesignKind
+from regression.plans.designs import DesignChoice, DesignKind
 from regression.plans.factors import Factor
 from regression.plans.plan import plan_designs
 from regression.records import StudyStoppedError
@@ -473,7 +474,7 @@ def test_notes_of_a_study_go_to_standard_error_or_where_they_are_wanted(monkeypa
         note("the cluster has no workers; waiting for one")
         raise StudyStoppedError("dask: gone.")
 
-    monkeypatch.setattr("crankfem.analyses.study.growth.run_plan", run_plan)
+    monkeypatch.setattr("crankfem.analyses.study.studies.run_plan", run_plan)
     told = []
     for options in ({}, {"note": told.append}):
         with pytest.raises(StudyStoppedError):
@@ -494,4 +495,4 @@ def test_tables_that_are_too_large(tmp_path, table, message):
     path = tmp_path / "designs.csv"
     path.write_text(table, encoding="utf-8")
     with pytest.raises(InputError, match=message):
-        read_design(tmp_path, "designs.csv", (), THROW)
+        read_design(InputFile(path), (), THROW)

@@ -4,7 +4,7 @@ import pytest
 
 from crankbase.errors import InputError
 from crankfem.files.reading.toml_file import read_toml
-from crankfem.files.reading.toml_places import line_of
+from crankfem.files.reading.toml_places import line_of, place_of
 
 
 @pytest.mark.parametrize(
@@ -24,13 +24,25 @@ from crankfem.files.reading.toml_places import line_of
         ('[a]\nx = "1 mm\n', "line 2, x = .*: given an opening quote without a closing one"),
         ("[a]\nx = '1 mm\n", "line 2, x = .*: given an opening quote without a closing one"),
         ("[a]\nx = \u201c1 mm\u201d\n", "line 2, x = .*: given typographic quotes"),
-        ('[a]\nx = { value = 0,5, source = "b" }\n', "line 2, .*: given a decimal comma"),
+        (
+            '[a]\nx = { value = 0,5, source = "b" }\n',
+            "line 2, .*: given 0,5; write a decimal point and no separators, like 0.5",
+        ),
+        ("[a]\nx = 82,5 mm\n", 'line 2, .*: given 82,5 mm .*"82.5 mm"'),
+        ("[a]\nx = 1.200,5 mm\n", 'line 2, .*: given 1.200,5 mm .*"1200.5 mm"'),
+        ("[a]\nx = 1,200 mm\n", 'line 2, .*: given 1,200 mm .*"1.2 mm" or "1200 mm", whichever'),
+        ("[a]\nx = 1 200 mm\n", 'line 2, .*: given 1 200 mm .*"1200 mm"'),
+        ("[a]\nx = 1'200'000 um\n", 'line 2, .*: given 1.200.000 um .*"1200000 um"'),
+        ("[a]\nx = [82,5 mm, 9 mm]\n", "line 2, .*: given 82,5 mm in a list .* each quantity"),
         # A list of whole numbers is not at fault for what is wrong after it.
         ("[a]\nx = [1,5,3]]\n", r"line 2, x = \[1,5,3\]\]: is not TOML"),
         ("[a]\nx = [1,5]\ny = '3 mm\n", "line 3, y = .*: given an opening quote"),
         ("[имя]\nx = 1\n", r"line 1, \[имя\]: given a name with other letters than A to Z"),
         ("[a]\nимя = 1\n", "line 2, имя = 1: given a name with other letters than A to Z"),
         ("[a\nx = 1\n", r"line 1, \[a: given a section without its closing bracket"),
+        ("[a]\nx: 3\n", "line 2, x: 3: given a colon behind a name; write ="),
+        ('[a]\nx = "3 mm",\n', "line 2, .*: given a comma or a semicolon at its end"),
+        ("[a]\nx = My Diesel\n", "line 2, .*: given text without quotes; write it in quotes"),
         ("[a]\nx y z\n", r"line 2, x y z: is not TOML \(.*\); allowed is a TOML file"),
     ],
 )
@@ -105,4 +117,7 @@ def test_the_line_of_a_field_is_found():
     found = {field: line_of(text, field) for field in ("a.x", "a.parts[1].x", "a.inner.list[1]")}
     assert found == {"a.x": 2, "a.parts[1].x": 6, "a.inner.list[1]": 8}
     assert line_of(text, "a.y") is None
+    assert place_of(text, "a.y") == "section [a], line 1"
+    assert place_of(text, "a.parts[1].y") == "section [a.parts[1]], line 5"
+    assert place_of(text, "b.y") is None
     assert line_of(text, "The file") is None

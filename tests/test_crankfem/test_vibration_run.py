@@ -28,8 +28,10 @@ from crankfem.files.engine.engine_file import load_engine
 from crankfem.files.engine.mechanism_file import load_mechanism, mechanism_of
 from crankfem.files.reading.data_files import input_path
 from crankfem.report.interactive.vibration import VIBRATION
+from dynamics.assessment.limit_sentences import shown_range
 from dynamics.excitation.chain_excitation import axial_excitation
 from dynamics.response.forced import forced_response
+from dynamics.response.order_excitation import OrderExcitation
 from dynamics.torque.torque import engine_torque
 from fem.analysis import analyze_throw
 
@@ -132,6 +134,43 @@ def test_damping_of_its_own_takes_the_magnifiers_place(tmp_path):
     assert guessed == "magnifier 25 of every elastic mode: assumed: of a like engine"
 
 
+@pytest.mark.parametrize("loss", [0.05, 0.3])
+def test_an_assumed_magnifier_does_not_damp_a_coupling_whose_damping_is_given(tmp_path, loss):
+    driven = (
+        f'[driven]\ninertia = "60 kg m^2"\ncoupling_stiffness = "40 kN m/rad"\n'
+        f"coupling_loss_factor = {loss}\n\n[gas]\n"
+    )
+
+    def system(text):
+        engine = load_engine(written(tmp_path, text))
+        chain = engine_torsional_chain(engine, np.full(6, 1e-9), np.full(6, 8.0))
+        return damped_engine_chain(engine, chain)
+
+    found = system(driven)
+    assert "by its share of strain in parts without damping of their own" in found.record[-1]
+    # The coupling's mode has its own loss, the crankshaft's modes the magnifier.
+    ratios = found.system.damping_ratios()
+    assert ratios[0] == close(0.5 * loss, rel=0.01)
+    np.testing.assert_allclose(ratios[1:], 0.0125, rtol=0.02)
+    # The same as loss factors 1/40 of the throws alone, beside that of the coupling.
+    chain = found.chain
+    eta = np.where(chain.loss_factor > 0.0, chain.loss_factor, 1.0 / 40.0)
+    rows = chain.elongations()
+    stiffness = rows.T @ np.diag(chain.stiffness * (1.0 + 1j * eta)) @ rows
+    forces = np.linspace(1.0, -1.0, chain.inertia.size)
+    peaks = found.system.elastic_frequencies[:2] * 2.0 * np.pi
+    excitation = OrderExcitation([1.0], peaks, np.tile(forces, (1, 2, 1)))
+    twist = forced_response(found, excitation).motion[0] @ rows[-1]
+    by_hand = [
+        np.linalg.solve(stiffness - w**2 * np.diag(chain.inertia), forces) @ rows[-1] for w in peaks
+    ]
+    np.testing.assert_allclose(np.abs(twist), np.abs(by_hand), rtol=0.03)
+    # One that is given for every mode adds to it.
+    given = "[damping]\ntorsional_magnifier = 40\n\n"
+    both = system(given + driven).system.damping_ratios()
+    assert both[0] == close(0.5 * loss + 0.0125, rel=0.01)
+
+
 @pytest.mark.slow
 def test_forced_vibration_of_an_engine(run):
     torsional, axial = run.forced_torsional, run.forced_axial
@@ -153,10 +192,10 @@ def test_forced_vibration_of_an_engine(run):
     elastic = torsional.loads.elastic.amplitude[:, :, :7]
     assert torsional.stress.amplitude == close(elastic / modulus)
     # Far below all resonances the engine's torque twists the chain statically; order 3 leads there.
-    assert {one.mode for one in torsional.resonances} == {1}
+    assert {one.mode for one in torsional.peaks} == {1}
     assert max(torsional.resonances, key=lambda one: one.severity).order == 12.0
     # In phase on a rigid shaft, which the first mode resembles but is not.
-    assert [one.order for one in torsional.resonances if one.kind == "major"] == [12.0]
+    assert [one.order for one in torsional.peaks if one.kind == "major"] == [12.0]
 
 
 @pytest.mark.slow
@@ -196,8 +235,9 @@ def test_resonances_are_listed_at_all_speeds_judged(run):
     engine, found = run.engine_file.engine, run.forced_torsional
     end = 1.1 * engine.rated_speed  # where the rule for generating sets ends
     assert found.judged_range == close((engine.lowest_speed, end))
-    speeds = [one.speed for one in found.resonances]
-    above = [one for one in found.resonances if not one.in_running_range]
+    resonances = [one for one in found.resonances if one.in_band]
+    speeds = [one.speed for one in resonances]
+    above = [one for one in resonances if not one.in_running_range]
     meeting = {
         k: 2.0 * math.pi * run.torsional.chosen.elastic_frequencies[0] / k
         for k in found.response.orders
@@ -208,15 +248,17 @@ def test_resonances_are_listed_at_all_speeds_judged(run):
     assert speeds == sorted(speeds)
     criticals = run.torsional.criticals
     assert [one.critical.speed for one in criticals] == close(
-        [one.undamped_speed for one in found.resonances]
+        [one.undamped_speed for one in resonances]
     )
-    # A magnifier of 40 hardly moves the peaks.
-    assert speeds == close([one.undamped_speed for one in found.resonances], rel=1e-3)
+    # A magnifier of 40 hardly moves the peaks, at whatever place they are told of.
+    assert speeds == close([one.undamped_speed for one in resonances], rel=2e-3)
     assert [one.in_running_range for one in criticals] == [
-        one.in_running_range for one in found.resonances
+        one.in_running_range for one in resonances
     ]
     record = forced_record(found)
-    assert [one["in_running_range"] for one in record["resonances"]].count(False) == len(above)
+    assert [one["in_running_range"] for one in record["resonances"] if one["in_band"]].count(
+        False
+    ) == len(above)
     assert record["judged_rpm"][1] == close(end * 30.0 / math.pi)
     # Most is used where the limit ends, below the resonance of order 9 at 568 1/min: near it, not at it.
     worst = run.worst_check
@@ -373,6 +415,53 @@ def test_ranges_exceeded_while_misfiring_with_next_to_nothing_between_them_are_o
     assert _ranges(speeds, flags) == ((1.0, 5.0), (6.0, 9.0))
     assert _ranges(speeds[:1], flags[1:2]) == ((1.0, 1.0),)
     assert _ranges(speeds[:2], flags[:2]) == ((1.0, 2.0),)
+
+
+@pytest.mark.slow
+def test_misfiring_is_held_against_the_continuous_limit_unless_the_file_says_otherwise(coarse, run):
+    """A coupling that normal firing keeps anywhere, and misfiring does not."""
+    driven = {"inertia": 200.0, "coupling_stiffness": 1e5, "coupling_loss_factor": 0.2}
+    limits = {"coupling_torque": 3e3, "coupling_torque_passing": 4e4, "crankshaft_stress": 90e6}
+    engine = run.engine_file.changed(driven=driven, limits=limits)
+    strict = engine_vibration(engine, analysis=coarse)
+    found = strict.misfiring
+    check = found.worst
+    assert check.quantity == "torque of coupling"
+    assert check.normal.used < 1.0 < check.misfiring.used
+    # What is permitted does not change by misfiring, so misfiring is never better by another limit.
+    for one in found.checks:
+        for reached in (one.normal, one.misfiring):
+            if one.limit is not None:
+                at = np.array([reached.speed])
+                assert reached.permitted == one.limit.continuous.at(at)[0]
+    assert not found.passed
+    assert ": exceeded by misfiring alone. Order" in found.sentence
+    assert f"{100.0 * check.misfiring.value / 4e4:.3g} % of the 40 kN m that may be passed" in (
+        found.sentence
+    )
+    # Its cause: the orders add up to what is reached there.
+    cause = check.new.cause
+    assert sum(one.contribution for one in cause.parts) == close(check.misfiring.value, rel=1e-3)
+    assert cause.speed == check.misfiring.speed
+    assert "order" in found.sentence.lower()
+    # The remedy: the speeds that remain and those exceeded are all running speeds, and apart.
+    ends = sorted(end for one in (*found.exceeded, *found.remaining) for end in one)
+    assert ends[0] == close(engine.engine.lowest_speed)
+    assert ends[-1] == close(engine.engine.highest_speed)
+    for low, high in found.remaining:
+        assert not any(one[0] < low < one[1] or one[0] < high < one[1] for one in found.exceeded)
+    low, high = found.remaining[-1]
+    assert f"restrict running to {shown_range(*found.remaining[0])}" in found.sentence
+    # Of the class or the maker's word the limit for passing serves, and the sentence says so.
+    said = engine_vibration(
+        engine.changed(limits=limits | {"passing_while_misfiring": True}), analysis=coarse
+    ).misfiring
+    assert said.passed
+    (passed,) = (one for one in said.checks if one.quantity == check.quantity)
+    assert passed.misfiring.value == close(check.misfiring.value, rel=1e-6)
+    by = "for passing, which serves while a cylinder misfires by limits.passing_while_misfiring"
+    assert by in passed.sentence
+    assert "permitted continuously" in passed.sentence
 
 
 @pytest.mark.slow

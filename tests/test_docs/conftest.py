@@ -14,7 +14,7 @@ from crankfem.analyses.throw.pictures import stress_picture
 from crankfem.cli import app as cli
 from crankfem.jobs.pipeline import RunResult, run_engine
 from puppets import puppet
-from regression.runs import supervised
+from regression.runs import workers
 from stand_ins import draw_nothing, lighten, put_everywhere
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -221,7 +221,7 @@ class Runner:
         out, err = io.StringIO(), io.StringIO()
         with self.monkeypatch.context() as patch:
             patch.setattr(sys, "argv", ["crankfem", *words])
-            patch.setattr(supervised, "spawn_worker", stand_in_worker)
+            patch.setattr(workers, "spawn_worker", stand_in_worker)
             patch.setattr("crankfem.jobs.pipeline.run_engine", run_once)
             draw_nothing(patch)
             with contextlib.redirect_stdout(out), contextlib.redirect_stderr(err):

@@ -43,6 +43,19 @@ def test_an_example_is_one_question_and_short(script):
 
 
 @pytest.mark.further
+def test_every_plot_of_a_notebook_is_shown(monkeypatch):
+    nbformat, nbclient = (
+        pytest.importorskip(name, reason="needs crankfem[dev]") for name in ("nbformat", "nbclient")
+    )
+    monkeypatch.setenv("PYTHONPATH", str(EXAMPLES.parent))
+    made = "import crankfem as cf\nmodes = cf.Chain([0.1, 0.78], [9e5]).modes()"
+    cells = [nbformat.v4.new_code_cell(code) for code in (made, *["modes.plot();"] * 3)]
+    nbclient.NotebookClient(nbformat.v4.new_notebook(cells=cells)).execute()
+    shown = [sum("image/png" in one.get("data", {}) for one in cell.outputs) for cell in cells]
+    assert shown == [0, 1, 1, 1]
+
+
+@pytest.mark.further
 def test_the_lecture_runs(tmp_path, monkeypatch):
     nbformat, nbclient = (
         pytest.importorskip(name, reason="needs crankfem[dev]") for name in ("nbformat", "nbclient")

@@ -145,6 +145,18 @@ def test_dashpots_join_and_let_turn():
             r"connections\[0\]: given 2; allowed",
         ),
         (lambda: Chain([1.0] * 2, [1.0], gears=[Gear(0, 5, 1.0)]), r"gears\[0\]: given 5"),
+        (
+            lambda: Chain([1.0] * 4, [1.0] * 2, connections=[(0, 1), (2, 3)], gears=[(1, 2, -0.6)]),
+            r"gears\[0\]: given \(1, 2, -0.6\); allowed is a Gear, like Gear\(driver=1",
+        ),
+        (
+            lambda: Chain([1.0] * 2, [1.0], dashpots=[(0, 1, 3.0)]),
+            r"dashpots\[0\]: given \(0, 1, 3.0\); allowed is a Dashpot",
+        ),
+        (
+            lambda: Chain([1.0] * 2, [1.0], gears=Gear(0, 1, 2.0)),
+            "gears: given Gear.*; allowed is a sequence of Gear",
+        ),
         (lambda: Chain([1.0] * 2, [1.0], names=["a", "a"]), "names: given 2 names, 1 of them"),
     ],
 )

@@ -11,6 +11,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from scipy.linalg import eigh
 
 from comparing import close
 from crankbase.errors import InputError
@@ -23,8 +24,9 @@ from dynamics.crankshaft.chain_comparison import (
     matching_response,
 )
 from dynamics.crankshaft.coupled_response import coupled_response
-from dynamics.crankshaft.mode_matches import matching_modes
+from dynamics.crankshaft.mode_matches import followed_modes, matching_modes
 from dynamics.crankshaft.pin_excitation import pins_of_cylinders, shaft_excitation
+from dynamics.crankshaft.shaft_criticals import shaft_criticals
 from dynamics.crankshaft.shaft_system import crankshaft_system
 from dynamics.crankshaft.shaft_throw import ShaftThrow
 from dynamics.crankshaft.surroundings import (
@@ -150,6 +152,22 @@ def test_a_mode_that_coupling_divides_is_told_by_both(monkeypatch):
     assert matching_modes(straight(), chains()[0], 1e4)[0].divided == ()
 
 
+def test_modes_that_cross_are_followed_by_their_shapes():
+    """Two masses on springs of their own, a weak one between: the stiffer becomes the softer one."""
+    mass = np.diag([2.0, 3.0])
+    shapes = []
+    for ratio in (0.25, 0.5, 2.0, 4.0):
+        stiffness = np.diag([2.0, 3.0 * ratio]) + 0.02 * np.array([[1.0, -1.0], [-1.0, 1.0]])
+        shapes.append(eigh(stiffness, mass)[1])
+    assert followed_modes(mass, shapes).tolist() == [[0, 1], [0, 1], [1, 0], [1, 0]]
+
+
+def test_no_mode_of_the_shaft_stands_for_two_of_the_chain():
+    matches = matching_modes(straight(0.9), chains()[0], 1e4)
+    taken = [match.shaft_mode for match in matches if match.shaft_mode is not None]
+    assert len(taken) == len(set(taken)) > 1
+
+
 def test_tangential_forces_move_the_free_end_only_where_torsion_is_coupled(forces):
     """The torque of a straight shaft stays in torsion; with a coupled spring it shows at the end."""
     plain = coupled_response(straight(), forces)
@@ -174,6 +192,47 @@ def test_both_kinds_of_force_together_are_their_sum(forces):
         np.abs(answer.motion("pin 2 tangential") - whole.motion[:, :, row]).max() < 1e-8 * largest
     )
     assert not answer.unbounded.any()
+
+
+def test_critical_speeds_are_all_peaks_of_single_orders(forces):
+    """Every local maximum on a grid ten times as fine is there, unless it is small at its place."""
+    shaft = straight(0.3)
+    fine = np.linspace(100.0, 700.0, 20001)
+
+    def answer(speeds):
+        one = (slice(None), slice(0, 1))
+        steady = {
+            name: np.repeat(getattr(forces, name)[one], speeds.size, axis=1)
+            for name in ("tangential", "radial")
+        }
+        own = SimpleNamespace(**vars(forces) | steady | {"speeds": speeds})
+        return coupled_response(shaft, own, modal_damping=0.01)
+
+    coarse = answer(fine[::10])
+    found, _ = shaft_criticals(coarse, coarse.torque, (150.0, 650.0))
+    assert len(found) > 3
+    sizes = np.abs(answer(fine).torque.values)
+    rising = sizes[:, 1:-1] > np.maximum(sizes[:, :-2], sizes[:, 2:])
+    inside = (fine[1:-1] > 150.0) & (fine[1:-1] < 650.0)
+    peaks = np.argwhere(rising & inside[:, np.newaxis])
+    heights = sizes[peaks[:, 0], peaks[:, 1] + 1, peaks[:, 2]]
+    largest = np.array([heights[peaks[:, 2] == place].max(initial=0.0) for place in range(4)])
+    for (order, index, place), height in zip(peaks.tolist(), heights.tolist(), strict=True):
+        if height < 0.05 * largest[place]:
+            continue
+        near = [
+            one
+            for one in found
+            if one.order == forces.orders[order] and one.speed == close(fine[index + 1], 0.03)
+        ]
+        assert near
+        assert max(one.value for one in near) > 0.999 * height
+    natural = shaft.system.elastic_frequencies
+    for one in found:
+        if one.mode:
+            assert one.frequency == natural[one.mode - 1]
+            assert one.order * one.speed / (2.0 * math.pi) == close(one.frequency, 0.03)
+            assert one.damping_ratio == close(0.01)
 
 
 def test_torque_of_the_chain_is_that_of_the_pins(forces):

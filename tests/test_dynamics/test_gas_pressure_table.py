@@ -154,5 +154,5 @@ def test_strokes_must_agree_with_the_angles(written):
 
 
 def test_missing_file_is_named(tmp_path):
-    with pytest.raises(InputError, match=r"absent\.csv: the pressure table cannot be read"):
+    with pytest.raises(InputError, match=r"absent\.csv: cannot be read as a pressure table"):
         read_pressure_table(tmp_path / "absent.csv")

@@ -1,5 +1,7 @@
 """The largest amplitude among many, limits while misfiring, and running speeds before others."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -51,8 +53,10 @@ def test_speeds_above_are_those_of_all_sums(series):
     assert np.array_equal(speeds_above(series, weights, known), expected | known)
 
 
-def test_a_limit_while_misfiring_is_that_for_passing_where_it_is_stated():
+def test_a_limit_while_misfiring_is_that_for_passing_only_where_something_says_so():
     limit = crankshaft_limit(100.0, strokes=4)
+    assert limit.misfiring is limit.continuous
+    limit = replace(limit, misfiring_basis="the class")
     speeds = np.array([50.0, 80.0, 80.001, 100.0, 110.0, 116.0])
     ratio = speeds[:4] / 100.0
     plain = 1e6 * (45.0 - 24.0 * ratio**2)
@@ -61,6 +65,7 @@ def test_a_limit_while_misfiring_is_that_for_passing_where_it_is_stated():
     assert found[4] == limit.continuous.at(speeds[4:5])[0]
     assert np.isinf(found[5])
     maker = given_limit("torque", 5.0, "N m", applies_to="coupling", source="maker")
+    maker = replace(maker, misfiring_basis="the class")
     assert maker.misfiring is maker.continuous
 
 

@@ -7,6 +7,7 @@ from comparing import close
 from crankbase.errors import InputError
 from dynamics.assessment.barred_ranges import BarredRangeRule
 from dynamics.assessment.limit_rules import (
+    CRANKSHAFT_RULES,
     crankshaft_limit,
     generator_set_limit,
     propulsion_shaft_limit,
@@ -116,19 +117,6 @@ def test_strong_steel_enters_the_shaft_rule_up_to_its_cap_and_the_limit_says_so(
         ),
         (lambda: crankshaft_limit(100.0, strokes=3), "strokes: given 3; allowed are 2 and 4"),
         (
-            lambda: crankshaft_limit(100.0, strokes=4, tensile_strength=700e6),
-            "given 700 MPa; allowed is 590 MPa or less for carbon steel",
-        ),
-        (
-            lambda: crankshaft_limit(100.0, strokes=4, tensile_strength=900e6),
-            "ends there; for low alloy steel set alloy to true, which allows up to 835 MPa; for a stronger "
-            "steel give 835 MPa, which is on the safe side",
-        ),
-        (
-            lambda: crankshaft_limit(100.0, strokes=4, tensile_strength=900e6, alloy=True),
-            "835 MPa or less for low alloy steel, .* ends there; for a stronger steel give 835 MPa",
-        ),
-        (
             lambda: generator_set_limit(100.0, part="pump"),
             "part: given 'pump'; allowed are crankshaft, generator shaft",
         ),
@@ -138,6 +126,32 @@ def test_strong_steel_enters_the_shaft_rule_up_to_its_cap_and_the_limit_says_so(
 def test_what_a_rule_does_not_cover_is_refused(call, message):
     with pytest.raises(InputError, match=message):
         call()
+
+
+@pytest.mark.parametrize(
+    ("alloy", "most", "said"),
+    [
+        (
+            False,
+            590e6,
+            "900 MPa enters the rule as 590 MPa, where its formula ends for carbon steel",
+        ),
+        (
+            True,
+            835e6,
+            "900 MPa enters the rule as 835 MPa, where its formula ends for low alloy steel",
+        ),
+    ],
+)
+def test_a_steel_beyond_the_end_of_the_formula_counts_as_one_at_its_end(alloy, most, said):
+    speeds = np.linspace(20.0, 100.0, 5)
+    for rule in CRANKSHAFT_RULES.values():
+        strong, at_end = (
+            rule(100.0, strokes=4, tensile_strength=one, alloy=alloy) for one in (900e6, most)
+        )
+        assert np.array_equal(strong.continuous.values(speeds), at_end.continuous.values(speeds))
+        assert said in strong.remark
+        assert "enters the rule" not in at_end.remark
 
 
 @pytest.mark.parametrize(

@@ -76,10 +76,29 @@ def test_own_damping_stays_and_needs_no_default():
         "damping of the chain itself: loss factor 0.01 of node 0 - node 1; 0.5 N m"
     )
     np.testing.assert_array_equal(found.system.damping, damped(own).chain.damping_matrix())
-    more = damped(own, relative=[1.0], loss_factor=[0.02])
+    for kind, choice in {
+        "relative": {"relative": [1.0]},
+        "loss_factor": {"loss_factor": [0.02]},
+        "element_magnifier": {"element_magnifier": {0: 40.0}},
+    }.items():
+        with pytest.raises(InputError, match=f"^{kind}: given damping of node 0 - node 1, which"):
+            damped(own, **choice)
+    more = damped(own, relative=[1.0], loss_factor=[0.02], add=True)
     assert more.chain.damping[0] == 1.5
     assert more.chain.loss_factor[0] == close(0.03)
     assert len(more.record) == 3
+
+
+def test_a_node_is_damped_once():
+    own = Chain([1.0, 1.0], [2e4], ground_damping={0: 5.0})
+    with pytest.raises(
+        InputError, match=r"^absolute: given damping of node 0, .* \(5\); .*add=True"
+    ):
+        damped(own, absolute={0: 5.0})
+    with pytest.raises(InputError, match=r"^engine_magnifier: given damping of node 1, which"):
+        damped(own, absolute={1: 2.0}, engine_magnifier=EngineMagnifier(40.0, (1,), 20.0))
+    assert damped(own, absolute={0: 5.0}, add=True).chain.ground_damping[0] == 10.0
+    assert damped(own, magnifier=40.0, loss_factor=0.01).chain.loss_factor[0] == 0.01
 
 
 def test_undamped_on_purpose():

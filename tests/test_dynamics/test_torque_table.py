@@ -95,9 +95,9 @@ def test_strokes_must_agree_with_the_crank_angles(written):
 
 
 def test_missing_and_unreadable_files_are_named(tmp_path):
-    with pytest.raises(InputError, match=r"absent\.csv: the torque table cannot be read"):
+    with pytest.raises(InputError, match=r"absent\.csv: cannot be read as a torque table"):
         read_torque_table(tmp_path / "absent.csv")
     path = tmp_path / "binary.csv"
     path.write_bytes(b"\x80\xfe\x00\xd8")
-    with pytest.raises(InputError, match=r"binary\.csv: .*not UTF-8 text"):
+    with pytest.raises(InputError, match=r"binary\.csv: .*line 1 is not UTF-8"):
         read_torque_table(path)

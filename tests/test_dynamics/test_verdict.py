@@ -1,3 +1,4 @@
+import re
 from dataclasses import replace
 
 import numpy as np
@@ -85,6 +86,58 @@ def test_below_the_lowest_running_speed_it_is_only_started_through():
     assert verdict.status == "fine"
     assert len(verdict.started_through) == 1
     assert judge([(CRANKSHAFT, peak(20.0, 100e6))], RUNNING, RULE).status == "not acceptable"
+
+
+def test_a_range_below_the_lowest_speed_is_not_judged_at_full_load():
+    finding = [(CRANKSHAFT, peak(20.0, 100e6))]
+    verdict = judge(finding, RUNNING, RULE, full_load=True)
+    assert verdict.status == "fine"
+    (below,) = verdict.started_through
+    assert "not judged" in below.sentence
+    assert below.refusals == ()
+    # What reaches into the running range is judged.
+    (into,) = judge([(CRANKSHAFT, peak(30.0, 200e6))], RUNNING, RULE, full_load=True).barred
+    assert not into.allowed
+
+
+def test_the_strongest_reason_against_barring_is_one_of_running_speeds():
+    """More is exceeded below the lowest running speed, in the same range."""
+    (barred,) = judge([(CRANKSHAFT, peak(29.0, 200e6))], RUNNING, RULE).barred
+    assert barred.low < RUNNING[0] < barred.high
+    (reason,) = barred.refusals
+    told = float(re.search(r"at ([\d.]+) 1/min", reason)[1])
+    assert told >= 0.999 * RUNNING[0] * 30.0 / np.pi
+    # At the rated speed it matters that it is the rated speed, not how far the range goes on above.
+    wide = AmplitudeCurve("shaft", SPEEDS, np.where(SPEEDS > 95.0, 80e6, 1e6))
+    (at_rated,) = judge([(CRANKSHAFT, wide)], RUNNING, RULE).barred
+    assert at_rated.high > RUNNING[1]
+    assert at_rated.refusals[0].startswith("it holds the rated speed")
+
+
+def test_the_worst_is_the_worst_at_running_speeds_with_its_own_place_and_speed():
+    """One place is worse above the running range, another one within."""
+
+    def curve(name, running, above):
+        values = np.where(RUNNING[1] < SPEEDS, above, np.where(SPEEDS > 90.0, running, 1e6))
+        return AmplitudeCurve(name, SPEEDS, values)
+
+    findings = [(CRANKSHAFT, curve("a", 60e6, 90e6)), (CRANKSHAFT, curve("b", 65e6, 80e6))]
+    verdict = judge(findings, RUNNING, RULE)
+    worst = verdict.worst
+    assert (worst.curve.name, worst.worst_value) == ("b", 65e6)
+    assert RUNNING[0] <= worst.worst_speed <= RUNNING[1]
+    assert worst.permitted == CRANKSHAFT.continuous.at(np.array([worst.worst_speed]))[0]
+    assert verdict.checks[0].curve.name == "a"
+    assert f"b: {worst.use}" in verdict.sentence
+    assert (
+        f"Above the running range, torsional stress of crankshaft, a: {verdict.checks[0].use}"
+        in (verdict.sentence)
+    )
+    # Where nothing is exceeded at running speeds, what is above them decides.
+    findings = [(CRANKSHAFT, curve("a", 6e6, 90e6)), (CRANKSHAFT, curve("b", 7e6, 1e6))]
+    kept = judge(findings, RUNNING, RULE)
+    assert kept.worst is kept.checks[0]
+    assert kept.worst.curve.name == "a"
 
 
 def test_a_range_that_reaches_into_the_running_range_is_barred():

@@ -165,7 +165,7 @@ def test_elastic_motion_has_no_momentum():
     assert np.abs(chain.inertia @ motion) < 1e-12 * np.abs(chain.inertia * motion).sum()
 
 
-def test_absolute_damping_adds_to_that_of_the_chain_and_is_told_by_itself():
+def test_absolute_damping_of_another_node_is_told_by_itself():
     own = Chain([1.0, 1.0], [1e3], ground_damping={0: 5.0})
     found = damped(own, absolute={1: 2.0}, source="a paper")
     assert found.chain.ground_damping.tolist() == [5.0, 2.0]

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from fem.assembly import assemble_stiffness
-from fem.class_compliances import class_axial_compliances
+from fem.axial_analysis import class_axial_compliances
 from fem.condensation import condense
 from fem.loads import RADIAL, uniform_pin_loads, unit_pin_loads
 from fem.material import STEEL

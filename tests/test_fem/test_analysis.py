@@ -9,7 +9,7 @@ from crankbase.errors import InputError
 from crankbase.stopwatch import Stopwatch
 from fem.accuracy import Problem, solve_level, solve_to_accuracy
 from fem.analysis import analyze_axial, analyze_throw
-from fem.class_compliances import class_axial_compliances
+from fem.axial_analysis import class_axial_compliances
 from fem.material import STEEL, Material
 from fem.refinement import refined_sizes
 from fem.supports import Neighbors

@@ -6,11 +6,16 @@ from skfem.models.elasticity import linear_elasticity
 
 from comparing import close
 from crankbase.errors import InputError
-from fem.assembly import assemble_stiffness, symmetric_product
-from fem.elements import PAIRS, QUADRATURE_ORDER, element_stiffnesses, physical_gradients
+from fem.assembly import (
+    PAIRS,
+    QUADRATURE_ORDER,
+    assemble_stiffness,
+    element_stiffnesses,
+    physical_gradients,
+    symmetric_product,
+)
 from fem.material import STEEL, Material
-from geometry.mesh_repair import EDGES
-from geometry.shapes import shapes_for_quadrature
+from geometry.shapes import EDGES, shapes_for_quadrature
 
 SOFT = Material(youngs_modulus=7e10, poisson_ratio=0.45, density=2700.0)
 
@@ -59,7 +64,7 @@ def test_stiffness_is_scikit_fems(mesh, material):
 
 def test_batches_give_the_same(mesh, monkeypatch):
     whole = assemble_stiffness(mesh.points, mesh.elements, STEEL)
-    monkeypatch.setattr("fem.elements.CHUNK", 37)
+    monkeypatch.setattr("fem.assembly.CHUNK", 37)
     assert abs(whole - assemble_stiffness(mesh.points, mesh.elements, STEEL)).max() == 0.0
 
 

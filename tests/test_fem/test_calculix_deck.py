@@ -8,14 +8,16 @@ import pytest
 
 from calculix_run import CalculixError, read_calculix, run_calculix
 from crankbase.errors import InputError, MissingLibraryError
-from fem.calculix import calculix_deck, number_field, write_calculix
-from fem.calculix_cases import (
+from fem.calculix import (
     LoadCase,
     axial_case,
     bending_case,
+    calculix_deck,
+    number_field,
     pin_case,
     standard_cases,
     torque_case,
+    write_calculix,
 )
 from fem.condensation import nodes_on
 from fem.material import STEEL

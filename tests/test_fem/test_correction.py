@@ -20,7 +20,7 @@ from fem.material import STEEL
 from fem.supports import Neighbors
 from fem.symmetry import symmetry_classes
 from geometry.mesh import mesh_throw
-from geometry.mesh_repair import EDGES
+from geometry.shapes import EDGES
 from geometry.solid import LEFT_END, RIGHT_END
 from geometry.throw import CrankThrow
 from geometry.throw_dimensions import OilHole

@@ -16,22 +16,23 @@ from crankbase.errors import InputError
 from fem import fillet_stress
 from fem.assembly import assemble_stiffness, symmetric_product
 from fem.condensation import nodes_on
-from fem.fillet_mesh import fillet_element, measured_sizes, refine_at
+from fem.fillet_peaks import fillet_points, fillet_surface
 from fem.fillet_stress import fillet_stresses
-from fem.fillet_surface import fillet_points, fillet_surface
-from fem.fillets import sharp_corners, throw_fillets
+from fem.fillets import fillet_element, measured_sizes, refine_at, sharp_corners, throw_fillets
 from fem.loads import radial_directions
 from fem.material import STEEL, Material
 from fem.nominal_stress import nominal_stress, torsion_modulus, web_section
-from fem.principal import (
+from fem.rule_mesh import reading_quality
+from fem.surface_stress import (
     as_components,
     as_matrices,
     largest_principal,
     principal_stresses,
+    smallest_rotations,
+    surface_stress,
+    tangent_frames,
     von_mises,
 )
-from fem.rule_mesh import reading_quality
-from fem.surface_stress import smallest_rotations, surface_stress, tangent_frames
 from fem.symmetry import SymmetryClass
 from fem.unit_loads import LoadedThrow, solve_unit_loads, unit_loads, whole_facets, whole_nodes
 from geometry.facets import six_node_triangles

@@ -10,11 +10,9 @@ from skfem import Basis, BilinearForm, ElementTetP2, MeshTet1, MeshTet2
 from skfem.quadrature import get_quadrature
 
 from comparing import close
-from fem.assembly import assemble_mass, symmetric_product
-from fem.elements import MASS_QUADRATURE_ORDER, element_masses
+from fem.assembly import MASS_QUADRATURE_ORDER, assemble_mass, element_masses, symmetric_product
 from geometry.mass import mass_properties, mesh_mass_properties
-from geometry.mesh_repair import EDGES
-from geometry.shapes import element_quadrature, shapes_for_quadrature
+from geometry.shapes import EDGES, element_quadrature, shapes_for_quadrature
 
 DENSITY = 7850.0
 
@@ -53,7 +51,7 @@ def test_mass_is_scikit_fems(mesh, upper):
 
 
 def test_batches_give_the_same(mesh, upper, monkeypatch):
-    monkeypatch.setattr("fem.elements.CHUNK", 37)
+    monkeypatch.setattr("fem.assembly.CHUNK", 37)
     assert (
         abs(upper - assemble_mass(mesh.points, mesh.elements, DENSITY)).max()
         <= 1e-13 * abs(upper).max()

@@ -13,8 +13,7 @@ from fem.assembly import symmetric_product
 from fem.class_modes import ClassModes, PartMatrices, class_problem, frequencies_of
 from fem.condensation import blocked_unknowns
 from fem.material import STEEL
-from fem.mode_names import end_motions_of, name_of_motion
-from fem.modes import _lowest_modes, free_modes, rigid_count
+from fem.modes import _lowest_modes, end_motions_of, free_modes, name_of_motion, rigid_count
 from fem.symmetry import SymmetryClass, symmetry_classes
 from geometry.mesh import mesh_throw
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy import sparse
 
-from fem.node_blocks import node_blocks
+from fem.assembly import node_blocks
 
 
 def test_blocks_hold_the_whole_matrix(stiffness):

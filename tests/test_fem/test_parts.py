@@ -9,7 +9,7 @@ import pytest
 from comparing import close
 from crankbase.errors import InputError
 from fem.analysis import analyze_throw
-from fem.class_compliances import class_axial_compliances, class_torsional_compliance
+from fem.axial_analysis import class_axial_compliances, class_torsional_compliance
 from fem.loads import radial_directions, uniform_pin_loads
 from fem.responses import evaluate_throw
 from fem.shaft import shaft_compliances, solve_shaft

@@ -17,12 +17,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 import pytest
 
-from fem.assembly import assemble_stiffness, symmetric_product
-from fem.elements import physical_gradients
+from fem.assembly import assemble_stiffness, physical_gradients, symmetric_product
 from fem.material import STEEL
 from geometry.mesh import mesh_throw
-from geometry.mesh_repair import EDGES
-from geometry.shapes import shapes_for_quadrature
+from geometry.shapes import EDGES, shapes_for_quadrature
 from geometry.throw import CrankThrow
 from solving import solve_symmetric
 
@@ -111,7 +109,7 @@ def gradient():
 )
 @pytest.mark.parametrize("kind", ["sharp", "filleted"])
 def test_linear_field_is_reproduced(request, monkeypatch, gradient, kind, curved, order):
-    monkeypatch.setattr("fem.elements.QUADRATURE_ORDER", order)
+    monkeypatch.setattr("fem.assembly.QUADRATURE_ORDER", order)
     mesh = request.getfixturevalue(kind)
     mesh = mesh if curved else straightened(mesh)
     wanted = mesh.points @ gradient.T

@@ -18,17 +18,15 @@ from skfem import MeshTet
 
 import fem.recovery
 from comparing import close
-from fem.assembly import assemble_stiffness, symmetric_product
-from fem.class_compliances import axial_motion
+from fem.assembly import assemble_stiffness, physical_gradients, symmetric_product
+from fem.axial_analysis import axial_motion
 from fem.condensation import condense
-from fem.elements import physical_gradients
 from fem.loads import unit_pin_loads
 from fem.material import STEEL, Material
 from fem.recovery import energy_errors, recovered_stress, strain_energy, stresses_at
 from fem.supports import support_throw
 from fem.symmetry import axial_class
-from geometry.mesh_repair import EDGES
-from geometry.shapes import shapes_for_quadrature
+from geometry.shapes import EDGES, shapes_for_quadrature
 from solving import solve_symmetric
 
 # xx, yy, zz, xy, yz, zx of a 3 x 3 matrix.

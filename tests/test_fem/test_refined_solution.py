@@ -6,8 +6,7 @@ from scipy import sparse
 
 import fem.solver
 from comparing import close
-from fem.refined_solution import refined_solution
-from fem.solver import SharedSolver
+from fem.solver import SharedSolver, refined_solution
 
 needs_pardiso = pytest.mark.skipif(fem.solver._pardiso() is None, reason="no Pardiso")
 

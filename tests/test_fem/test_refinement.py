@@ -26,7 +26,7 @@ from fem.accuracy import (
     solve_level,
     solve_to_accuracy,
 )
-from fem.class_compliances import class_axial_compliances
+from fem.axial_analysis import class_axial_compliances
 from fem.material import STEEL
 from fem.recovery import EnergyErrors
 from fem.refinement import (

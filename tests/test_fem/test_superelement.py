@@ -15,7 +15,7 @@ from fem.material import STEEL
 from fem.superelement import section_rotation
 from fem.supports import reactions, support_throw
 from fem.symmetry import symmetry_classes
-from geometry.mesh_repair import smallest_jacobians
+from geometry.shapes import smallest_jacobians
 from geometry.solid import CRANK_PLANE, LEFT_END, MIDDLE_PLANE
 
 

@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 
 from comparing import close
 from crankbase.errors import InputError
-from fem.class_compliances import class_axial_compliances, class_torsional_compliance
+from fem.axial_analysis import class_axial_compliances, class_torsional_compliance
 from fem.shaft import assemble_shaft, free_unknowns
 from fem.superelement import RX, RY, RZ, UZ
 from fem.supports import Neighbors, reactions, support_throw

@@ -5,12 +5,11 @@ import pytest
 from comparing import close
 from crankbase.errors import InputError
 from geometry.cad_faces import opened_part
-from geometry.crankshaft import Crankshaft
+from geometry.crankshaft import Crankshaft, ShaftEnds
 from geometry.gmsh_session import gmsh_session
 from geometry.imported import import_throw
 from geometry.mesh import mesh_throw
 from geometry.mesh_files import ENDINGS, write_mesh
-from geometry.shaft_ends import ShaftEnds
 from geometry.shapes import element_volumes
 from geometry.solid_files import write_step
 from geometry.throw import CrankThrow

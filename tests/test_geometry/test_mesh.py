@@ -15,8 +15,16 @@ from comparing import close
 from crankbase.errors import InputError, MeshError
 from geometry.mesh import MESHING_STRATEGIES, mesh_throw
 from geometry.mesh_checks import check_quality, check_volume
-from geometry.mesh_repair import EDGES, corner_quality, smallest_jacobians, straighten_elements
-from geometry.shapes import element_quadrature, element_volumes, shapes_at, triangle_shapes_at
+from geometry.shapes import (
+    EDGES,
+    corner_quality,
+    element_quadrature,
+    element_volumes,
+    shapes_at,
+    smallest_jacobians,
+    straighten_elements,
+    triangle_shapes_at,
+)
 from geometry.solid import (
     CRANK_PLANE,
     FILLET,

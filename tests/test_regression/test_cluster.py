@@ -23,11 +23,16 @@ from plans import SHARP, plan_of_levels
 from puppets import puppet
 from regression.records import StudyStoppedError
 from regression.runs import cluster as cluster_module
-from regression.runs import process_pool as shelf_module
-from regression.runs import supervised
-from regression.runs.cluster import TaskLostError, compute_design, identity, run_on_cluster
+from regression.runs import cluster as shelf_module
+from regression.runs import workers as workers_module
+from regression.runs.cluster import (
+    ProcessPool,
+    TaskLostError,
+    compute_design,
+    identity,
+    run_on_cluster,
+)
 from regression.runs.dask_cluster import DaskCluster, check_address
-from regression.runs.process_pool import ProcessPool
 from regression.runs.study import run_plan
 
 THROW = SHARP
@@ -53,7 +58,7 @@ def puppets(monkeypatch):
         started.append(process)
         return process
 
-    monkeypatch.setattr(supervised, "spawn_worker", spawn)
+    monkeypatch.setattr(workers_module, "spawn_worker", spawn)
     yield started
     for process in started:
         process.kill()

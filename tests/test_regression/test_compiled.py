@@ -4,9 +4,14 @@ import numpy as np
 import pytest
 
 from comparing import close
-from regression.plans.compiled import compile_constraint, compile_expression
-from regression.plans.constraints import constraint_violations, read_constraint
-from regression.plans.relations import evaluate_expression, read_expression
+from regression.plans.relations import (
+    compile_constraint,
+    compile_expression,
+    constraint_violations,
+    evaluate_expression,
+    read_constraint,
+    read_expression,
+)
 
 UNITS = {"a": "m", "b": "m", "x": "", "angle": "rad"}
 VALUES = {

@@ -288,7 +288,7 @@ def test_unreadable_files(tmp_path):
         ComplianceModel.load(tmp_path / "absent.json")
     binary = tmp_path / "binary.json"
     binary.write_bytes(b"\x80\xfe\x00\x80")
-    with pytest.raises(InputError, match="not text"):
+    with pytest.raises(InputError, match="cannot be read as text"):
         ComplianceModel.load(binary)
 
 

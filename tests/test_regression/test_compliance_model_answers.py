@@ -24,11 +24,10 @@ from regression.fits.forms import FittedForm
 from regression.fits.terms import polynomial_terms
 from regression.models.angle import between, fold_angle
 from regression.models.compliance_model import ComplianceModel
-from regression.models.evaluator import PIECE, compile_equation
 from regression.models.extrapolation import OutsideRangeWarning
-from regression.models.model_content import UNCORRECTED, UNKNOWN_CONSTRAINTS
-from regression.models.model_file import checksum
+from regression.models.model_file import UNCORRECTED, UNKNOWN_CONSTRAINTS, checksum
 from regression.models.response_model import ResponseModel
+from regression.models.response_query import PIECE, compile_equation
 
 BOX = {"web_width": (0.270, 0.330), "web_thickness": (0.038, 0.098)}
 GRID = np.array(list(itertools.product(*(np.linspace(*ends, 3) for ends in BOX.values()))))

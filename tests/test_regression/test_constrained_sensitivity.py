@@ -8,8 +8,7 @@ import numpy as np
 import pytest
 
 from comparing import close
-from regression.fits.constrained_sensitivity import constrained_indices, region_sample
-from regression.fits.sensitivity import sobol_indices
+from regression.fits.sensitivity import constrained_indices, region_sample, sobol_indices
 from regression.plans.factors import Factor
 
 UNIT = [Factor(name, "m", 0.0, 1.0) for name in "abc"]

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from comparing import close
-from regression.plans.design_quality import design_quality
+from regression.plans.designs_space import design_quality
 from regression.plans.factors import Factor
 
 A, B = Factor("a", "m", 1.0, 3.0), Factor("b", "m", 0.1, 0.2)

@@ -18,21 +18,21 @@ from scipy.spatial.distance import pdist
 
 from comparing import close
 from crankbase.errors import InputError
-from regression.plans.design_choice import SPACE_FILLING, DesignChoice, DesignKind
 from regression.plans.designs import (
+    SPACE_FILLING,
+    DesignChoice,
+    DesignKind,
+    aliased_effects,
     check_ranges,
+    corner_fraction,
+    corners_by_generators,
     fixed_design,
     full_factorial,
+    resolution_of,
     space_filling_points,
     space_filling_statement,
     values_at,
     without_repeats,
-)
-from regression.plans.designs_factorial import (
-    aliased_effects,
-    corner_fraction,
-    corners_by_generators,
-    resolution_of,
 )
 from regression.plans.designs_space import (
     draw_feasible_points,

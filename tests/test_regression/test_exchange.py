@@ -18,7 +18,7 @@ from regression.plans.factors import Factor
 from regression.plans.plan import StudyPlan, plan_designs
 from regression.records import HELD_OUT, MEASURED, RUN
 from regression.runs import study as study_module
-from regression.runs import supervised
+from regression.runs import workers
 from regression.runs.export_table import export_table
 from regression.runs.store import ResultStore
 from regression.runs.study import import_results, read_study, run_plan
@@ -61,7 +61,7 @@ def puppets(monkeypatch):
     def spawn():
         return puppet(PUPPET)
 
-    monkeypatch.setattr(supervised, "spawn_worker", spawn)
+    monkeypatch.setattr(workers, "spawn_worker", spawn)
 
 
 @pytest.fixture
@@ -496,9 +496,7 @@ def test_what_is_no_table_is_refused(store, tmp_path, name, content, message):
         import_results(PLAN, store, tmp_path / name)
     assert str(caught.value).startswith(f"{name}: {message}")
     assert "codec" not in str(caught.value)
-    with pytest.raises(
-        InputError, match=r"^import: given '.*', which is a folder; allowed is a file"
-    ):
+    with pytest.raises(InputError, match=r"^import: given '.*', which is a folder, not a file"):
         import_results(PLAN, store, tmp_path)
     with pytest.raises(InputError, match=r"^import: given '.*none\.csv'; there is no such file\.$"):
         import_results(PLAN, store, tmp_path / "none.csv")

@@ -4,7 +4,7 @@ import pytest
 from comparing import close
 from crankbase.errors import InputError
 from fem.material import STEEL
-from regression.fits.columns import Encoding, constant_groups, factor_encoding, group_encoding
+from regression.fits.forms import Encoding, constant_groups, factor_encoding, group_encoding
 from regression.fits.groups import (
     GROUPS,
     group_named,

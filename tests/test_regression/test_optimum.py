@@ -14,8 +14,8 @@ from comparing import close
 from crankbase.errors import InputError
 from regression.fits.fits import fit_form
 from regression.models.compliance_model import ComplianceModel
+from regression.models.optimum import find_optimum
 from regression.models.optimum_limits import Limit, Points, worst_values
-from regression.models.optimum_search import find_optimum
 from regression.models.response_model import ResponseModel
 
 BOX = {

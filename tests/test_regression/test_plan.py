@@ -18,7 +18,7 @@ from crankbase.errors import InputError
 from fem.material import STEEL
 from geometry.throw import CrankThrow
 from plans import FILLETED, plan_of_levels
-from regression.plans.design_choice import SPACE_FILLING, DesignChoice
+from regression.plans.designs import SPACE_FILLING, DesignChoice
 from regression.plans.factors import Factor, rounded
 from regression.plans.plan import MODEL_VERSION, StudyPlan, plan_designs
 from regression.records import HELD_OUT, RUN, content_key

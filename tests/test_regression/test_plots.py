@@ -19,7 +19,7 @@ from regression.models.optimum_limits import Limit
 from regression.models.response_model import ResponseModel
 from regression.plans.factors import Factor
 from regression.plans.plan import StudyPlan
-from regression.plots.formula_curves import draw_formula_bars
+from regression.plots.equations import draw_formula_bars
 from regression.runs.study_table import StudyTable
 
 WIDTHS, THICKNESSES = np.array([0.27, 0.30, 0.33]), np.array([0.05, 0.07, 0.09])

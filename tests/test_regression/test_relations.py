@@ -11,12 +11,13 @@ import pytest
 from comparing import close
 from crankbase.errors import InputError
 from geometry.throw import CrankThrow
-from regression.plans.constraints import constraint_violations, read_constraint
 from regression.plans.factors import throw_fields
 from regression.plans.relations import (
+    constraint_violations,
     evaluate_expression,
     evaluation_order,
     is_unit,
+    read_constraint,
     read_expression,
 )
 

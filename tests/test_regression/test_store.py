@@ -12,8 +12,8 @@ from hypothesis import strategies as st
 from crankbase.errors import InputError
 from geometry.throw import CrankThrow
 from regression.records import ExtraRow, Outcome, StudyStoppedError, content_key
+from regression.runs import store_file
 from regression.runs import store_file as store_module
-from regression.runs import store_schema
 from regression.runs.store import ResultStore
 
 DONE = Outcome(
@@ -223,7 +223,7 @@ def test_results_can_be_read_with_plain_sql(tmp_path):
 
 
 def test_the_columns_of_the_view_are_fields_that_there_are():
-    assert set(store_schema.DIMENSIONS) <= set(CrankThrow.model_fields)
+    assert set(store_file.DIMENSIONS) <= set(CrankThrow.model_fields)
 
 
 # --------------------------------------------------------------------------------- rows from elsewhere
@@ -301,7 +301,7 @@ def old_store(tmp_path):
     path = tmp_path / "old.sqlite"
     connection = sqlite3.connect(path)
     connection.executescript(FIRST_RELEASE)
-    connection.execute(f"PRAGMA application_id={store_schema.APPLICATION_ID}")
+    connection.execute(f"PRAGMA application_id={store_file.APPLICATION_ID}")
     connection.execute("PRAGMA journal_mode=WAL")
     connection.close()
     return path
@@ -346,7 +346,7 @@ def test_a_store_of_a_later_release_is_refused_and_left_alone(tmp_path, readonly
     with ResultStore(path):
         pass
     connection = sqlite3.connect(path)
-    connection.execute(f"PRAGMA user_version={store_schema.SCHEMA_VERSION + 1}")
+    connection.execute(f"PRAGMA user_version={store_file.SCHEMA_VERSION + 1}")
     connection.close()
     before = path.read_bytes()
     with pytest.raises(
@@ -441,7 +441,7 @@ def test_the_database_of_another_program_is_refused_and_left_alone(tmp_path, tab
 
 def test_a_folder_is_no_store(tmp_path):
     for readonly in (False, True):
-        with pytest.raises(InputError, match=r"^store: given '.*', which is a folder; allowed"):
+        with pytest.raises(InputError, match=r"^store: given '.*', which is a folder"):
             ResultStore(tmp_path, readonly=readonly)
     (tmp_path / "file").write_text("", encoding="utf-8")
     with pytest.raises(InputError, match=r"^store: given"):

@@ -14,12 +14,11 @@ from plans import SHARP, plan_of_levels
 from puppets import puppet
 from regression.plans.plan import plan_designs
 from regression.records import ExtraRow, StudyStoppedError
-from regression.runs import store_schema, supervised
-from regression.runs.registered_designs import add_runs
+from regression.runs import store_file, workers
 from regression.runs.store import ResultStore
 from regression.runs.store_check import check_store
 from regression.runs.store_repair import rebuild_store
-from regression.runs.study import run_plan
+from regression.runs.study import add_runs, run_plan
 
 PLAN = plan_of_levels(SHARP, {"web_width": (0.280, 0.290, 0.300)}, held_out=37, accuracy=0.1)
 KEYS = [design.key for design in plan_designs(PLAN).designs]
@@ -37,7 +36,7 @@ def finished(tmp_path_factory):
     """A store with 40 finished designs, and a row from elsewhere."""
     path = tmp_path_factory.mktemp("finished") / "runs.sqlite"
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(supervised, "spawn_worker", lambda: puppet(QUICK))
+        patch.setattr(workers, "spawn_worker", lambda: puppet(QUICK))
         assert run_plan(PLAN, path).computed == 40
     with ResultStore(path) as store:
         store.add_extra_rows(PLAN.key, [ROW])
@@ -47,7 +46,7 @@ def finished(tmp_path_factory):
 @pytest.fixture
 def store(finished, tmp_path, monkeypatch):
     """A copy of it, whose designs cost nothing."""
-    monkeypatch.setattr(supervised, "spawn_worker", lambda: puppet(QUICK))
+    monkeypatch.setattr(workers, "spawn_worker", lambda: puppet(QUICK))
     return shutil.copy(finished, tmp_path / "runs.sqlite")
 
 
@@ -199,7 +198,7 @@ def test_a_store_without_checksums_is_not_taken_for_checked(store):
         store,
         "ALTER TABLE designs DROP COLUMN checksum",
         "ALTER TABLE extra_rows DROP COLUMN checksum",
-        f"PRAGMA user_version={store_schema.CHECKSUMS_SINCE - 1}",
+        f"PRAGMA user_version={store_file.CHECKSUMS_SINCE - 1}",
     )
     found = check_store(store)
     assert (found.sound, found.without_checksums) == (True, True)
@@ -244,7 +243,7 @@ def test_a_store_is_not_repaired_while_a_study_runs_in_it(store):
 
 
 def test_two_studies_on_one_store_compute_no_design_twice(tmp_path, monkeypatch):
-    monkeypatch.setattr(supervised, "spawn_worker", lambda: puppet(QUICK))
+    monkeypatch.setattr(workers, "spawn_worker", lambda: puppet(QUICK))
     path = tmp_path / "runs.sqlite"
     code = f"""
 import sys

@@ -9,7 +9,7 @@ from plans import SHARP, plan_of_levels
 from puppets import puppet
 from regression.plans.plan import plan_designs
 from regression.records import ExtraRow, Outcome
-from regression.runs import store_schema, supervised
+from regression.runs import store_file, workers
 from regression.runs.store import ResultStore
 from regression.runs.study import import_results, read_study, run_plan
 
@@ -70,7 +70,7 @@ def older(path):
         path,
         "ALTER TABLE designs DROP COLUMN checksum",
         "ALTER TABLE extra_rows DROP COLUMN checksum",
-        f"PRAGMA user_version={store_schema.CHECKSUMS_SINCE - 1}",
+        f"PRAGMA user_version={store_file.CHECKSUMS_SINCE - 1}",
     )
     return path
 
@@ -81,7 +81,7 @@ def test_a_store_without_added_runs_keeps_its_checksums(path):
         path,
         "DROP VIEW results",
         "ALTER TABLE study_designs DROP COLUMN added",
-        f"PRAGMA user_version={store_schema.CHECKSUMS_SINCE}",
+        f"PRAGMA user_version={store_file.CHECKSUMS_SINCE}",
     )
     tamper(path, "another value")
     for readonly in (True, False):
@@ -203,7 +203,7 @@ def study(tmp_path, monkeypatch):
     def spawn():
         return puppet(QUICK)
 
-    monkeypatch.setattr(supervised, "spawn_worker", spawn)
+    monkeypatch.setattr(workers, "spawn_worker", spawn)
     path = tmp_path / "study.sqlite"
     assert run_plan(PLAN, path).computed == 4
     return path

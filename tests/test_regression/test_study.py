@@ -20,12 +20,12 @@ from fem.responses import evaluate_throw
 from plans import FILLETED, plan_of_levels
 from puppets import puppet
 from regression.plans import plan as plan_module
-from regression.plans.design_choice import DesignChoice
+from regression.plans.designs import DesignChoice
 from regression.plans.factors import Factor
 from regression.plans.plan import StudyPlan, plan_designs
 from regression.records import HELD_OUT, RUN
 from regression.runs import study as study_module
-from regression.runs import study_memory, supervised
+from regression.runs import workers as workers_module
 from regression.runs.store import ResultStore
 from regression.runs.study import import_results, read_study, run_plan
 
@@ -55,7 +55,7 @@ def puppets(monkeypatch, code):
     def spawn():
         return puppet(code)
 
-    monkeypatch.setattr(supervised, "spawn_worker", spawn)
+    monkeypatch.setattr(workers_module, "spawn_worker", spawn)
 
 
 @pytest.mark.parametrize("count", [0, -1, 257, 2.5, 2.0, True, "2"])
@@ -183,7 +183,7 @@ def test_failed_designs_are_told_and_not_repeated(tmp_path, monkeypatch):
 
 def test_workers_that_do_not_fit_into_the_memory_are_refused(tmp_path, monkeypatch):
     monkeypatch.setattr(memory, "free_memory", lambda: 0.6e9)
-    monkeypatch.setattr(study_memory, "free_memory", lambda: 0.6e9)
+    monkeypatch.setattr(study_module, "free_memory", lambda: 0.6e9)
     refused = (
         r"^workers: given 4, of which 3 take about 0\.2\d GB each, together about 0\.\d+ GB of memory; "
         r"allowed is what fits into the 0\.6 GB that are free, so ask for at most 2\.$"

@@ -18,10 +18,10 @@ from fem.material import STEEL
 from fem.responses import ThrowResponses, evaluate_throw
 from geometry.throw import CrankThrow
 from puppets import puppet
-from regression.runs import supervised, worker
+from regression.runs import worker
+from regression.runs import workers as workers_module
 from regression.runs.interrupts import interrupts_deferred
-from regression.runs.supervised import TIME_LIMIT, design_limits
-from regression.runs.workers import run_designs
+from regression.runs.workers import TIME_LIMIT, design_limits, run_designs
 
 ROOT = Path(__file__).resolve().parents[2]
 THROW = {
@@ -107,7 +107,7 @@ def puppets(monkeypatch):
         started.append(process)
         return process
 
-    monkeypatch.setattr(supervised, "spawn_worker", spawn)
+    monkeypatch.setattr(workers_module, "spawn_worker", spawn)
     return started
 
 
@@ -457,7 +457,7 @@ run_designs(
 
 
 def test_a_worker_ends_when_its_coordinator_is_gone():
-    process = supervised.spawn_worker()
+    process = workers_module.spawn_worker()
     assert process.poll() is None
     process.stdin.close()
     assert process.wait(timeout=30.0) == 0
@@ -470,7 +470,7 @@ def test_workers_end_with_a_coordinator_that_is_killed(own, seconds):
     """While they start, and in the middle of a design."""
     request = {"key": "k", "inputs": design() | {"accuracy": 0.002}}
     owner = own(
-        "import time; from regression.runs.supervised import SupervisedProcess\n"
+        "import time; from regression.runs.workers import SupervisedProcess\n"
         "workers = [SupervisedProcess() for _ in range(2)]\n"
         f"for worker in workers: worker.compute({request!r})\n"
         "time.sleep(60)"

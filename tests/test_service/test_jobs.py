@@ -7,25 +7,7 @@ import psutil
 import pytest
 
 from crankfem.client import Client, RefusedError
-
-STUDY = """
-[throw]
-crank_radius = "170 mm"
-main_journal_diameter = "220 mm"
-pin_diameter = "180 mm"
-main_journal_length = "120 mm"
-pin_length = "139 mm"
-web_width = "285 mm"
-web_thickness = "68 mm"
-
-[study]
-design = "full factorial"
-accuracy = 0.1
-
-[study.factors]
-web_width = ["270 mm", "330 mm"]
-web_thickness = ["55 mm", "98 mm"]
-"""
+from serving import STUDY
 
 
 def engine_text():
@@ -37,9 +19,7 @@ def engine_text():
 @pytest.fixture
 def own_service(serve, tmp_path):
     """A service of the test's own."""
-    made = serve(tmp_path)
-    yield made
-    made.end()
+    return serve(tmp_path)
 
 
 def test_a_file_is_checked_before_it_is_run(service):
@@ -54,6 +34,9 @@ def test_a_file_is_checked_before_it_is_run(service):
     assert status == 200
     assert told["kind"] == "engine"
     assert "run" in told["commands"]
+    thin = STUDY.replace('web_thickness = "68 mm"', 'web_thickness = "20 mm"')
+    _, told = service.json("/api/files/check", {"text": thin, "name": "study.toml"})
+    assert "throw.web_thickness" in [one.partition(":")[0] for one in told["warnings"]]
 
 
 @pytest.mark.further

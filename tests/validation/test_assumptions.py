@@ -7,6 +7,7 @@ be barred, and from the whole calculation where something may.
 
 import math
 import re
+import shutil
 from pathlib import Path
 
 import pytest
@@ -128,9 +129,17 @@ def test_the_steel_that_decides_by_hand(calculated, figure):
 
 
 @pytest.mark.further
-def test_the_verdict_with_what_decides_given(calculated):
-    engine, throw, _ = calculated(FOLDER / "5-42-176-propeller.toml")
-    engine = engine.changed(load=None)  # full load at every speed, so that a limit is exceeded
+def test_the_verdict_with_what_decides_given(calculated, tmp_path):
+    # Without losses of its own the shaft line has the damping of the magnifier that is assumed.
+    for one in FOLDER.glob("*5-42*.toml"):
+        shutil.copy(one, tmp_path)
+    for one in FOLDER.glob("line-*.toml"):
+        lines = one.read_text(encoding="utf-8").splitlines()
+        kept = "\n".join(line for line in lines if not line.startswith("loss_factor"))
+        (tmp_path / one.name).write_text(kept, encoding="utf-8")
+    engine, throw, _ = calculated(tmp_path / "5-42-176-propeller.toml")
+    # Full load at every speed, so that a limit is exceeded.
+    engine = engine.changed(load=None, gas={"mean_effective_pressure": 15e5})
     run = cf.engine_vibration(engine, analysis=throw)
     decision = run.assessment.decision
     assert (run.assessment.verdict.status, decision.status) == ("not acceptable", "undecided")

@@ -20,8 +20,7 @@ import pytest
 from calculix_run import read_calculix, run_calculix
 from comparing import close
 from fem.analysis import analyze_throw
-from fem.calculix import write_calculix
-from fem.calculix_cases import axial_case, bending_case, pin_case, torque_case
+from fem.calculix import axial_case, bending_case, pin_case, torque_case, write_calculix
 from fem.loads import uniform_pin_loads
 from fem.material import STEEL, Material
 from geometry.mesh import ThrowMesh

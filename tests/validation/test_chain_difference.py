@@ -7,6 +7,7 @@ within 1 %.
 """
 
 import math
+import re
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -27,7 +28,6 @@ from crankfem.analyses.vibration.bearing_sweep import (
 from dynamics.crankshaft.assembly import assemble_crankshaft
 from dynamics.crankshaft.chain_difference import (
     CAUSES,
-    flywheel_tilt,
     frequency_difference,
 )
 from dynamics.crankshaft.mode_matches import match_modes
@@ -169,6 +169,10 @@ def test_causes_sum_to_the_difference(case, figure):
     for name, by in found.causes.items():
         shown = name != "bearings" and abs(by) >= 0.05
         assert (f"{name} {by:+.1f} Hz" in found.sentence) == shown
+    # What is printed adds up to the printed difference, and that to the printed frequencies.
+    steps = [float(one) for one in re.findall(r"([+-]\d+\.\d) Hz", found.sentence)]
+    assert steps[0] == close(round(found.shaft, 1) - round(found.chain, 1), abs=1e-9)
+    assert sum(steps[1:]) == close(steps[0], abs=1e-9)
 
 
 def test_flywheel_without_inertia_about_a_diameter(case, figure):
@@ -186,10 +190,21 @@ def test_flywheel_without_inertia_about_a_diameter(case, figure):
     (match,) = match_modes(
         shaft, crankshaft_modes(shaft), case.chain, [modes.rigid + case.mode - 1]
     )
-    found = flywheel_tilt(case.whole.crankshaft.shaft, case.chain, case.mode)
+    difference = frequency_difference(
+        case.whole.crankshaft.shaft, case.chain, case.rigid_chain, case.mode
+    )
+    found = difference.tilt
+    # The step told as a cause is the shift told of the flywheel.
+    assert difference.causes["flywheel tilt"] == close(found.shaft - found.without)
     figure("frequency without tilt", found.without, match.shaft_frequency, 1e-8, "Hz")
     both = " and ".join(f"{one:.1f}" for one in sorted(filter(None, (found.shaft, found.further))))
     assert f"from {found.without:.1f} Hz without to {both} Hz with it" in found.sentence
+
+
+def match_nominal(case, chain):
+    shaft = case.whole.crankshaft.shaft
+    wanted = chain.first_mode(chain.chain.modes())
+    return match_modes(shaft, case.whole.modes, chain, [wanted])[0].shaft_frequency
 
 
 def test_sweep_is_that_of_chains_and_shafts_one_by_one(case, figure):
@@ -218,5 +233,17 @@ def test_sweep_is_that_of_chains_and_shafts_one_by_one(case, figure):
         1e-12,
         scale=np.abs(softer.stiffness).max(),
     )
+    # What is followed by shape moves up with the stiffness, and none that is most like the chain's is lost.
+    for kind in ("axial", "torsional"):
+        branches = np.vstack((found.shaft[kind], found.further[kind]))
+        for branch in branches:
+            assert np.all(np.diff(branch[np.isfinite(branch)]) > 0.0)
+        for place, held_one in enumerate(each):
+            named, added = held_one.chain(kind), float(found.stiffness[place]) - held.nominal
+            shaft = in_bearings(case.whole.crankshaft.shaft, added)
+            wanted = named.first_mode(named.chain.modes())
+            (match,) = match_modes(shaft, crankshaft_modes(shaft), named, [wanted])
+            assert match.shaft_frequency in branches[:, place]
+        assert found.shaft[kind][3] == match_nominal(case, each[3].chain(kind))
     low, high = np.min(found.chains["torsional"]), np.max(found.chains["torsional"])
     assert f"{low:.1f} to {high:.1f} Hz by the chain" in found.sentences[0]

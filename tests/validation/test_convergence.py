@@ -25,7 +25,7 @@ from scipy.optimize import brentq
 
 from comparing import close
 from fem.assembly import assemble_stiffness
-from fem.class_compliances import class_axial_compliances
+from fem.axial_analysis import class_axial_compliances
 from fem.condensation import condense
 from fem.loads import unit_pin_loads
 from fem.material import STEEL

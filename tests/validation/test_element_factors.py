@@ -14,8 +14,7 @@ import math
 
 import pytest
 
-from crankfem.analyses.strength.element_factors import element_factors
-from crankfem.analyses.strength.throw_webs import throw_webs
+from crankfem.analyses.strength.element_factors import element_factors, throw_webs
 from crankfem.files.sections.strength_section import StrengthSection
 from dynamics.strength.element_factors import SYMBOLS
 from fem import fillet_stress, rule_mesh

@@ -26,7 +26,7 @@ from skfem.quadrature import get_quadrature
 
 from comparing import close
 from fem.assembly import assemble_stiffness, symmetric_product
-from fem.class_compliances import class_axial_compliances
+from fem.axial_analysis import class_axial_compliances
 from fem.condensation import condense, nodes_on
 from fem.loads import unit_pin_loads
 from fem.material import STEEL

@@ -72,7 +72,7 @@ def test_rotation_is_told_beside_the_lowest_bending_mode(run, figure):
     kinds, frequencies = modes.kinds, modes.frequencies
     first = next(n for n in range(modes.rigid, len(kinds)) if kinds[n] == "bending")
     assert first > modes.rigid  # The coupling's mode is lower.
-    bending = whole_record(run.whole, run.comparison)["bending"]
+    bending = whole_record(run.whole, run.comparison, (0.0, math.inf))["bending"]
     turns = run.engine_file.engine.highest_speed / (2.0 * math.pi)
     figure("rotation over bending", bending["rotation_ratio"], turns / frequencies[first], 1e-9)
     assert bending["frequency"] == frequencies[first]

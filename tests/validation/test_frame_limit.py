@@ -31,7 +31,7 @@ import pytest
 
 from comparing import close
 from fem.assembly import assemble_stiffness
-from fem.class_compliances import class_axial_compliances, class_torsional_compliance
+from fem.axial_analysis import class_axial_compliances, class_torsional_compliance
 from fem.condensation import condense
 from fem.loads import unit_pin_loads
 from fem.material import STEEL

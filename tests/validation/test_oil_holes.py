@@ -28,19 +28,18 @@ from scipy.spatial import KDTree
 from scipy.special import ellipe, ellipk
 
 from comparing import close
-from fem.fillet_surface import fillet_surface
+from fem.fillet_peaks import fillet_surface
 from fem.material import STEEL
-from fem.principal import largest_principal, principal_stresses
+from fem.surface_stress import largest_principal, principal_stresses
 from fem.unit_loads import solve_unit_loads, unit_loads
 from geometry.crankshaft import throw_solid
-from geometry.drilling import Drilling
-from geometry.drilling_distances import distance_from_wall
+from geometry.drilling import Drilling, distance_from_wall
 from geometry.gmsh_session import gmsh_session
 from geometry.mass import mesh_mass_properties
 from geometry.mesh import ThrowMesh, mesh_throw, read_mesh
 from geometry.mesh_checks import SolidProperties
-from geometry.mesh_repair import straighten_elements
 from geometry.parts import Cylinder, ThrowParts
+from geometry.shapes import straighten_elements
 from geometry.solid import build_solid
 from geometry.throw import CrankThrow
 from geometry.throw_dimensions import OilHole

@@ -14,16 +14,16 @@ import pytest
 from typer.testing import CliRunner
 
 from crankbase.errors import InputError
-from crankfem.analyses.study.fitting import fit_study
-from crankfem.analyses.study.study_model import compliance_model
+from crankfem.analyses.study.fit_records import compliance_model
+from crankfem.analyses.study.response_fits import fit_study
 from crankfem.cli.app import app
 from geometry.throw import CrankThrow
 from regression.models.compliance_model import ComplianceModel
 from regression.models.extrapolation import OutsideRangeWarning
 from regression.models.model_file import checksum
+from regression.models.optimum import find_optimum
 from regression.models.optimum_limits import Limit
-from regression.models.optimum_search import find_optimum
-from regression.plans.design_choice import DesignChoice
+from regression.plans.designs import DesignChoice
 from regression.plans.factors import Factor
 from regression.plans.plan import StudyPlan, plan_designs
 from regression.records import Outcome

@@ -10,7 +10,7 @@ from crankbase.errors import InputError
 from crankbase.units.units import RPM
 from crankfem.analyses.mechanism.harmonics_record import fired_record, seen_stars
 from crankfem.analyses.record import Record, attributes
-from crankfem.files.engine.file_kinds import torque_table_path
+from crankfem.files.engine.file_kinds import torque_table_file
 from crankfem.files.reading.toml_file import TomlFile
 from crankfem.files.sections.engine_sections import Engine, TwoMassInput, VibrationSettings
 from dynamics.chains.two_mass import TwoMassCheck, two_mass_check
@@ -77,7 +77,7 @@ def read_two_masses(content: TomlFile) -> TwoMassFile:
         )
     engine = content.model("engine", Engine)
     settings = content.model("vibration", VibrationSettings)
-    table = torque_table_path(content)
+    table = torque_table_file(content)
     strokes = None if engine is None else engine.strokes
     return TwoMassFile(
         path=content.path,

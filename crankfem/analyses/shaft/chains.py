@@ -17,7 +17,7 @@ from dynamics.response.damping import UNIT, DampedChain, damped
 from dynamics.response.linear_system import DEFAULT_MAGNIFIER, MAGNIFIER_SOURCE
 
 Array = NDArray[np.float64]
-ASSUMED = f"assumed, {MAGNIFIER_SOURCE}"
+ASSUMED = "assumed"
 
 
 def engine_axial_chain(
@@ -131,7 +131,7 @@ def torsional_damper(engine_file: EngineFile) -> TorsionalDamper | None:
 
 
 def magnifier_of(engine_file: EngineFile, kind: Kind) -> tuple[float | None, str]:
-    """Return the magnifier of the elastic modes and its source.
+    """Return the magnifier of the elastic modes and its source, which begins with `ASSUMED` if it is.
 
     Without any damping in the file this is a measured value, marked as assumed; none if cylinders or
     throws have damping of their own.
@@ -140,24 +140,35 @@ def magnifier_of(engine_file: EngineFile, kind: Kind) -> tuple[float | None, str
     if given is not None:
         magnifier = given.axial_magnifier if kind == "axial" else given.torsional_magnifier
         if magnifier is not None:
-            return magnifier, "engine file"
+            told, assumed = engine_file.provenance.get(f"damping.{kind}_magnifier", ("", False))
+            return magnifier, f"{ASSUMED}: {told}" if assumed else "engine file"
         if kind == "torsional" and given.damps_torsion:
             return None, ""
-    return DEFAULT_MAGNIFIER, ASSUMED
+    return DEFAULT_MAGNIFIER, f"{ASSUMED}, {MAGNIFIER_SOURCE}"
+
+
+def magnifier_damping(engine_file: EngineFile, chain: EngineChain) -> tuple[Array | None, str]:
+    """Return the share of critical damping that the magnifier adds to each elastic mode, in words too.
+
+    An assumed magnifier stands for damping that nobody gives: it does not damp parts whose own is given.
+    """
+    magnifier, source = magnifier_of(engine_file, chain.kind)
+    if magnifier is None:
+        return None, ""
+    modes = chain.chain.modes()
+    undamped = np.ones(modes.frequencies.size - modes.rigid)
+    apart = ""
+    if source.startswith(ASSUMED) and np.any(own := chain.chain.damped_springs):
+        undamped = modes.strain_shares[~own, modes.rigid :].sum(axis=0)
+        apart = ", by its share of strain in parts without damping of their own"
+    said = f"magnifier {magnifier:g} of every elastic mode{apart}: {source}"
+    return 0.5 / magnifier * undamped, said
 
 
 def damped_engine_chain(engine_file: EngineFile, chain: EngineChain) -> DampedChain:
     """Return the chain with the damping of engine and shaft; dampers and couplings add theirs."""
-    magnifier, source = magnifier_of(engine_file, chain.kind)
-    told, assumed = engine_file.provenance.get(f"damping.{chain.kind}_magnifier", ("", False))
-    found = (
-        damped(chain.chain)
-        if magnifier is None
-        else damped(
-            chain.chain,
-            magnifier=magnifier,
-            source=f"assumed: {told}" if assumed and source != ASSUMED else source,
-        )
-    )
+    added, told = magnifier_damping(engine_file, chain)
+    found = damped(chain.chain, modal_damping=added)
+    record = found.record if added is None else (*found.record[:-1], told)
     unit = "N s/m" if chain.kind == "axial" else "N m s/rad"
-    return replace(found, record=tuple(said.replace(UNIT, unit) for said in found.record))
+    return replace(found, record=tuple(said.replace(UNIT, unit) for said in record))

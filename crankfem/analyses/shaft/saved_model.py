@@ -4,6 +4,7 @@ from dataclasses import replace
 from pathlib import Path
 
 from crankbase.errors import InputError
+from crankbase.input_file import GivenFile
 from crankfem.analyses.shaft.regression_source import (
     REGRESSION,
     RESPONSES,
@@ -24,13 +25,11 @@ def saved_model(engine_file: EngineFile) -> ComplianceModel | None:
     InputError
         If the file does not exist, or `ComplianceModel.load` cannot read it.
     """
-    path = engine_file.model_path
-    if path is None:
-        return None
-    return _loaded(path, "vibration.model")
+    file = engine_file.model_file
+    return None if file is None else _loaded(file, "vibration.model")
 
 
-def _loaded(path: Path, field: str) -> ComplianceModel:
+def _loaded(path: GivenFile, field: str) -> ComplianceModel:
     try:
         return ComplianceModel.load(path)
     except InputError as error:

@@ -60,6 +60,8 @@ def shaft_surroundings(
         ring=_ring(engine_file),
         machine=_machine(engine_file),
         pin_masses=tuple(at_each.tolist()),
+        torsional_line=engine_file.shaft_lines.get("torsional"),
+        axial_line=engine_file.shaft_lines.get("axial"),
     )
     return around, (*first, *second, *third)
 

@@ -161,12 +161,7 @@ def axial_by_formulas(
 
     @cache
     def formulas(throw: CrankThrow, gap: float) -> dict[str, FormulaValue]:
-        return axial_formulas(
-            throw,
-            gap,
-            youngs_modulus=material.youngs_modulus,
-            poisson_ratio=material.poisson_ratio,
-        )
+        return axial_formulas(throw, gap, material=material)
 
     # Of each throw: the angles to its neighbors, and the formulas at both.
     sides = [
@@ -192,10 +187,7 @@ def axial_by_formulas(
 def torsional_by_formulas(throws: Sequence[CrankThrow], material: Material) -> Sources:
     """Formula values of each throw [rad/(N m)]; arguments as `axial_by_formulas`."""
     tables = {
-        throw: torsional_formulas(
-            throw, youngs_modulus=material.youngs_modulus, poisson_ratio=material.poisson_ratio
-        )
-        for throw in dict.fromkeys(throws)
+        throw: torsional_formulas(throw, material=material) for throw in dict.fromkeys(throws)
     }
     remark = "the same for every throw" if len(tables) == 1 else "by each throw's own dimensions"
     each = [tables[throw] for throw in throws]

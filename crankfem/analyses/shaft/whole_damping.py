@@ -3,7 +3,9 @@
 import numpy as np
 
 from crankbase.checks.arrays import FloatArray
+from crankfem.analyses.shaft.chains import ASSUMED, magnifier_of
 from crankfem.files.engine.engine_file import EngineFile
+from dynamics.chains.engine_chains import Kind
 from dynamics.crankshaft.shaft_system import CrankshaftSystem
 from dynamics.response.linear_system import DEFAULT_MAGNIFIER
 
@@ -28,12 +30,24 @@ def modal_damping(engine_file: EngineFile, crankshaft: CrankshaftSystem) -> Floa
     -----
     Axial, torsional and bending motion each contribute their damping, by their share in the mode's
     energy: axial and torsional motion that of their chains, half of 1 / magnifier or of the loss factor;
-    bending, and corrections, that of the bending magnifier, assumed by default.
+    bending, and corrections, that of the bending magnifier, assumed by default. As in the chains, an
+    assumed magnifier leaves out the share of strain in couplings, dampers and shaft lines with damping of
+    their own, and the loss factor that of all of these.
     """
-    rigid = crankshaft.modes.rigid
-    kept = crankshaft.modes.shares[:, rigid : rigid + crankshaft.kept]
-    ratios = _damping_ratios(engine_file)
-    by_share = np.array(ratios) @ kept
+    modes, shaft = crankshaft.modes, crankshaft.shaft
+    kept = slice(modes.rigid, modes.rigid + crankshaft.kept)
+    shares, ratios = modes.shares[:, kept], _damping_ratios(engine_file)
+    strain = (shaft.added_springs @ modes.shapes[:, kept] / modes.angular_frequencies[kept]) ** 2
+    by_share = np.array(ratios) @ shares
+    loss = 0.0 if engine_file.damping is None else engine_file.damping.loss_factor or 0.0
+    kinds: tuple[Kind, ...] = ("axial", "torsional")
+    for place, kind in enumerate(kinds):
+        own = shaft.spring_kinds == place
+        if magnifier_of(engine_file, kind)[1].startswith(ASSUMED):
+            left = strain[own & shaft.damped_springs].sum(axis=0)
+            by_share -= ratios[place] * np.minimum(left, shares[place])
+        elif kind == "torsional":
+            by_share -= 0.5 * loss * np.minimum(strain[own].sum(axis=0), shares[place])
     return np.concatenate((by_share, np.full(crankshaft.corrections, ratios[-1])))
 
 

@@ -11,10 +11,7 @@ from crankfem.analyses.shaft.motion import MOTION
 from crankfem.analyses.shaft.whole_shaft import ShaftComparison, WholeShaft
 from dynamics.chains.engine_chains import EngineChain
 from dynamics.crankshaft.chain_comparison import FREQUENCY_LIMIT, RESPONSE_LIMIT, ChainVerdict
-from dynamics.crankshaft.chain_difference import (
-    flywheel_tilt,
-    frequency_difference,
-)
+from dynamics.crankshaft.chain_difference import frequency_difference
 
 
 def with_differences(
@@ -40,7 +37,7 @@ def with_differences(
     """
     if not comparison.verdicts:
         return comparison
-    shaft, differences, tilts = whole.crankshaft.shaft, [], []
+    shaft, found = whole.crankshaft.shaft, []
     for chain, rigid in zip(chains, rigid_chains, strict=True):
         modes = chain.chain.modes()
         first = chain.first_mode(modes)
@@ -48,14 +45,12 @@ def with_differences(
             continue
         number = first - modes.rigid + 1
         try:
-            difference = frequency_difference(shaft, chain, rigid, number)
-            tilts.append(flywheel_tilt(shaft, chain, number))
+            found.append(frequency_difference(shaft, chain, rigid, number))
         except InputError:
             continue
-        # Steps lead to one frequency, not to two.
-        if tilts[-1].further is None:
-            differences.append(difference)
-    return replace(comparison, differences=tuple(differences), tilts=tuple(tilts))
+    # Steps lead to one frequency, not to two.
+    whole_ones = tuple(one for one in found if one.further is None)
+    return replace(comparison, differences=whole_ones, tilts=tuple(one.tilt for one in found))
 
 
 def whole_shaft_remark(comparison: ShaftComparison) -> tuple[str, ...]:
@@ -88,8 +83,8 @@ def _difference(verdict: ChainVerdict) -> str:
             for speed, peak in found.peaks
         )
         return (
-            f"largest {verdict.kind} amplitude of the free end, over all speeds calculated, {shaft} "
-            f"instead of {chain}"
+            f"largest {verdict.kind} amplitude of the free end at running speeds {shaft} instead of "
+            f"{chain}"
         )
     for match in verdict.modes:
         number = match.chain_mode - match.chain_rigid + 1

@@ -8,13 +8,19 @@ from crankfem.analyses.record import Record, attributes, plain
 from crankfem.analyses.shaft.whole_shaft import ShaftComparison, WholeShaft
 from dynamics.crankshaft.chain_comparison import ChainVerdict
 from dynamics.crankshaft.coupled_response import CoupledResponse
+from dynamics.running_limits import within
 
 MODES_SHOWN = 12
 SHARES = ("axial", "torsional", "bending")
 
 
-def whole_record(whole: WholeShaft, comparison: ShaftComparison | None) -> Record:
-    """Return modes with their shares, and the comparison with the chains, in SI units."""
+def whole_record(
+    whole: WholeShaft, comparison: ShaftComparison | None, running_range: tuple[float, float]
+) -> Record:
+    """Return modes with their shares, and the comparison with the chains, in SI units.
+
+    Amplitudes are the largest within the running range [rad/s].
+    """
     modes = whole.modes
     verdicts = () if comparison is None else comparison.verdicts
     coupled = None if comparison is None else comparison.coupled
@@ -43,7 +49,7 @@ def whole_record(whole: WholeShaft, comparison: ShaftComparison | None) -> Recor
                 for one in (() if comparison is None else comparison.differences)
             ],
             "flywheel_tilt": None if comparison is None else _tilts(whole, comparison),
-            "axial_split": None if coupled is None else _split(coupled),
+            "axial_split": None if coupled is None else _split(coupled, running_range),
         }
     )
 
@@ -70,8 +76,9 @@ def _tilts(whole: WholeShaft, comparison: ShaftComparison) -> Record | None:
             attributes(one, "kind", "mode", "without", "shaft", "further")
             for one in comparison.tilts
         ],
-        "sentence": f"The flywheel's inertia about a diameter ({significant(inertia, 3)} kg m^2{half}) moves "
-        f"{moved or 'the first frequencies by less than 0.05 Hz'}.",
+        "sentence": f"The last step is the flywheel's inertia about a diameter ({significant(inertia, 3)} "
+        f"kg m^2{half}); it moves {moved or 'the first frequencies by less than 0.05 Hz'}. In another order "
+        "the steps share the same difference otherwise.",
     }
 
 
@@ -92,16 +99,17 @@ def _chain(verdict: ChainVerdict) -> Record:
     }
 
 
-def _split(coupled: CoupledResponse) -> Record:
+def _split(coupled: CoupledResponse, running_range: tuple[float, float]) -> Record:
     """Largest axial amplitude of the free end by each kind of force and by both, each with its speed."""
     split = coupled.split("main bearing 1 uz")
+    inside = np.flatnonzero(within(coupled.speeds, *running_range))
     record: Record = {}
     for name, curve in (
         ("tangential", split.tangential_sum),
         ("radial", split.radial_sum),
         ("both", split.both_sum),
     ):
-        worst = int(np.argmax(curve))
+        worst = int(inside[np.argmax(curve[inside])])
         record[name] = curve[worst]
         record[f"{name}_speed_rpm"] = coupled.speeds[worst] * RPM
     return record | {"speed_rpm": record["both_speed_rpm"]}

@@ -6,7 +6,7 @@ pins that the file names.
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
@@ -19,8 +19,10 @@ from crankbase.tables.frames import table_of
 from crankfem.analyses.shaft.shaft_surroundings import shaft_surroundings
 from crankfem.analyses.shaft.throw_analyses import Analyses, crank_analyses
 from crankfem.analyses.shaft.whole_damping import damping_remarks, modal_damping
+from crankfem.files.chain.shaft_lines import PLANT
 from crankfem.files.engine.engine_file import EngineFile
-from dynamics.chains.engine_chains import EngineChain
+from crankfem.files.sections.excitation_sections import PropellerForcesSection
+from dynamics.chains.engine_chains import EngineChain, Kind
 from dynamics.crankshaft.assembly import assemble_crankshaft
 from dynamics.crankshaft.chain_comparison import (
     ChainVerdict,
@@ -29,13 +31,17 @@ from dynamics.crankshaft.chain_comparison import (
 )
 from dynamics.crankshaft.chain_difference import FlywheelTilt, FrequencyDifference
 from dynamics.crankshaft.coupled_response import CoupledResponse, coupled_response
+from dynamics.crankshaft.joined_lines import MOTION_OF
 from dynamics.crankshaft.mode_matches import matching_modes
 from dynamics.crankshaft.shaft_modes import ShaftModes, rotation_ratio
 from dynamics.crankshaft.shaft_system import CrankshaftSystem, crankshaft_system
 from dynamics.crankshaft.shaft_throw import ShaftThrow
 from dynamics.crankshaft.surroundings import MainBearings
+from dynamics.excitation.combined_excitation import combined_excitation
 from dynamics.excitation.cylinders import CylinderForces
+from dynamics.excitation.propeller import propeller_excitation
 from dynamics.response.forced import ForcedResponse
+from dynamics.response.order_excitation import OrderExcitation
 from dynamics.response.power import checked_power_balance
 from fem.craig_bampton import DynamicSuperelement
 from geometry.throw import CrankThrow
@@ -118,7 +124,7 @@ class ShaftComparison:
     coupled : CoupledResponse or None
         None if nothing is forced.
     axial, torsional : ChainVerdict or None
-        None if the chains contain parts that the whole shaft lacks; see `unmodeled_sections`.
+        None if the chains are not those of the whole shaft; see `not_comparable`.
     differences : tuple of FrequencyDifference
         Causes of the difference between whole shaft and chains, for the first mode of the
         crankshaft itself of each kind, if the whole shaft has a similar one.
@@ -175,7 +181,7 @@ class ShaftComparison:
         if verdict is None or verdict.response is None:
             raise InputError(
                 f"show: given {show!r}; allowed is what was calculated, because without gas pressure "
-                "nothing is forced, and chains with a shaft line are not compared."
+                "nothing is forced, and a plant's chain of its maker is not compared."
             )
         return verdict.response.plot(axes)
 
@@ -254,12 +260,8 @@ def whole_shaft(
         remarks += (
             "rods on one pin act at its middle; the moment of rods side by side is left out",
         )
-    left = unmodeled_sections(engine_file)
-    if left:
-        remarks += (
-            f"{' and '.join(left)} {'is' if len(left) == 1 else 'are'} included in the chains but not in "
-            "the whole crankshaft, so the two are not compared",
-        )
+    if reason := not_comparable(engine_file):
+        remarks += (reason,)
     return WholeShaft(
         crankshaft=crankshaft,
         highest_frequency=highest,
@@ -271,13 +273,58 @@ def whole_shaft(
     )
 
 
-def unmodeled_sections(engine_file: EngineFile) -> tuple[str, ...]:
-    """Return the sections of an engine file that are in the chains but not in the whole crankshaft."""
-    given = {
-        "[shaft_line]": bool(engine_file.shaft_lines),
-        "[propeller_forces]": engine_file.propeller_forces is not None,
-    }
-    return tuple(name for name, there in given.items() if there)
+def not_comparable(engine_file: EngineFile) -> str:
+    """Say why nothing judges the whole crankshaft of an engine file; nothing if it can be judged."""
+    if PLANT in engine_file.shaft_lines:
+        return (
+            "the torsional chain is the maker's for the whole plant (shaft_line.plant), not one of the "
+            "file's throws: the whole crankshaft, made of these, is without the plant and judged by no limit"
+        )
+    given = engine_file.propeller_forces
+    if given is not None and {given.node} - _line_nodes(engine_file, given):
+        return (
+            f"the propeller's forces act on {given.node}, not behind the flywheel: the whole crankshaft is "
+            "without them and judged by no limit"
+        )
+    return ""
+
+
+def _line_nodes(engine_file: EngineFile, given: PropellerForcesSection) -> set[str]:
+    """Nodes of the shaft lines on which a propeller's torque and thrust, if there are some, can act."""
+    lines = engine_file.shaft_lines
+    acting: tuple[tuple[Kind, Sequence[float]], ...] = (
+        ("torsional", given.torque_shares),
+        ("axial", given.thrust_shares),
+    )
+    named = [set(lines[kind].names[1:]) if kind in lines else set() for kind, own in acting if own]
+    return set.intersection(*named)
+
+
+def propeller_on_shaft(
+    engine_file: EngineFile, whole: WholeShaft, speeds: FloatArray
+) -> OrderExcitation | None:
+    """Return the varying torque and thrust of a propeller on the shaft line; None without any."""
+    given, lines = engine_file.propeller_forces, engine_file.shaft_lines
+    if given is None or not_comparable(engine_file):
+        return None
+    acting = []
+    senses: tuple[tuple[Kind, int], ...] = (
+        ("torsional", engine_file.engine.turning_sense),
+        ("axial", 1),
+    )
+    for kind, sense in senses:
+        if not (given.torque_shares if kind == "torsional" else given.thrust_shares):
+            continue
+        chain = lines[kind]
+        node = chain.names.index(given.node)
+        of_line = propeller_excitation(
+            given.forces, chain, node, speeds, kind=kind, ratio=given.ratio
+        )
+        forces = np.zeros((*of_line.forces.shape[:2], len(whole.crankshaft.names)), dtype=complex)
+        point = whole.crankshaft.point(f"{given.node} {MOTION_OF[kind]}")
+        forces[:, :, point] = sense * of_line.forces[:, :, node]
+        acting.append(replace(of_line, forces=forces))
+    return combined_excitation(*acting)
 
 
 def highest_exciting_frequency(engine_file: EngineFile) -> float:
@@ -351,8 +398,9 @@ def shaft_response(
         modal_damping=None
         if magnifier is not None
         else modal_damping(engine_file, whole.crankshaft),
+        further=propeller_on_shaft(engine_file, whole, forces.speeds),
     )
-    for answer in (found.tangential, found.radial):
+    for answer in found.parts:
         checked_power_balance(answer)
     return found
 
@@ -364,6 +412,7 @@ def compare_with_chains(
     coupled: CoupledResponse | None = None,
     axial_response: ForcedResponse | None = None,
     torsional_response: ForcedResponse | None = None,
+    running_range: tuple[float, float] = (0.0, math.inf),
 ) -> ShaftComparison:
     """Compare the whole shaft with its chains, and decide whether these are adequate.
 
@@ -374,6 +423,8 @@ def compare_with_chains(
         Of the same engine.
     coupled, axial_response, torsional_response : optional
         Forced vibration under the same forces at the same speeds; by default only modes are compared.
+    running_range : tuple of two floats, optional
+        Speeds [rad/s] within which the largest amplitudes are compared.
 
     Returns
     -------
@@ -389,6 +440,6 @@ def compare_with_chains(
         matches = matching_modes(whole.crankshaft, chain, max(highest, whole.exciting_frequency))
         response = None
         if coupled is not None and answer is not None:
-            response = matching_response(coupled, chain, answer)
+            response = matching_response(coupled, chain, answer, running_range)
         verdicts.append(chain_verdict(matches, response))
     return ShaftComparison(coupled, verdicts[0], verdicts[1])

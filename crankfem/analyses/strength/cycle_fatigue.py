@@ -7,18 +7,22 @@ of it is largest.
 
 import math
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
+from itertools import islice
 
 import numpy as np
+from numpy.typing import NDArray
 
+from crankbase.checks.arrays import FloatArray
 from crankbase.errors import InputError, MeshError, SolveError
 from crankbase.library_types import DataFrame
 from crankbase.summaries import summarized
 from crankbase.tables.frames import Row, table_of
+from crankbase.tables.table import Column, Table
 from crankbase.units.units import RPM
-from crankfem.analyses.strength.cycle_loads import cycle_loads
+from crankfem.analyses.record import Record, attributes, plain
+from crankfem.analyses.strength.cycle_loads import CycleLoads, cycle_loads
 from crankfem.analyses.strength.engine_strength import EngineStrength, engine_strength
-from crankfem.analyses.strength.fatigue_search import Candidate, find_candidates, worst_point
 from crankfem.analyses.strength.shaft_loads import judged_speeds
 from crankfem.analyses.vibration.firing_check import Cylinders, named
 from crankfem.analyses.vibration.run import EngineVibration
@@ -27,12 +31,106 @@ from crankfem.files.sections.strength_section import StrengthSection
 from dynamics.strength.fatigue import MANUFACTURE, fatigue_strength
 from dynamics.strength.findley import (
     FINDLEY_SOURCE,
+    CriticalPlane,
+    critical_plane,
+    findley_bound,
     findley_factor,
     findley_limit,
 )
 from fem.fillet_peaks import FilletStresses
 from fem.fillet_stress import fillet_stresses
 from fem.stress_fields import StressedSite, StressFields, stress_fields
+
+# Speeds at which nodes are chosen first, how many are followed over all speeds, and how far these are apart
+# beside the radius of the fillet or hole.
+FIRST_SPEEDS, FOLLOWED, APART = 5, 16, 0.5
+# Every so many samples of the cycle are enough to choose nodes, and speeds.
+SPARSER, SPARSE = 6, 3
+# Highest speeds of each case that are looked at closely, and nodes there: apart, then near the worst.
+CLOSELY, NODES = 3, 6
+
+
+@dataclass(frozen=True)
+class Candidate:
+    """A speed and case of firing of a site that may be decisive: upper bound of its points, and its loads."""
+
+    bound: float
+    speed: float
+    cylinders: Cylinders
+    angles: FloatArray
+    amplitudes: FloatArray  # (m, 12)
+
+
+def _history(site: StressedSite, nodes: NDArray[np.int64], amplitudes: FloatArray) -> FloatArray:
+    """Stresses (nodes, ..., m, 3) of amplitudes (..., m, 12)."""
+    stress = site.stress[nodes]
+    flat = amplitudes.reshape(-1, amplitudes.shape[-1]) @ np.moveaxis(stress, 1, 0).reshape(
+        amplitudes.shape[-1], -1
+    )
+    return np.moveaxis(flat.reshape(*amplitudes.shape[:-1], len(stress), 3), -2, 0)
+
+
+def _apart(site: StressedSite, values: FloatArray) -> Iterator[int]:
+    """Return nodes of a site with the largest values first, none next to one that came before."""
+    left = values.copy()
+    while np.any(left > 0.0):
+        node = int(np.argmax(left))
+        yield node
+        distance = np.linalg.norm(site.points - site.points[node], axis=1)
+        left[distance < APART * site.radius] = 0.0
+
+
+def find_candidates(
+    site: StressedSite, loads: CycleLoads, throw: int, amplitudes: FloatArray, factor: float
+) -> Iterator[Candidate]:
+    """Return the speeds at which the bound of a site is highest among its neighbors."""
+    count = len(loads.speeds)
+    first = np.unique(np.linspace(0, count - 1, FIRST_SPEEDS).astype(int))
+    twisting = np.ptp(loads.ends[throw, ..., 11], axis=1).argmax()
+    every = np.arange(len(site.points))
+    reached = np.zeros(len(every))
+    for speed in [*first, twisting]:
+        history = _history(site, every, amplitudes[speed, ::SPARSER])
+        reached = np.maximum(reached, findley_bound(history, factor))
+    nodes = np.array(list(islice(_apart(site, reached), FOLLOWED)))
+    history = _history(site, nodes, amplitudes[:, ::SPARSE])
+    bounds = findley_bound(history, factor).max(axis=0)
+    padded = np.concatenate(([-np.inf], bounds, [-np.inf]))
+    tops = np.flatnonzero((bounds >= padded[:-2]) & (bounds >= padded[2:]))
+    for top in tops[np.argsort(bounds[tops])[::-1][:CLOSELY]]:
+        speed = float(loads.speeds[top])
+        yield Candidate(
+            float(bounds[top]), speed, loads.cylinders, loads.angles, amplitudes[top].copy()
+        )
+
+
+def worst_point(
+    site: StressedSite, candidates: Sequence[Candidate], factor: float
+) -> tuple[CriticalPlane, int, Candidate]:
+    """Return the critical plane of the worst of a site's nodes, its index, and the loads at that time."""
+    best: CriticalPlane | None = None
+    where = (0, candidates[0])
+    for one in sorted(candidates, key=lambda own: -own.bound):
+        if best is not None and one.bound <= best.value:
+            break
+        history = _history(site, np.arange(len(site.points)), one.amplitudes)
+        bounds = findley_bound(history, factor)
+        near = np.zeros(len(bounds), dtype=bool)
+        for nodes in (islice(_apart(site, bounds), NODES), None):
+            if nodes is None:
+                # Round the worst of these, if it is of this candidate.
+                distance = np.linalg.norm(site.points - site.points[where[0]], axis=1)
+                near = (distance < APART * site.radius) & (where[1] is one)
+                nodes = iter(np.argsort(np.where(near, bounds, 0.0))[::-1][:NODES].tolist())
+            for node in nodes:
+                if best is not None and bounds[node] <= best.value:
+                    break
+                found = critical_plane(history[node], factor)
+                if best is None or found.value > best.value:
+                    best, where = found, (node, one)
+    assert best is not None
+    return best, *where
+
 
 # Wished accuracy of the finite elements, where there are none yet.
 ACCURACY = 0.1
@@ -337,3 +435,59 @@ def _remarks(
         )
     if len(set(file.throws)) < len(file.throws):
         yield "rods side by side load the pin at their own positions, each distributed over the whole pin"
+
+
+def fatigue_record(found: EngineFatigue) -> Record:
+    """Return the record of a crankshaft's fatigue over the cycle."""
+    return {
+        **attributes(found, "sentence", "source", "factor", "remarks"),
+        "places": [_place_record(one) for one in found.places],
+    }
+
+
+def _place_record(one: FatiguePlace) -> Record:
+    own = asdict(one)
+    return plain(
+        {
+            "safety": one.safety,
+            "speed_rpm": own.pop("speed") * RPM,
+            "misfiring": own.pop("cylinders"),
+            "criterion": own.pop("value"),
+            **own,
+        }
+    )
+
+
+def fatigue_table(record: Record) -> Table:
+    """Return the least safety of each kind of location of each throw, from the `fatigue_record`."""
+    least: dict[tuple[int, str], Record] = {}
+    for one in record["places"]:
+        least.setdefault((one["throw"], one["place"]), one)
+    return Table(
+        "Fatigue over the working cycle",
+        [
+            Column("throw"),
+            Column("location", words=True),
+            Column("safety", decimals=2),
+            Column("at", "1/min"),
+            Column("misfiring cylinder"),
+            Column("shaft angle", "deg", decimals=0),
+            Column("shear amplitude", "MPa"),
+            Column("normal stress", "MPa"),
+            Column("fatigue strength", "MPa"),
+            Column("factor Q", decimals=2),
+        ],
+        [
+            [
+                one["throw"],
+                one["name"],
+                one["safety"],
+                one["speed_rpm"] / RPM,
+                one["misfiring"] or None,
+                math.radians(one["shaft_angle_deg"]),
+                *(one[name] for name in ("shear_amplitude", "normal_stress", "strength")),
+                one["rule_factor"],
+            ]
+            for one in least.values()
+        ],
+    )

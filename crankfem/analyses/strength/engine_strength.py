@@ -1,6 +1,6 @@
 """Strength of an engine's crankshaft by UR M53, throw by throw."""
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -9,23 +9,197 @@ from crankbase.errors import InputError
 from crankbase.library_types import DataFrame
 from crankbase.summaries import summarized
 from crankbase.tables.frames import table_of
-from crankfem.analyses.strength.element_factors import element_factors, engine_stresses
-from crankfem.analyses.strength.place_judging import JudgedCase, judged_places
-from crankfem.analyses.strength.shaft_loads import LargestLoad, ShaftLoads, shaft_loads
-from crankfem.analyses.strength.strength_remarks import strength_remarks
-from crankfem.analyses.strength.supported_throws import supported_throws
-from crankfem.analyses.strength.throw_webs import ThrowWeb, shrink_fit, throw_webs
+from crankbase.units.units import RPM
+from crankfem.analyses.strength.cycle_loads import supported_throws
+from crankfem.analyses.strength.element_factors import (
+    ThrowWeb,
+    element_factors,
+    engine_stresses,
+    shrink_fit,
+    throw_webs,
+)
+from crankfem.analyses.strength.shaft_loads import (
+    HIGHEST_ORDER,
+    LargestLoad,
+    ShaftLoads,
+    shaft_loads,
+)
 from crankfem.analyses.vibration.run import EngineVibration
 from crankfem.files.engine.engine_file import EngineFile
 from crankfem.files.engine.mechanism_file import MechanismFile, mechanism_of
 from crankfem.files.sections.strength_section import StrengthSection
-from dynamics.strength.concentration import ConcentrationFactors
-from dynamics.strength.crank_web import M53_SOURCE, PLACES
+from dynamics.assessment.limit_sentences import shown_range
+from dynamics.response.loads import section_modulus
+from dynamics.strength.concentration import (
+    COEFFICIENTS,
+    DOUBTFUL,
+    ConcentrationFactors,
+    coefficient_differences,
+)
+from dynamics.strength.crank_web import M53_SOURCE, PLACES, CrankWeb
 from dynamics.strength.element_factors import ElementFactors, unsafe_formulas
-from dynamics.strength.fatigue import REQUIRED, PlaceStrength
+from dynamics.strength.fatigue import (
+    MANUFACTURE,
+    REQUIRED,
+    PlaceStrength,
+    added_bending,
+    fatigue_strength,
+    fillet_equivalent,
+    hole_equivalent,
+)
 from dynamics.strength.nominal import SupportedThrow, hole_stress, web_stresses
 from dynamics.strength.shrink_fit import ShrinkFit
+from dynamics.strength.surface_treatment import factors_below
 from fem.fillet_peaks import FilletStresses
+
+
+@dataclass(frozen=True)
+class JudgedCase:
+    """A location next to a web, with its loads: nominal stresses [Pa], torque [N m], axial force [N]."""
+
+    throw: int
+    place: str
+    own: ThrowWeb
+    factors: ConcentrationFactors | ElementFactors
+    bending: float
+    shear: float
+    torque: float
+    axial: float | None
+
+
+def judged_places(case: JudgedCase, section: StrengthSection) -> Iterator[PlaceStrength]:
+    """Return the location at its surface, and if hardened at the transition below too."""
+    web, place = case.own.web, case.place
+    on_bending, on_shear, on_torsion = case.factors.at(place)
+    sizes = web.pin_diameter, web.pin_bore
+    if place == "journal fillet":
+        sizes = web.journal_diameter, web.journal_bore
+    torsion = case.torque / float(section_modulus("torsional", *sizes))
+    added = 0.0
+    if place != "oil hole":
+        of_axial = None
+        if case.axial is not None:
+            # The force bends the web most at the pin's axis.
+            moment = case.axial * web.crank_radius
+            of_axial = on_bending * moment / web.bending_modulus
+        added = added_bending(section.piston, of_axial)
+    factor = MANUFACTURE[section.manufacture][place == "oil hole"]
+    strength = fatigue_strength(section.tensile_strength, *web.place_radius(place), factor)
+    layers = [(0.0, on_bending, on_torsion, strength)]
+    hardened = section.hardening
+    if hardened is not None and place in hardened.places:
+        treatment = hardened.treatment()
+        depth = treatment.transition
+        layers = [
+            (0.0, on_bending, on_torsion, treatment.surface_strength),
+            (
+                depth,
+                *factors_below(case.factors, place, depth),
+                treatment.transition_strength(strength),
+            ),
+        ]
+    for depth, of_bending, of_torsion, bears in layers:
+        local = of_bending * case.bending + on_shear * case.shear
+        equivalent = (
+            hole_equivalent(local, of_torsion * torsion)
+            if place == "oil hole"
+            else fillet_equivalent(local, of_torsion * torsion, added)
+        )
+        yield PlaceStrength(
+            throw=case.throw,
+            place=place,
+            web="" if place == "oil hole" else case.own.name,
+            depth=depth,
+            nominal_bending=case.bending,
+            nominal_shear=case.shear,
+            nominal_torsion=torsion,
+            bending=local,
+            torsion=of_torsion * torsion,
+            added=added,
+            equivalent=equivalent,
+            strength=bears,
+        )
+
+
+def strength_remarks(
+    vibration: EngineVibration,
+    section: StrengthSection,
+    loads: ShaftLoads,
+    webs: Sequence[CrankWeb],
+    judged: Sequence[CrankWeb],
+    elements: Sequence[ElementFactors],
+) -> Iterator[str]:
+    """State the assumptions, a sentence each.
+
+    Parameters
+    ----------
+    vibration : EngineVibration
+    section : StrengthSection
+    loads : ShaftLoads
+    webs : sequence of CrankWeb
+        Of all throws.
+    judged : sequence of CrankWeb
+        Those that have factors by the formulas.
+    elements : sequence of ElementFactors
+        Of all webs that have factors by finite elements.
+    """
+    file = vibration.engine_file
+    engine, asked = file.engine, HIGHEST_ORDER[file.engine.strokes]
+    yield (
+        f"bending is due to the rods' forces at rated speed, {RPM * engine.rated_speed:.4g} 1/min, each "
+        "throw supported separately"
+    )
+    left_out = ", ".join(shown_range(*one) for one in loads.barred)
+    yield (
+        f"torsion is the largest from {shown_range(engine.lowest_speed, engine.highest_speed)}"
+        f"{f' without {left_out}, which the verdict bars' if left_out else ''}, orders up to "
+        f"{min(asked, file.vibration.highest_order):g} summed over the cycle, "
+        f"{'in normal firing and while cylinders misfire' if loads.misfiring else 'in normal firing'}"
+    )
+    if not loads.misfiring:
+        yield f"{vibration.misfiring_note or 'misfiring is not calculated'}; the rule requires it"
+    if file.vibration.highest_order < asked:
+        yield (
+            f"the rule requires orders up to {asked:g}: those above {file.vibration.highest_order:g} are not "
+            "calculated (vibration.highest_order)"
+        )
+    if section.axial_vibration == "calculated":
+        yield (
+            "the calculated axial force bends the web with the crank radius as lever arm, the largest "
+            "possible; this replaces the rule's 20 MPa"
+        )
+    if section.oil_hole_diameter is not None and section.oil_hole_angle is None:
+        yield "the oil hole's outlet is assumed where the pin's bending stress is largest"
+    if any(throw.pin_bore_offset or throw.main_journal_bore_offset for throw in file.crank_throws):
+        yield "eccentric bores are treated as concentric"
+    if any(web.slopes for throw in file.crank_throws for web in throw.parts.webs):
+        yield "tapered webs are used with their full thickness"
+    if any(web.overlap < 0.0 for web in webs):
+        yield (
+            "pin and journal do not overlap: the web section is assumed at mid-thickness, because the "
+            "rule's own figure was not available"
+        )
+    if elements:
+        met = "meet" if all(own.as_ruled for own in elements) else "do not meet"
+        yield (
+            "finite elements: ends are rigid discs, the force in three-point bending is distributed over "
+            "the pin; beta_Q follows method 1 of Appendix III, as the difference of two large numbers; mesh "
+            f"and stresses {met} the criteria of the rule's Appendix III at every fillet"
+        )
+    changes = dict.fromkeys(
+        f"{name} {100.0 * one:+.2g} %"
+        for web in judged
+        for name, one in coefficient_differences(web).items()
+    )
+    if changes:
+        (cubic, square), (other_cubic, other_square) = (DOUBTFUL[one] for one in COEFFICIENTS)
+        yield (
+            f"two coefficients are doubtful, the {section.coefficients} ones are used: {other_cubic:g} in "
+            f"place of the printed {cubic:g}, and {other_square:g} in place of {square:g}, would change "
+            f"{', '.join(changes)}"
+        )
+    yield "the formulas come from one text of the rule; no second source confirms their coefficients"
+
 
 # Factors that agree to so many decimals are equal: the place nearest to the free end stands first.
 EQUAL = 9

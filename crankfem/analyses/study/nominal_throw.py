@@ -10,17 +10,15 @@ from numpy.typing import NDArray
 
 from crankfem.analyses.study.response_fits import ResponseFits, predicted, surface
 from geometry.throw import CrankThrow
-from regression.fits.constrained_sensitivity import (
-    RegionSample,
-    constrained_indices,
-    region_sample,
-)
 from regression.fits.fits import Fit
 from regression.fits.sensitivity import (
     Model,
+    RegionSample,
     SobolIndices,
+    constrained_indices,
     elasticities,
     nominal_values,
+    region_sample,
     sobol_indices,
 )
 from regression.models.extrapolation import find_out_of_range

@@ -1,11 +1,13 @@
 """The torsional vibration document of an engine: its parts in order, with their tables and diagrams."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 
 from crankbase.drawing.diagram_style import figure
 from crankbase.drawing.legends import write_title
+from crankbase.errors import InputError
 from crankbase.tables.table import Column, Table
 from crankbase.units.quantity import format_quantity
 from crankfem.analyses.assumptions import assumed_values
@@ -16,18 +18,96 @@ from crankfem.analyses.submission import (
     plant_tables,
     stress_tables,
 )
-from crankfem.analyses.submission.document_parts import DocumentPart, DocumentPicture, DocumentTable
 from crankfem.analyses.submission.firing_cases import (
     HIGHEST_SHARE,
     MEANING,
     STRESS,
     FiringCases,
+    damper_places,
     firing_cases,
 )
-from crankfem.analyses.submission.submission_checks import check_damper_limits
 from crankfem.analyses.vibration.run import EngineVibration
+from crankfem.files.engine.engine_file import EngineFile
 from crankfem.files.sections.limits_sections import LimitsInput
 from dynamics.assessment.verdict import Verdict
+
+
+@dataclass(frozen=True)
+class DocumentTable:
+    """A table, and the name of its file."""
+
+    name: str
+    table: Table
+
+
+@dataclass(frozen=True)
+class DocumentPicture:
+    """A diagram: its file name, its caption, its drawing function, whether two fit in a row."""
+
+    name: str
+    caption: str
+    draw: Callable[[Path], None]
+    half: bool = False
+
+
+@dataclass(frozen=True)
+class DocumentPart:
+    """A part of the document: title, sentences, then tables and diagrams in their order.
+
+    The name is used in addresses.
+    """
+
+    name: str
+    title: str
+    sentences: tuple[str, ...]
+    items: tuple[DocumentTable | DocumentPicture, ...] = ()
+
+    @property
+    def tables(self) -> tuple[DocumentTable, ...]:
+        """Its tables."""
+        return tuple(one for one in self.items if isinstance(one, DocumentTable))
+
+    @property
+    def pictures(self) -> tuple[DocumentPicture, ...]:
+        """Its diagrams."""
+        return tuple(one for one in self.items if isinstance(one, DocumentPicture))
+
+
+def check_submission(engine: EngineFile) -> None:
+    """Refuse an engine without the data for the document, and permitted values for parts that it lacks.
+
+    Raises
+    ------
+    InputError
+    """
+    if engine.gas is None and engine.gas_map is None:
+        raise InputError(
+            f"{engine.path.name}: has no gas pressure; allowed is a file with a section [gas] or [gas_map], "
+            "because the document reports stresses."
+        )
+    limits = engine.limits or LimitsInput()
+    if limits.generator_angle is not None and engine.engine.generator_poles is None:
+        raise InputError(
+            "limits.generator_angle: given without engine.generator_poles; allowed are both, because the "
+            "poles make electrical degrees of mechanical ones."
+        )
+
+
+def check_damper_limits(run: EngineVibration) -> None:
+    """Refuse permitted values of a torsional damper that the chain does not have.
+
+    Raises
+    ------
+    InputError
+    """
+    limits = run.engine_file.limits or LimitsInput()
+    for name in ("damper_torque", "damper_heat"):
+        if getattr(limits, name) is not None and not damper_places(run.torsional_chain):
+            raise InputError(
+                f"limits.{name}: given for an engine without a torsional damper; allowed is a chain with a "
+                'node "damper ring", because the value is that of the damper.'
+            )
+
 
 GEAR_HAMMER = "Gear hammer"
 # Of tables by the name of their first column, the column of the share that is used.

@@ -190,8 +190,8 @@ def failing_table(cases: FiringCases, way: str) -> Table:
         ],
         rows,
         note=f"{MEANING[way][0].upper()}{MEANING[way][1:]}; the others fire as before, at the speeds of "
-        "normal firing. Compared with the limit for passing at speeds where it is stated, otherwise with "
-        "the continuous limit, outside ranges to be barred.",
+        "normal firing. Compared with the continuous limit, or with that for passing where it serves while a "
+        "cylinder misfires, outside ranges to be barred.",
         marks=marks,
     )
 
@@ -262,7 +262,7 @@ def barred_table(verdict: Verdict) -> Table:
             [
                 one.low,
                 one.high,
-                "yes" if one.allowed else "no",
+                "not judged" if one.full_load else "yes" if one.allowed else "no",
                 "; ".join((*one.refusals, one.ends, *one.remarks)),
             ]
             for one in ranges

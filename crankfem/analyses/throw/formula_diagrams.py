@@ -16,7 +16,7 @@ from fem.throw_analysis import ThrowAnalysis
 from geometry.throw import CrankThrow
 from regression.formulas.axial_formulas import axial_formulas
 from regression.formulas.formula_value import FormulaValue
-from regression.plots.formula_curves import draw_formula_bars
+from regression.plots.equations import draw_formula_bars
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -97,15 +97,7 @@ def plot_formulas_over_angle(
     matplotlib.axes.Axes
     """
     used = material if analysis is None else analysis.material
-    tables = [
-        axial_formulas(
-            throw,
-            angle,
-            youngs_modulus=used.youngs_modulus,
-            poisson_ratio=used.poisson_ratio,
-        )
-        for angle in ANGLES_DEG.tolist()
-    ]
+    tables = [axial_formulas(throw, angle, material=used) for angle in ANGLES_DEG.tolist()]
     # A compliance that is not above zero has no meaning: it leaves a gap.
     curves = {
         name: np.array([v if (v := one[name].value) > 0.0 else np.nan for one in tables])

@@ -13,6 +13,7 @@ from crankfem.analyses.shaft.chains import damped_engine_chain
 from crankfem.analyses.shaft.source_errors import source_spread
 from crankfem.analyses.shaft.throw_analyses import Analyses
 from crankfem.analyses.vibration.bearing_sweep import HeldChains, answers_by_chain
+from crankfem.analyses.vibration.chain_answers import cause_at
 from crankfem.analyses.vibration.decision import engine_decision
 from crankfem.analyses.vibration.engine_limits import (
     engine_limits,
@@ -32,13 +33,11 @@ from dynamics.assessment.response_curves import with_resonances
 from dynamics.assessment.separation import USUAL_MARGIN, CriticalRange, critical_ranges
 from dynamics.assessment.spreads import Spread
 from dynamics.assessment.uncertainty import Samples, chain_samples, frequency_bounds
-from dynamics.assessment.verdict import LimitCheck, Verdict
+from dynamics.assessment.verdict import Verdict
 from dynamics.chains.chain import Chain
 from dynamics.critical import engine_orders
 from dynamics.excitation.cylinder_harmonics import CylinderHarmonics
 from dynamics.response.forced import forced_response
-from dynamics.response.peak_cause import PeakCause, peak_cause
-from dynamics.response.series import OrderSeries
 from dynamics.response.synthesis import synthesis
 from dynamics.running_limits import within
 from fem.shaft import ShaftCompliances
@@ -118,11 +117,13 @@ class Assessment:
         What was not assessed, or assumed.
     axial, torsional : Uncertainty
     beside : tuple of str
-        What the engine drives where it is not modeled, how far a calculation of the whole crankshaft
-        differs from the chains that were judged, and where the verdict changes within the range of the
-        bearings' stiffness, a sentence each.
+        What the engine drives where it is not modeled, and where the verdict changes within the range of
+        the bearings' stiffness, a sentence each.
     whole : Verdict or None
         That of the whole crankshaft by the same limits, where a chain that they judge is inadequate.
+    by_whole : tuple of str
+        How far the whole crankshaft differs from the chains that were judged, and its own verdict, a
+        sentence each.
     """
 
     verdict: Verdict
@@ -133,6 +134,17 @@ class Assessment:
     torsional: Uncertainty
     beside: tuple[str, ...] = ()
     whole: Verdict | None = None
+    by_whole: tuple[str, ...] = ()
+
+    @property
+    def conclusion(self) -> str:
+        """What can be concluded despite the assumptions, then the verdict with the values used."""
+        decision, said = self.decision, self.verdict.sentence
+        if decision.status == "undecided":
+            with_used = f"{said[0].lower()}{said[1:]}"
+            return f"Undecided: {decision.sentence}. With the values used, {with_used}"
+        depends = "It depends on assumed or uncertain values"
+        return f"{said} {depends}: {decision.sentence}." if decision.sentence else said
 
     def limit_curve(self, name: str, speeds: FloatArray) -> dict[str, FloatArray]:
         """Return a limit over speeds [rad/s] with its name in a legend; empty if there is none."""
@@ -190,9 +202,15 @@ def assess(
         for series in (limited_series(name, engine_file, axial, torsional),)
         for place in series.names
     }
-    checks = tuple(
-        replace(one, cause=_cause(one, *limited[one.limit.name, one.curve.name], torsional))
-        for one in verdict.checks
+    *checks, worst = (
+        replace(
+            one,
+            cause=cause_at(
+                forced, torsional, series, one.curve.name, one.worst_speed, one.limit.unit
+            ),
+        )
+        for one in (*verdict.checks, verdict.worst)
+        for forced, series in (limited[one.limit.name, one.curve.name],)
     )
     spreads = {own.kind: _spreads(engine_file, own, errors[own.kind]) for own in (axial, torsional)}
     trials: tuple[Trial, ...] = ()
@@ -210,7 +228,7 @@ def assess(
             trials, barred = (*trials, *found.trials), barred | {kind: found.barred}
     decision = engine_decision(engine_file, verdict.status, findings, damped)
     return Assessment(
-        verdict=replace(verdict, checks=checks),
+        verdict=replace(verdict, checks=tuple(checks), worst=worst),
         limits=limits,
         decision=decide(verdict.status, (*decision.trials, *trials)),
         remarks=remarks,
@@ -261,32 +279,6 @@ def assess_chains(
         for own in chains
     }
     return assess(engine_file, *forced, errors, held, chains, again)
-
-
-def _cause(
-    check: LimitCheck, forced: ForcedVibration, series: OrderSeries, torsional: ForcedVibration
-) -> PeakCause:
-    """Find the orders responsible for the finding at a check's worst speed."""
-    index = int(np.argmin(np.abs(series.speeds - check.worst_speed)))
-    driven = None
-    if forced.by_torque is not None:
-        # The torsional vibration that stretches the shaft is largest in one of its elements.
-        elements = torsional.crank_elements
-        place = int(np.argmax(elements.synthesis.amplitude[index]))
-        twist = peak_cause(
-            torsional.response, elements, place, index, kind=torsional.kind, modes=torsional.modes
-        )
-        driven = (forced.by_torque, twist)
-    return peak_cause(
-        forced.response,
-        series,
-        check.curve.name,
-        index,
-        unit=check.limit.unit,
-        kind=forced.kind,
-        modes=forced.modes,
-        driven=driven,
-    )
 
 
 def _uncertainty(

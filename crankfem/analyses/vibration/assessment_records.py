@@ -24,7 +24,7 @@ def assessment_record(assessment: Assessment) -> Record:
     running = verdict.running_range
     judged_to = {check.limit.name: check.judged[1] for check in verdict.checks}
     return {
-        **attributes(verdict, "status", "sentence"),
+        **attributes(verdict, "status", "headline", "sentence"),
         "decision": attributes(assessment.decision, "status", "sentence")
         | {
             "trials": [
@@ -33,11 +33,13 @@ def assessment_record(assessment: Assessment) -> Record:
             ]
         },
         "running_rpm": [speed * RPM for speed in running],
+        "worst": _check(verdict.worst, running[1]),
         "checks": [_check(check, running[1]) for check in verdict.checks],
         "barred": [_range(one) for one in verdict.barred],
         "started_through": [_range(one) for one in verdict.started_through],
         "remarks": [*assessment.remarks, *verdict.remarks],
-        "beside": list(assessment.beside),
+        "beside": [*assessment.by_whole, *assessment.beside],
+        "by_whole": list(assessment.by_whole),
         "whole": None if assessment.whole is None else _verdict(assessment.whole),
         "limits": [
             attributes(limit, "name", "unit", "source", "assumed", "remark")

@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -15,7 +15,7 @@ from crankfem.analyses.shaft.bearings import BearingStiffness, bearing_stiffness
 from crankfem.analyses.shaft.chains import damped_engine_chain
 from crankfem.analyses.shaft.sources import compliances_in_shaft
 from crankfem.analyses.shaft.throw_analyses import Analyses
-from crankfem.analyses.shaft.whole_shaft import WholeShaft, unmodeled_sections
+from crankfem.analyses.shaft.whole_shaft import WholeShaft, not_comparable
 from crankfem.analyses.vibration.engine_excitation import calculated_range
 from crankfem.analyses.vibration.engine_limits import (
     assessment_end_speeds,
@@ -33,9 +33,10 @@ from dynamics.assessment.verdict import Status, Verdict
 from dynamics.chains.chain import Chain
 from dynamics.chains.engine_chains import EngineChain
 from dynamics.crankshaft.assembly import AssembledShaft
-from dynamics.crankshaft.mode_matches import match_modes
-from dynamics.crankshaft.shaft_modes import crankshaft_modes
+from dynamics.crankshaft.mode_matches import DIVIDED, followed_modes, mode_likeness
+from dynamics.crankshaft.shaft_modes import ShaftModes, crankshaft_modes
 from dynamics.crankshaft.shaft_throw import UX, UY
+from dynamics.crankshaft.stations import CLASSES
 from dynamics.critical import critical_speeds
 from dynamics.excitation.cylinder_harmonics import CylinderHarmonics
 from fem.shaft import ShaftCompliances
@@ -86,8 +87,12 @@ class BearingSweep:
         Lateral, of each main bearing, ascending over the range [N/m].
     chains, shaft : dict of str to (k,) array
         By kind: the first frequency of the crankshaft itself by its chain, and that of the whole
-        crankshaft's most similar mode [Hz]; NaN if there is none. Empty without a whole
-        crankshaft to compare.
+        crankshaft's mode that is most similar at the nominal stiffness, followed by its shape [Hz]; NaN
+        where there is none, or it is no longer like the chain's. Empty without a whole crankshaft to
+        compare.
+    further : dict of str to (b, k) array
+        By kind: other modes of the whole crankshaft that are like the chain's somewhere [Hz], as where
+        coupling divides it between two; NaN elsewhere.
     used : dict of str to (k,) array
         By limit: the largest share of it that is used. Calculated at a coarse grid of speeds, within
         3 % of a peak, except for the nominal stiffness. Empty if nothing is assessed.
@@ -101,6 +106,7 @@ class BearingSweep:
     shaft: dict[str, FloatArray]
     used: dict[str, FloatArray]
     statuses: tuple[Status, ...]
+    further: dict[str, FloatArray] = field(default_factory=dict)
 
     @property
     def flips(self) -> bool:
@@ -134,6 +140,9 @@ class BearingSweep:
                 )
                 if own is not None and np.any(np.isfinite(own))
             ]
+            others = [f"{_range(own, '.1f')} Hz" for own in self.further.get(kind, ())]
+            if moved and others:
+                moved[-1] += f", and in part {' and '.join(others)}"
             if moved:
                 found.append(f"first {kind} frequency of the crankshaft {', '.join(moved)}")
         found = [f"{over}: {'; '.join(found)}."]
@@ -238,20 +247,15 @@ def bearing_sweep(
     nominal = len(each) // 2
     shafts = (
         []
-        if whole is None or unmodeled_sections(engine_file)
+        if whole is None or not_comparable(engine_file)
         else [in_bearings(whole.crankshaft.shaft, own.stiffness - held.nominal) for own in each]
     )
     modes = [crankshaft_modes(shaft) for shaft in shafts]
-    chains, matched = {}, {}
-    for kind in KINDS:
-        chains[kind] = np.array([_first(own.chain(kind)) for own in each])
-        if shafts:
-            matched[kind] = np.array(
-                [
-                    _matched(shaft, own, one.chain(kind))
-                    for shaft, own, one in zip(shafts, modes, each, strict=True)
-                ]
-            )
+    chains = {kind: np.array([_first(own.chain(kind)) for own in each]) for kind in KINDS}
+    matched, further = {}, {}
+    for kind in KINDS if shafts else ():
+        own = [one.chain(kind) for one in each]
+        matched[kind], further[kind] = _followed(shafts, modes, own, nominal)
     verdicts: list[Verdict] = []
     if harmonics is not None:
         verdicts = [
@@ -282,6 +286,7 @@ def bearing_sweep(
             for name in limits
         },
         statuses=tuple(own.status for own in verdicts),
+        further=further,
     )
 
 
@@ -329,13 +334,40 @@ def _first(chain: EngineChain) -> float:
     return math.nan if first is None else float(modes.frequencies[first])
 
 
-def _matched(shaft: AssembledShaft, modes: Any, chain: EngineChain) -> float:
-    """Frequency of the whole crankshaft's mode most similar to the chain's first one [Hz]."""
-    first = chain.first_mode(chain.chain.modes())
-    if first is None:
-        return math.nan
-    found = match_modes(shaft, modes, chain, [first])[0].shaft_frequency
-    return math.nan if found is None else found
+def _followed(
+    shafts: Sequence[AssembledShaft],
+    modes: Sequence[ShaftModes],
+    chains: Sequence[EngineChain],
+    nominal: int,
+) -> tuple[FloatArray, FloatArray]:
+    """Frequencies of the whole crankshaft's modes like the chain's first one, followed by shape [Hz].
+
+    Returns
+    -------
+    main : (k,) array
+        Of the mode that is most similar at the nominal stiffness.
+    further : (b, k) array
+        Of the others. NaN where a mode is neither the most similar one nor shares the chain's.
+    """
+    rigid = modes[0].rigid
+    follow = followed_modes(shafts[0].mass, [own.shapes[:, rigid:] for own in modes])
+    frequencies, alike = np.full((2, *follow.shape), math.nan)
+    for place, (shaft, own, chain) in enumerate(zip(shafts, modes, chains, strict=True)):
+        first = chain.first_mode(chain.chain.modes())
+        if first is None:
+            continue
+        likeness = mode_likeness(shaft, own, chain, [first])[0]
+        scores = (own.shares[CLASSES.index(chain.kind)] * likeness)[rigid + follow[place]]
+        best = float(np.max(scores))
+        alike[place] = scores
+        known = (scores >= min(DIVIDED, best)) & (scores > 0.0)
+        frequencies[place, known] = own.frequencies[rigid + follow[place]][known]
+    there = np.isfinite(frequencies).any(axis=0)
+    if not there.any():
+        return frequencies[:, 0], np.empty((0, len(modes)))
+    main = int(np.nanargmax(np.where(np.isnan(alike[nominal]), -1.0, alike[nominal])))
+    others = [branch for branch in np.flatnonzero(there).tolist() if branch != main]
+    return frequencies[:, main], frequencies[:, others].T
 
 
 def _answers(

@@ -2,6 +2,9 @@
 
 from dataclasses import dataclass, replace
 from functools import cached_property
+from typing import Protocol
+
+import numpy as np
 
 from crankfem.analyses.shaft.chains import damped_engine_chain
 from crankfem.analyses.vibration.engine_excitation import excitation_along_shaft, with_propeller
@@ -10,10 +13,12 @@ from crankfem.files.engine.engine_file import EngineFile
 from dynamics.chains.engine_chains import EngineChain
 from dynamics.excitation.chain_excitation import torque_excitation
 from dynamics.excitation.cylinders import CylinderForces
+from dynamics.response.complex_modes import ComplexModes, complex_modes
 from dynamics.response.damping import DampedChain
 from dynamics.response.forced import ForcedResponse, forced_response
 from dynamics.response.loads import ElementLoads, alternating_stress, element_loads, section_modulus
 from dynamics.response.order_excitation import OrderExcitation
+from dynamics.response.peak_cause import PeakCause, peak_cause
 from dynamics.response.series import OrderSeries
 from fem.shaft import ShaftCompliances
 from geometry.throw import CrankThrow
@@ -40,6 +45,11 @@ class ChainAnswer:
     moduli: dict[int, float]
     by_torque: OrderExcitation | None = None
     remarks: tuple[str, ...] = ()
+
+    @cached_property
+    def modes(self) -> ComplexModes:
+        """The damped modes of the chain."""
+        return complex_modes(self.response)
 
     @cached_property
     def loads(self) -> ElementLoads:
@@ -133,6 +143,65 @@ class EngineChains:
             ChainAnswer(self.pulled.chain, lengthened, {}, by_torque, remarks),
             ChainAnswer(self.cranks, twisted, self.moduli),
         )
+
+
+class Answer(Protocol):
+    """Vibration of one chain: a `ChainAnswer`, or `crankfem.analyses.vibration.forced.ForcedVibration`."""
+
+    @property
+    def engine_chain(self) -> EngineChain:
+        """The chain, without damping."""
+
+    @property
+    def response(self) -> ForcedResponse:
+        """Its motion."""
+
+    @property
+    def modes(self) -> ComplexModes:
+        """Its damped modes."""
+
+    @property
+    def by_torque(self) -> OrderExcitation | None:
+        """Of axial vibration, the part of its excitation due to torques in the shaft."""
+
+    @property
+    def crank_elements(self) -> OrderSeries:
+        """Torque or force in the elements of the crankshaft."""
+
+
+def cause_at(
+    answer: Answer, torsional: Answer, series: OrderSeries, place: str, speed: float, unit: str
+) -> PeakCause:
+    """Find the orders responsible for what is reached at a place and a speed [rad/s].
+
+    Parameters
+    ----------
+    answer, torsional : Answer
+        The vibration, and the torsional one, which also drives the axial one.
+    series : OrderSeries
+        Of the vibration, with that place [unit].
+    """
+    index = int(np.argmin(np.abs(series.speeds - speed)))
+    driven = None
+    if answer.by_torque is not None:
+        # The torsional vibration that stretches the shaft is largest in one of its elements.
+        elements = torsional.crank_elements
+        largest = int(np.argmax(elements.synthesis.amplitude[index]))
+        twist = peak_cause(
+            torsional.response, elements, largest, index, kind="torsional", modes=torsional.modes
+        )
+        driven = (answer.by_torque, twist)
+    kind = answer.engine_chain.kind
+    return peak_cause(
+        answer.response,
+        series,
+        place,
+        index,
+        unit=unit,
+        kind=kind,
+        modes=answer.modes,
+        driven=driven,
+    )
 
 
 def first_places(series: OrderSeries, count: int) -> OrderSeries:

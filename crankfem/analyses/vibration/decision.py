@@ -72,7 +72,8 @@ def _steels(engine_file: EngineFile, status: Status, findings: Findings) -> list
     tensile, yielding = strengths(engine_file)
 
     def judged(**given: float) -> Status:
-        strong = given.get(TENSILE, tensile) > CRANKSHAFT_STRENGTHS[False]
+        told = None if TENSILE in given else limits.tensile_strength
+        strong = told is None and given.get(TENSILE, tensile) > CRANKSHAFT_STRENGTHS[False]
         changed = engine_file.changed(limits={**given, "alloy": limits.alloy or strong})
         own = {limit.name: limit for limit in engine_limits(changed)[0].values()}
         return engine_verdict(changed, [(own[lim.name], curve) for lim, curve in findings]).status
@@ -124,11 +125,14 @@ def _magnifiers(
         judges = kind == "torsional" or any(name.startswith("axial") for name in limits)
         if value is None or not judges:
             continue
-        if source != ASSUMED and not is_assumed(engine_file, f"damping.{field}"):
+        if not source.startswith(ASSUMED):
             continue
 
         def judged(magnifier: float, field: str = field) -> Status:
             changed = engine_file.changed(damping={field: magnifier})
+            # What is tried is still assumed, so parts with damping of their own do without it.
+            sources = changed.provenance | {f"damping.{field}": ("tried", True)}
+            changed = replace(changed, provenance=sources)
             return engine_verdict(changed, limit_findings(changed, *again(changed))).status
 
         made = Trial(f"damping.{field}", f"{kind} magnifier", value, "", status, taken=True)

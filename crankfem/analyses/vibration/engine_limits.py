@@ -8,6 +8,7 @@ import numpy as np
 
 from crankbase.checks.choices import did_you_mean
 from crankbase.errors import InputError
+from crankbase.units.quantity import format_quantity
 from crankfem.analyses.shaft.chains import engine_throw_inertias, engine_torsional_chain
 from crankfem.files.engine.engine_file import EngineFile
 from crankfem.files.sections.engine_sections import Engine
@@ -136,6 +137,9 @@ def engine_limits(
         f"orders above {engine_file.vibration.highest_order:g} are neither calculated nor judged "
         "(vibration.highest_order)"
     )
+    if given.passing_while_misfiring:
+        basis = "limits.passing_while_misfiring"
+        found = {name: replace(limit, misfiring_basis=basis) for name, limit in found.items()}
     return found, tuple(remarks)
 
 
@@ -179,12 +183,23 @@ def strengths(engine_file: EngineFile) -> tuple[float, float]:
 
     Those in the file, the tensile strength in [limits] or [strength], else those of the plain steel
     of the rules.
+
+    Raises
+    ------
+    InputError
+        If a yield strength alone is given, above that tensile strength.
     """
     given, steel = engine_file.limits or LimitsInput(), engine_file.strength
-    # The rule's formula ends with alloy steel: what is stronger counts no more.
-    told = BASE_STRENGTH if steel is None else steel.tensile_strength
-    tensile = min(told, CRANKSHAFT_STRENGTHS[True])
-    return given.tensile_strength or tensile, given.yield_strength or BASE_YIELD
+    tensile = BASE_STRENGTH if steel is None else steel.tensile_strength
+    tensile, yielding = given.tensile_strength or tensile, given.yield_strength or BASE_YIELD
+    if yielding > tensile:
+        raise InputError(
+            f"limits.yield_strength: given {format_quantity(yielding, 'Pa')} without tensile_strength, for "
+            f"which {format_quantity(tensile, 'Pa')} is taken from "
+            f"{'the plain steel of the rules' if steel is None else '[strength]'}; allowed is that or less, "
+            "or both, because a steel yields before it breaks."
+        )
+    return tensile, yielding
 
 
 def assessment_end_speeds(engine_file: EngineFile) -> tuple[float, ...]:
@@ -228,7 +243,9 @@ def engine_verdict(engine_file: EngineFile, findings: Findings) -> Verdict:
     engine = engine_file.engine
     rule = (engine_file.limits or LimitsInput()).barred_rule(engine.rated_speed)
     running = (engine.lowest_speed, engine.highest_speed)
-    return judge(findings, running, rule)
+    load = engine_file.load
+    full_load = engine_file.gas_map is None and (load is None or load.law == "constant")
+    return judge(findings, running, rule, full_load)
 
 
 def even_firing_interval(firing_angles: Sequence[float], strokes: int) -> float | None:
@@ -254,12 +271,13 @@ def even_firing_interval(firing_angles: Sequence[float], strokes: int) -> float 
 
 
 def refuse_limits(engine_file: EngineFile) -> None:
-    """Refuse limits on parts that the engine lacks, and limits if nothing is excited.
+    """Refuse limits on parts that the engine lacks, rules that do not fit, and limits if nothing is excited.
 
     Raises
     ------
     InputError
     """
+    _ = engine_limits(engine_file)
     compliances = np.full(len(engine_file.throw_angles_deg), ANY_COMPLIANCE)
     inertias = engine_throw_inertias(engine_file, ANY_INERTIA)
     named = engine_torsional_chain(engine_file, compliances, inertias)
@@ -316,18 +334,21 @@ def limited_series(
         return axial.free_end
     if name == "axial_force":
         return axial.crank_elements
-    loads = torsional.loads.elements
-    elements = loads.names
+    return element_series(name, engine_file, torsional.loads)
+
+
+def element_series(name: str, engine_file: EngineFile, loads: ElementLoads) -> OrderSeries:
+    """Return the quantity of a limit on one element of the torsional chain, by the loads of all."""
     if name == "coupling_torque":
-        coupling = COUPLING
-        place = elements.index(coupling)
-        return replace(loads, values=loads.values[:, :, [place]], names=(coupling,))
+        place = loads.elements.names.index(COUPLING)
+        values = loads.elements.values[:, :, [place]]
+        return replace(loads.elements, values=values, names=(COUPLING,))
     element = name.removeprefix("shaft: ")
     (shaft,) = (
         own for own in (engine_file.limits or LimitsInput()).shafts if own.element == element
     )
     modulus = float(section_modulus("torsional", shaft.diameter))
-    return alternating_stress(torsional.loads, {element: modulus})
+    return alternating_stress(loads, {element: modulus})
 
 
 @dataclass(frozen=True, eq=False)

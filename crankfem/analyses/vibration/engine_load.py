@@ -113,7 +113,7 @@ def pressure_over_speeds(
         If a pressure cannot be read, or a cycle cannot reach the load.
     """
     if engine_file.gas_map is not None:
-        return gas_map_pressure(engine_file.gas_map, engine_file.engine.strokes, engine_file.path)
+        return gas_map_pressure(engine_file.gas_map, engine_file.engine.strokes, engine_file.files)
     if full_load_only(mechanism):
         return mechanism.pressure
     return pressure_maps(mechanism, speed_range)
@@ -185,7 +185,7 @@ def pressures_of_cylinders(
         if full_load_only(mechanism):
             return [mechanism.pressure] * speeds.size
         return pressures_at(mechanism, speeds)
-    diagrams = gas_map_pressure(section, engine.strokes, engine_file.path)
+    diagrams = gas_map_pressure(section, engine.strokes, engine_file.files)
     load = gas_map_load(section, engine.rated_speed)
     loads = [None] * speeds.size if load is None else load_at(load, speeds).tolist()
     cylinders = len(mechanism.layout.cylinders)

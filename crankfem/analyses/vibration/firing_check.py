@@ -4,6 +4,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from crankbase.checks.arrays import FloatArray
 from crankbase.summaries import summarized
@@ -13,6 +14,7 @@ from crankbase.units.quantity import format_quantity
 from dynamics.assessment.largest_amplitude import largest_amplitude
 from dynamics.assessment.limit_sentences import limit_at, use_in_words
 from dynamics.assessment.limits import VibrationLimit
+from dynamics.response.peak_cause import PeakCause
 from dynamics.response.series import OrderSeries
 
 DIGITS = 3
@@ -53,6 +55,22 @@ class Reached:
         return self.used, self.value
 
 
+@dataclass(frozen=True)
+class NewlyExceeded:
+    """The worst of a limit that misfiring exceeds at speeds at which normal firing keeps it.
+
+    Attributes
+    ----------
+    cylinders : tuple of int
+    reached : Reached
+    cause : PeakCause
+    """
+
+    cylinders: Cylinders
+    reached: Reached
+    cause: PeakCause
+
+
 @summarized("quantity", "unit", "normal", "cylinders", "misfiring")
 @dataclass(frozen=True, eq=False)
 class FiringCheck:
@@ -76,6 +94,8 @@ class FiringCheck:
     over_speed : tuple of three (S,) arrays, or None
         Running speeds [rad/s], and at the place of `misfiring` the amplitude with all cylinders firing
         and in the worst case; of the stress that uses its limit most alone.
+    new : NewlyExceeded or None
+        What misfiring alone exceeds.
     """
 
     quantity: str
@@ -86,6 +106,7 @@ class FiringCheck:
     misfiring: Reached
     each: Mapping[Cylinders, Reached]
     over_speed: tuple[FloatArray, FloatArray, FloatArray] | None = None
+    new: NewlyExceeded | None = None
 
     @property
     def passed(self) -> bool:
@@ -94,34 +115,75 @@ class FiringCheck:
 
     @property
     def sentence(self) -> str:
-        """The finding while misfiring, with normal firing for comparison."""
-        own, normal, limit = self.misfiring, self.normal, self.limit
+        """The finding while misfiring by both limits, with normal firing for comparison."""
+        return f"With {self._finding(self.cylinders, self.misfiring)}."
+
+    @property
+    def news(self) -> str:
+        """What misfiring alone exceeds, with its cause; empty if nothing."""
+        if self.new is None:
+            return ""
+        own, reasons = self.new.reached, self.new.cause.reasons
+        kept = "" if self.normal_keeps else f", but within its limit at {self._speed(own)}"
+        return (
+            f"With {self._finding(self.new.cylinders, own)}{kept}: exceeded by misfiring alone. "
+            f"{reasons[0].upper()}{reasons[1:]}."
+        )
+
+    @property
+    def normal_keeps(self) -> bool:
+        """Whether normal firing keeps the limit at all running speeds."""
+        return self.normal.used <= 1.0
+
+    def _speed(self, found: Reached) -> str:
+        return format_quantity(found.speed, "rad/s", 4)
+
+    def _finding(self, cylinders: Cylinders, own: Reached) -> str:
+        normal, limit = self.normal, self.limit
         if limit is None or np.isinf(own.permitted):
             found = f"at most {self._amount(own)}"
         else:
             found = use_in_words(limit, own.speed, own.value, own.permitted, DIGITS)
+            found += self._by_the_other(limit, own)
         elsewhere = "" if normal.place == own.place else f", {normal.place}"
         return (
-            f"With {named(self.cylinders)} misfiring, {limit_at(self.quantity, own.place)}: {found}; with "
-            f"all cylinders firing {self._amount(normal)}{self._share(normal)}{elsewhere}."
+            f"{named(cylinders)} misfiring, {limit_at(self.quantity, own.place)}: {found}; with "
+            f"all cylinders firing {self._amount(normal)}{self._share(normal, own)}{elsewhere}"
         )
 
-    def _share(self, found: Reached) -> str:
+    def _by_the_other(self, limit: VibrationLimit, own: Reached) -> str:
+        """Write the share of the limit that does not decide, and the basis if it is that for passing."""
+        if limit.passing is None:
+            return ""
+        at = np.array([own.speed])
+        passing, kept = float(limit.passing.at(at)[0]), float(limit.continuous.at(at)[0])
+        if np.isinf(passing) or passing == kept:
+            return ""
+        other = kept if limit.misfiring_basis else passing
+        share = "" if np.isinf(own.value) else f"{format_usage(own.value / other)} of "
+        shown = f"{share}the {format_quantity(other, self.unit, DIGITS)}"
+        if limit.misfiring_basis:
+            return (
+                f" for passing, which serves while a cylinder misfires by {limit.misfiring_basis}, "
+                f"{shown} permitted continuously"
+            )
+        return f", {shown} that may be passed"
+
+    def _share(self, found: Reached, beside: Reached) -> str:
         """Write the share of what is permitted at that speed, where something is and it is bounded."""
         if np.isinf(found.permitted) or np.isinf(found.value):
             return ""
         permitted, failing = (
-            format_quantity(one.permitted, self.unit, DIGITS) for one in (found, self.misfiring)
+            format_quantity(one.permitted, self.unit, DIGITS) for one in (found, beside)
         )
-        same = permitted == failing and not np.isinf(self.misfiring.value)
+        same = permitted == failing and not np.isinf(beside.value)
         return f", {format_usage(found.used)}{'' if same else f' of the permitted {permitted}'}"
 
     def _amount(self, found: Reached) -> str:
         """Write the value, and its speed."""
-        at = format_quantity(found.speed, "rad/s", 4)
         if np.isinf(found.value):
-            return f"unbounded at {at}"
-        return f"{format_quantity(found.value, self.unit, DIGITS)} at {at}"
+            return f"unbounded at {self._speed(found)}"
+        return f"{format_quantity(found.value, self.unit, DIGITS)} at {self._speed(found)}"
 
     def row(self) -> Row:
         """Return the columns of a table, each value with its unit; see `table_of`."""
@@ -155,9 +217,20 @@ def weights(limit: VibrationLimit | None, speeds: FloatArray) -> FloatArray:
     return np.ones(speeds.shape) if limit is None else 1.0 / permitted_at(limit, speeds)
 
 
-def worst_of(series: OrderSeries, limit: VibrationLimit | None) -> Reached:
-    """Return the worst of a quantity: where most of a limit is used, or the largest without one."""
-    value, speed, place = largest_amplitude(series, weights(limit, series.speeds))
+def worst_of(
+    series: OrderSeries, limit: VibrationLimit | None, among: NDArray[np.bool_] | None = None
+) -> Reached:
+    """Return the worst of a quantity: where most of a limit is used, or the largest without one.
+
+    Parameters
+    ----------
+    series : OrderSeries
+    limit : VibrationLimit or None
+    among : (S,) array of bool, optional
+        The speeds that count.
+    """
+    counted = weights(limit, series.speeds) * (1.0 if among is None else among)
+    value, speed, place = largest_amplitude(series, counted)
     permitted = permitted_at(limit, series.speeds[[speed]])
     return Reached(
         place=series.names[place],

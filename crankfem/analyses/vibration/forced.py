@@ -31,7 +31,12 @@ from crankfem.analyses.vibration.engine_excitation import (
     forces_over_speeds,
     merged_speeds,
 )
-from crankfem.analyses.vibration.engine_limits import assessment_end_speeds, limit_findings
+from crankfem.analyses.vibration.engine_limits import (
+    assessment_end_speeds,
+    engine_limits,
+    limit_findings,
+    limited_series,
+)
 from crankfem.analyses.vibration.modes import Vibration
 from crankfem.analyses.vibration.resonances import resonances_of
 from crankfem.files.engine.engine_file import EngineFile
@@ -44,7 +49,7 @@ from dynamics.excitation.cylinder_harmonics import CylinderHarmonics
 from dynamics.excitation.cylinders import CylinderForces
 from dynamics.plots.quantities import Quantity
 from dynamics.response.complex_modes import ComplexModes, complex_modes
-from dynamics.response.damped_criticals import DampedCritical
+from dynamics.response.damped_criticals import LEAST_PEAK, DampedCritical
 from dynamics.response.damping import DampedChain
 from dynamics.response.forced import ForcedResponse
 from dynamics.response.loads import ElementLoads
@@ -58,8 +63,6 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 Forced = Literal["amplitude", "load", "stress", "power", "axial forces"]
-# Unit that a resonance tells, which does not know whether it is an axial one.
-EITHER = "SI"
 FORCED: tuple[Forced, ...] = ("amplitude", "load", "stress", "power", "axial forces")
 
 
@@ -85,9 +88,9 @@ class ForcedVibration:
         Nominal torsional stress of the crankshaft's elements [Pa]; None in the axial direction.
     power : PowerBalance
     resonances : tuple of DampedCritical
-        Peaks of the free end's motion due to each single order, with all damping, ascending in speed, at
-        all speeds assessed: the running range, and above it as far as a limit applies. Orders that
-        meet a mode without a peak have no speed and come last.
+        Peaks of each single order at any element or node, with all damping, ascending in speed, at
+        all speeds assessed: the running range, and above it as far as a limit applies. Peaks of the forces
+        are among them, not `in_band`. Orders that meet a mode without a peak have no speed and come last.
     by_torque : OrderExcitation or None
         Of axial vibration, the part of its excitation due to torques in the shaft.
     axial_forces : AxialForceComparison or None
@@ -130,15 +133,22 @@ class ForcedVibration:
 
         Beyond the assessed speeds this is the ratio of the mode's frequencies.
         """
-        met = [one for one in self.resonances if (one.mode, one.order) == (mode, order)]
+        undamped = float(self.modes.undamped[mode - 1])
+        met = [
+            one for one in self.resonances if one.order == order and mode in (one.mode, *one.modes)
+        ]
         if not met:
-            return (float(self.frequencies[mode - 1] / self.modes.undamped[mode - 1]),)
-        return tuple(one.speed / one.undamped_speed for one in met if one.has_peak)
+            return (float(self.frequencies[mode - 1]) / undamped,)
+        return tuple(one.frequency / undamped for one in met if one.has_peak and mode in one.modes)
 
     @property
     def peaks(self) -> tuple[DampedCritical, ...]:
-        """The resonances that have a speed."""
-        return tuple(one for one in self.resonances if one.has_peak)
+        """The resonances that have a speed and `LEAST_PEAK` of a place's largest peak, or more."""
+        return tuple(
+            one
+            for one in self.resonances
+            if one.has_peak and one.in_band and one.severity >= LEAST_PEAK
+        )
 
     @property
     def free_end(self) -> OrderSeries:
@@ -238,7 +248,9 @@ class ForcedVibration:
         return axes
 
     def to_pandas(self) -> Any:
-        """Return a table of the resonances at the speeds assessed, with the free end's amplitude.
+        """Return a table of the resonances at the speeds assessed.
+
+        With the amplitude of the free end, and the value in SI at the place of the peak.
 
         A resonance without a peak has no speed (NaN).
 
@@ -252,12 +264,11 @@ class ForcedVibration:
         MissingLibraryError
             If pandas is not installed.
         """
-        frame = table_of(self.resonances)
+        names = {"amplitude": "value", "first_amplitude": "amplitude"}
+        frame = table_of(self.resonances).rename(columns=names)
         units = frame.attrs["units"]
-        own = MOTION[self.kind].si
-        frame.attrs["units"] = {
-            name: own if unit == EITHER else unit for name, unit in units.items()
-        }
+        frame.attrs["units"] = {names.get(name, name): unit for name, unit in units.items()}
+        frame.attrs["units"]["amplitude"] = MOTION[self.kind].si
         return frame
 
     def to_xarray(self) -> Any:
@@ -333,9 +344,14 @@ def forced_vibrations(
     compared = compared_axial_forces(engine_file, forces, compliances, shaft, analysis)
     lengthened, twisted = _vibrations(chains, forces)
     lengthened = replace(lengthened, axial_forces=compared)
+    limited = [
+        name
+        for limit in engine_limits(engine_file)[0]
+        for name in limited_series(limit, engine_file, lengthened, twisted).names
+    ]
     return (
-        replace(lengthened, resonances=resonances_of(engine_file, lengthened)),
-        replace(twisted, resonances=resonances_of(engine_file, twisted)),
+        replace(lengthened, resonances=resonances_of(engine_file, lengthened, limited)),
+        replace(twisted, resonances=resonances_of(engine_file, twisted, limited)),
     )
 
 
@@ -391,6 +407,6 @@ def _limit_usage(engine_file: EngineFile, answers: Answers) -> FloatArray:
         for limit, curve in limit_findings(engine_file, *answers)
     ]
     # Speeds below the running ones are passed on starting: their maxima are for themselves.
-    kept = [np.where(speeds >= engine.lowest_speed, own, 0.0) for own in used]
+    kept = [np.where(within(speeds, *running), own, 0.0) for own in used]
     moved = [own.free_end.synthesis.amplitude[:, 0] for own in answers]
     return np.array([*used, *kept, *moved])

@@ -1,6 +1,6 @@
 """Misfiring compared with normal firing: the worst cylinder, by superposition of the chains' responses."""
 
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -11,7 +11,7 @@ from crankbase.checks.arrays import FloatArray
 from crankbase.errors import InputError
 from crankbase.summaries import summarized
 from crankbase.tables.frames import table_of
-from crankfem.analyses.vibration.chain_answers import ChainAnswer, EngineChains
+from crankfem.analyses.vibration.chain_answers import ChainAnswer, EngineChains, cause_at
 from crankfem.analyses.vibration.engine_excitation import (
     calculated_speeds,
     failing_harmonics,
@@ -25,6 +25,7 @@ from crankfem.analyses.vibration.engine_limits import (
 from crankfem.analyses.vibration.firing_check import (
     Cylinders,
     FiringCheck,
+    NewlyExceeded,
     Reached,
     named,
     weights,
@@ -44,6 +45,8 @@ from dynamics.running_limits import within
 SUMMED = ("tangential", "radial", "mean_tangential", "mean_radial")
 # Speeds that leave a smaller share of the speed between them leave none to run at.
 NARROW = 5e-3
+# Share of a limit by which misfiring uses more of it than normal firing, where that counts as new.
+NEWS = 0.1
 # By the key of `compared_quantities`.
 Series = dict[str, OrderSeries]
 Found = dict[str, dict[Cylinders, Reached]]
@@ -63,10 +66,13 @@ class Misfiring:
     compression : bool
         Whether they still compress.
     checks : tuple of FiringCheck
-        Each quantity with its own worst case, those with a limit first, the worst use first.
+        Each quantity with its own worst case, those with a limit first: what normal firing keeps and
+        misfiring exceeds, then the worst use.
     exceeded : tuple of pairs of floats
         Ranges of running speeds in which a limit while misfiring is exceeded in any of the cases, each
         widened to the next speeds at which all are kept [rad/s].
+    remaining : tuple of pairs of floats
+        Ranges of running speeds in which all limits are kept, in these cases and in normal firing [rad/s].
     """
 
     cases: tuple[Cylinders, ...]
@@ -74,10 +80,11 @@ class Misfiring:
     compression: bool
     checks: tuple[FiringCheck, ...]
     exceeded: tuple[tuple[float, float], ...]
+    remaining: tuple[tuple[float, float], ...]
 
     @property
     def worst(self) -> FiringCheck:
-        """The quantity with the largest use of the limit while misfiring."""
+        """The quantity whose limit misfiring alone exceeds most, or that with the largest use."""
         return self.checks[0]
 
     @property
@@ -92,13 +99,24 @@ class Misfiring:
 
     @property
     def sentence(self) -> str:
-        """The worst finding while misfiring, with normal firing for comparison."""
+        """What misfiring alone exceeds, the largest use of a limit, and the speeds that remain."""
         if not self.exceeded:
             return self.worst.sentence
-        shown = [shown_range(*one) for one in self.exceeded]
-        ranges = " and ".join(filter(None, (", ".join(shown[:-1]), shown[-1])))
+        # What normal firing keeps at all speeds comes first; then the largest use, and further speeds.
+        first = self.worst.news if self.worst.normal_keeps else ""
+        most = max(self.checks, key=lambda one: one.misfiring.used)
+        told = [first] if first and most is self.worst else [first, most.sentence]
+        told.append("" if most.normal_keeps else most.news)
         who = named(self.cases[0]) if len(self.cases) == 1 else "a cylinder"
-        return f"{self.worst.sentence} While {who} misfires, limits are exceeded from {ranges}."
+        keeps = (
+            f"restrict running to {_listed(self.remaining)} then"
+            if self.remaining
+            else "no running speed keeps them"
+        )
+        told.append(
+            f"While {who} misfires, limits are exceeded from {_listed(self.exceeded)}: {keeps}."
+        )
+        return " ".join(filter(None, told))
 
     @property
     def remarks(self) -> tuple[str, ...]:
@@ -110,8 +128,18 @@ class Misfiring:
         return (
             f"misfiring of {which}: {share:.3g} % of the combustion is missing, {still}; the others fire as "
             "before, so the mean torque is lower",
-            "while misfiring, the limit for passing applies at speeds where it is stated, elsewhere the "
-            "continuous limit; only running speeds are judged",
+            f"while misfiring, {self._basis}; only running speeds are judged",
+        )
+
+    @property
+    def _basis(self) -> str:
+        """Which limit decides, in words."""
+        bases = {one.limit.misfiring_basis for one in self.checks if one.limit is not None}
+        if basis := "".join(bases):
+            return f"the limit for passing serves where stated, by {basis}, elsewhere the continuous one"
+        return (
+            "the limits of continuous running decide; those for passing serve only where the class or the "
+            "maker says so, with limits.passing_while_misfiring"
         )
 
     def to_pandas(self) -> Any:
@@ -233,13 +261,24 @@ def _misfiring(added: Superposition, speeds: FloatArray) -> Misfiring:
     given, cases = file.misfire, misfiring_cases(file)
     quantities = compared_quantities(file)
     each: Found = {}
-    exceeded = np.zeros(speeds.shape, dtype=bool)
+    none = np.zeros(speeds.shape, dtype=bool)
+    exceeded, unkept = none, none
+    kept: dict[str, NDArray[np.bool_]] = {}
+    alone: dict[str, tuple[Reached, Cylinders]] = {}
     for case, found in added.at(speeds, [(), *cases]):
         for key, series in found.items():
             limit = quantities[key].while_firing(case)
             each.setdefault(key, {})[case] = worst_of(series, limit)
-            if case and limit is not None:
-                exceeded = speeds_above(series, weights(limit, speeds), exceeded)
+            if limit is None:
+                continue
+            if not case:
+                above = speeds_above(series, weights(limit, speeds), none)
+                kept[key], unkept = ~above, unkept | above
+                continue
+            exceeded = speeds_above(series, weights(limit, speeds), exceeded)
+            reached = worst_of(series, limit, kept[key])
+            if key not in alone or reached.used > alone[key][0].used:
+                alone[key] = reached, case
     _refine(added, speeds, each)
     worst = {key: max(cases, key=lambda case: own[case].severity) for key, own in each.items()}
     drawn = max(filter(of_stress, each), key=lambda key: each[key][worst[key]].used, default=None)
@@ -248,13 +287,14 @@ def _misfiring(added: Superposition, speeds: FloatArray) -> Misfiring:
             quantity=quantities[key].name,
             unit=quantities[key].unit,
             limit=quantities[key].limit,
-            normal=own.pop(()),
+            normal=own[()],
             cylinders=worst[key],
             misfiring=own[worst[key]],
-            each=own,
+            each={case: one for case, one in own.items() if case},
             over_speed=_over_speed(added, speeds, key, worst[key], own[worst[key]].place)
             if key == drawn
             else None,
+            new=_new(added, key, own, worst[key], alone.get(key)),
         )
         for key, own in each.items()
     ]
@@ -262,9 +302,59 @@ def _misfiring(added: Superposition, speeds: FloatArray) -> Misfiring:
         cases=cases,
         missing_share=1.0 if given is None else given.missing_share,
         compression=given is None or given.compression,
-        checks=tuple(sorted(checks, key=lambda one: (one.limit is None, -one.misfiring.used))),
+        checks=tuple(sorted(checks, key=_rank)),
         exceeded=_ranges(speeds, exceeded),
+        remaining=_between(_ranges(speeds, exceeded | unkept), (speeds[0], speeds[-1])),
     )
+
+
+def _rank(check: FiringCheck) -> tuple[bool, bool, float]:
+    """Rank limits before what has none, and what normal firing keeps and misfiring exceeds first."""
+    broken = check.new is not None and check.normal_keeps
+    return check.limit is None, not broken, -check.misfiring.used
+
+
+def _new(
+    added: Superposition,
+    key: str,
+    each: Mapping[Cylinders, Reached],
+    worst: Cylinders,
+    alone: tuple[Reached, Cylinders] | None,
+) -> NewlyExceeded | None:
+    """Return the worst that misfiring alone exceeds, with its cause, where normal firing is well below."""
+    if alone is None:
+        return None
+    # Where normal firing keeps the limit at all speeds, the worst is known more closely.
+    reached, case = (each[worst], worst) if each[()].used <= 1.0 else alone
+    file, at = added.chains.engine_file, np.array([reached.speed])
+    if not reached.used > 1.0 or np.isinf(reached.value):
+        return None
+    answers = {own: added.chains.answers(added.forces(at, own)) for own in ((), case)}
+    series = {own: added.series(file, *found)[key] for own, found in answers.items()}
+    normal = at_place(series[()], reached.place).synthesis.amplitude[0, 0]
+    if reached.used - normal / reached.permitted < NEWS:
+        return None
+    lengthened, twisted = answers[case]
+    answer = lengthened if key.startswith("axial") else twisted
+    unit = compared_quantities(file)[key].unit
+    cause = cause_at(answer, twisted, series[case], reached.place, reached.speed, unit)
+    return NewlyExceeded(case, reached, cause)
+
+
+def _listed(ranges: Sequence[tuple[float, float]]) -> str:
+    """Write ranges of speeds one after the other."""
+    shown = [shown_range(*one) for one in ranges]
+    return " and ".join(filter(None, (", ".join(shown[:-1]), shown[-1])))
+
+
+def _between(
+    ranges: Sequence[tuple[float, float]], ends: tuple[float, float]
+) -> tuple[tuple[float, float], ...]:
+    """Return what is left of the running range between ranges, where an engine can run."""
+    stops = (ends[0], *(high for _, high in ranges))
+    starts = (*(low for low, _ in ranges), ends[1])
+    pairs = zip(stops, starts, strict=True)
+    return tuple((float(low), float(high)) for low, high in pairs if high > low * (1.0 + NARROW))
 
 
 def _over_speed(

@@ -12,6 +12,7 @@ def misfiring_record(found: Misfiring) -> Record:
         **attributes(found, "sentence", "passed", "cases", "missing_share", "compression"),
         "checks": [_check(one) for one in found.checks],
         "exceeded_rpm": [[speed * RPM for speed in one] for one in found.exceeded],
+        "remaining_rpm": [[speed * RPM for speed in one] for one in found.remaining],
         "remarks": list(found.remarks),
     }
 
@@ -23,6 +24,14 @@ def _check(check: FiringCheck) -> Record:
         "source": None if limit is None else limit.source,
         "assumed": limit is not None and limit.assumed,
         "passed": None if limit is None else check.passed,
+        "basis": None if limit is None else limit.misfiring_basis,
+        "new": None
+        if check.new is None
+        else {
+            "cylinders": list(check.new.cylinders),
+            **_reached(check.new.reached),
+            "cause": check.new.cause.reasons,
+        },
         "normal": _reached(check.normal),
         "misfiring": _reached(check.misfiring),
         "each": [{"cylinders": list(case), **_reached(one)} for case, one in check.each.items()],

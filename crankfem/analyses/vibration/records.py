@@ -12,6 +12,7 @@ from crankfem.analyses.mechanism.mechanism_records import power_record
 from crankfem.analyses.record import ASSUMED, Record, assumed_values, attributes, plain
 from crankfem.analyses.shaft.motion import MOTION
 from crankfem.analyses.shaft.whole_records import whole_record
+from crankfem.analyses.shaft.whole_shaft import not_comparable
 from crankfem.analyses.vibration.assessment_records import assessment_record
 from crankfem.analyses.vibration.axial_cycle import axial_cycle_record
 from crankfem.analyses.vibration.bearing_sweep import BearingSweep
@@ -21,6 +22,8 @@ from crankfem.analyses.vibration.misfiring_records import misfiring_record
 from crankfem.analyses.vibration.modes import SourceResult, Vibration
 from crankfem.analyses.vibration.run import EngineVibration
 from crankfem.analyses.vibration.run_up import RunUp
+from crankfem.analyses.vibration.whole_verdict import whole_criticals
+from crankfem.files.engine.firing_evenness import firing_evenness, firing_sentence
 from dynamics.chains.engine_chains import CRANKSHAFT_MODE
 from dynamics.excitation.axial_comparison import AxialForceComparison
 from dynamics.response.damped_criticals import DampedCritical
@@ -41,7 +44,12 @@ def run_record(run: EngineVibration) -> Record:
     Null for results that were not calculated.
     """
     forced = (run.forced_axial, run.forced_torsional)
+    running = (run.engine_file.engine.lowest_speed, run.engine_file.engine.highest_speed)
+    evenness = firing_evenness(run.engine_file.engine)
     return {
+        "firing": firing_sentence(run.engine_file.engine),
+        "firing_remarks": list(evenness.notes),
+        "firing_warnings": list(evenness.warnings),
         **{own.kind: vibration_record(own) for own in (run.axial, run.torsional)},
         "forced": {own.kind: forced_record(own) for own in forced if own is not None} or None,
         "axial_force": _axial_force(run),
@@ -50,16 +58,45 @@ def run_record(run: EngineVibration) -> Record:
         "assessment": None if run.assessment is None else assessment_record(run.assessment),
         "misfiring": None if run.misfiring is None else misfiring_record(run.misfiring),
         "misfiring_note": run.misfiring_note or None,
-        "whole": None if run.whole is None else whole_record(run.whole, run.comparison),
+        "whole": None
+        if run.whole is None
+        else whole_record(run.whole, run.comparison, running)
+        | {"criticals": _whole_criticals(run, running[1])},
+        "not_comparable": not_comparable(run.engine_file) or None,
         "bearings": None if run.bearings is None else sweep_record(run.bearings),
     }
+
+
+def _whole_criticals(run: EngineVibration, highest: float) -> Record:
+    """Return the whole crankshaft's critical speeds of each kind whose chain is inadequate."""
+    if run.comparison is None:
+        return {}
+    found = whole_criticals(run.engine_file, run.comparison, run.torsional.chosen.chain)
+    return plain(
+        {
+            kind: {
+                "left_out": left_out,
+                "peaks": [
+                    {
+                        **attributes(one, "order", "place", "value", "mode", "frequency"),
+                        **attributes(one, "damping_ratio"),
+                        "speed_rpm": one.speed * RPM,
+                        "in_running_range": one.speed <= highest * (1.0 + 1e-9),
+                        "unit": "m" if kind == "axial" else "N m",
+                    }
+                    for one in criticals
+                ],
+            }
+            for kind, (criticals, left_out) in found.items()
+        }
+    )
 
 
 def _axial_force(run: EngineVibration) -> Record | None:
     if run.axial_force is None or run.forced_axial is None:
         return None
     compared = run.comparison
-    # Without a chain to compare with, the whole crankshaft lacks what follows the flywheel.
+    # Without a chain to compare with, the whole crankshaft lacks the plant.
     coupled = None if compared is None or compared.axial is None else compared.coupled
     return axial_cycle_record(run.axial_force, run.forced_axial, run.engine_file, coupled)
 
@@ -85,8 +122,14 @@ def load_record(load: EngineLoad) -> Record:
 
 def sweep_record(sweep: BearingSweep) -> Record:
     """Return the effect of the range of the main bearings' stiffness, in SI units."""
-    names = ("stiffness", "chains", "shaft", "used", "statuses", "flips", "sentences")
-    return {"assumed": sweep.bearings.assumed, **attributes(sweep, *names)}
+    names = ("stiffness", "used", "statuses", "flips", "sentences")
+    frequencies = {  # null where there is no such mode
+        name: {
+            kind: np.where(np.isnan(own), np.inf, own) for kind, own in getattr(sweep, name).items()
+        }
+        for name in ("chains", "shaft", "further")
+    }
+    return {"assumed": sweep.bearings.assumed, **attributes(sweep, *names), **plain(frequencies)}
 
 
 def vibration_record(vibration: Vibration) -> Record:
@@ -174,7 +217,7 @@ def forced_record(forced: ForcedVibration) -> Record:
             "power": _power(forced),
             "running_rpm": _rpm(forced.running_range),
             "judged_rpm": _rpm(forced.judged_range),
-            "resonances": [_resonance(one) for one in forced.resonances],
+            "resonances": [_resonance(one, forced.kind) for one in forced.resonances],
             "axial_forces": None if compared is None else _axial_forces(compared, forced),
         }
     )
@@ -184,25 +227,23 @@ def _rpm(speeds: Sequence[float]) -> list[float]:
     return [speed * RPM for speed in speeds]
 
 
-def _resonance(found: DampedCritical) -> Record:
-    """Return a peak; null if an order meets a mode without one."""
-    beside = {
-        "undamped_rpm": found.undamped_speed * RPM,
-        "locked_rpm": found.locked_speed * RPM,
-    }
+def _resonance(found: DampedCritical, kind: str) -> Record:
+    """Return a peak; null if an order meets a mode without one. The amplitude is that of the free end."""
     names = (
-        *(
-            "mode",
-            "order",
-            "speed_rpm",
-            "frequency",
-            "amplitude",
-            "mode_frequency",
-            "damping_ratio",
-        ),
+        *("mode", "order", "speed_rpm", "frequency", "mode_frequency", "damping_ratio"),
         *("mode_share", "severity", "kind", "unbounded", "in_running_range"),
+        *("in_band", "place", "modes", "others"),
     )
-    record = attributes(found, *names) | plain(beside)
+    record = attributes(found, *names) | plain(
+        {
+            "amplitude": found.first_amplitude,
+            "value": found.amplitude,
+            "unit": LOAD_UNIT[kind] if found.of_load else MOTION[kind].si,
+            "spread_rpm": _rpm(found.spread) if found.has_peak else None,
+            "undamped_rpm": found.undamped_speed * RPM,
+            "locked_rpm": found.locked_speed * RPM,
+        }
+    )
     # Without a peak, or without a ring, there is no such value.
     missing = {
         name: None for name, value in record.items() if isinstance(value, float) and isnan(value)

@@ -1,5 +1,6 @@
-"""The resonances of an engine at all speeds assessed: peaks of the free end by single orders."""
+"""The resonances of an engine at all speeds assessed: peaks of single orders at any place."""
 
+from collections.abc import Collection
 from dataclasses import replace
 from typing import Protocol
 
@@ -32,15 +33,19 @@ class Answer(Protocol):
         """Speeds at which vibration is assessed [rad/s]."""
 
 
-def resonances_of(engine_file: EngineFile, forced: Answer) -> tuple[DampedCritical, ...]:
-    """Return the peaks of modes, ascending in speed, and then modes without a peak.
+def resonances_of(
+    engine_file: EngineFile, forced: Answer, limited: Collection[str] = ()
+) -> tuple[DampedCritical, ...]:
+    """Return the peaks of all elements and nodes, ascending in speed, and then modes without a peak.
 
     Major orders are those in which all cylinders fire in phase. A peak of the exciting forces
-    without a mode near it is not a resonance.
+    without a mode near it is not a resonance; it is not `in_band`. Places with limits are told first.
     """
     response = forced.response
     major = major_orders(response.orders, engine_file.engine.firing_angles)
-    found = damped_criticals(response, node=0, speed_range=forced.judged_range, modes=forced.modes)
+    found = damped_criticals(
+        response, speed_range=forced.judged_range, modes=forced.modes, first=limited
+    )
     told = [
         replace(
             one,
@@ -48,7 +53,6 @@ def resonances_of(engine_file: EngineFile, forced: Answer) -> tuple[DampedCritic
             in_running_range=_speed(one) <= forced.running_range[1],
         )
         for one in found
-        if one.in_band or not one.has_peak
     ]
     return tuple(sorted(told, key=lambda one: (not one.has_peak, _speed(one))))
 

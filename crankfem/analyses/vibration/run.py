@@ -20,8 +20,8 @@ from crankfem.analyses.shaft.whole_shaft import (
     ShaftComparison,
     WholeShaft,
     compare_with_chains,
+    not_comparable,
     shaft_response,
-    unmodeled_sections,
     whole_shaft,
 )
 from crankfem.analyses.vibration.assessment import Assessment, assess_chains
@@ -35,11 +35,11 @@ from crankfem.analyses.vibration.bearing_sweep import (
 )
 from crankfem.analyses.vibration.chain_answers import EngineChains
 from crankfem.analyses.vibration.engine_excitation import engine_harmonics
-from crankfem.analyses.vibration.engine_limits import refuse_limits
 from crankfem.analyses.vibration.engine_load import EngineLoad, engine_load
 from crankfem.analyses.vibration.forced import ForcedVibration, forced_vibrations
 from crankfem.analyses.vibration.misfiring import Misfiring, misfiring_or_reason
 from crankfem.analyses.vibration.modes import Vibration, axial_vibration, torsional_vibration
+from crankfem.analyses.vibration.refusals import refuse_vibration
 from crankfem.analyses.vibration.whole_verdict import with_bearings, with_whole_shaft
 from crankfem.files.engine.engine_file import EngineFile, load_engine
 from crankfem.files.engine.mechanism_file import MechanismFile, layout_of, mechanism_of
@@ -291,7 +291,7 @@ def engine_vibration(
     _check_same_engine(read, analyses, mechanism)
     forcing = read.gas is not None or read.gas_map is not None
     harmonics = engine_harmonics(read, mechanism) if forcing else None
-    refuse_limits(read)
+    refuse_vibration(read)
     model = usable_model(read, model)
     load = engine_load(read, mechanism) if forcing else None
     if analyses is None:
@@ -328,7 +328,7 @@ def engine_vibration(
         answer = None if twisted is None else shaft_response(read, whole, twisted.forces)
         comparison = (
             ShaftComparison(answer)
-            if unmodeled_sections(read)
+            if not_comparable(read)
             else compare_with_chains(
                 whole,
                 axial.chosen.chain,
@@ -336,6 +336,7 @@ def engine_vibration(
                 answer,
                 None if lengthened is None else lengthened.response,
                 None if twisted is None else twisted.response,
+                (read.engine.lowest_speed, read.engine.highest_speed),
             )
         )
         rigid = held_chains(read, analyses, model, math.inf)

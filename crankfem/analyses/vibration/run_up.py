@@ -11,7 +11,7 @@ from crankbase.errors import InputError
 from crankbase.summaries import summarized
 from crankbase.tables.frames import table
 from crankbase.units.quantity import parse_quantity
-from crankfem.analyses.shaft.chains import magnifier_of
+from crankfem.analyses.shaft.chains import magnifier_damping
 from crankfem.analyses.vibration.run import EngineVibration
 from dynamics.transient.curve_selection import axis_names
 from dynamics.transient.envelope import Envelope
@@ -150,13 +150,13 @@ def run_up(
             "what the cylinders excite."
         )
     low, high = float(forced.response.speeds[0]), run.engine_file.engine.highest_speed
-    magnifier, _ = magnifier_of(run.engine_file, "torsional")
+    added, _ = magnifier_damping(run.engine_file, forced.engine_chain)
     assert forced.response.chain is not None
     motion = transient_motion(
         forced.response.chain,
         forced.response.excitation,
         SpeedCurve.ramp(low, high, duration=duration),
-        magnifier=magnifier,
+        modal_damping=added,
         progress=progress,
     )
     passed = forced.response.speeds <= motion.shaft_speed[-1]

@@ -5,11 +5,19 @@ from dataclasses import replace
 
 from crankbase.tables.output_units import SI, OutputUnits
 from crankbase.tables.table import Cell, Column, Table
-from crankbase.units.number_formats import UNBOUNDED
 from crankbase.units.units import RPM
 from crankfem.analyses.record import Record
-from crankfem.analyses.shaft.motion import MOTION
-from crankfem.analyses.vibration.tables import FREQUENCY, ROWS_SHOWN, SPEED, TOGETHER
+from crankfem.analyses.vibration.tables import (
+    FREQUENCY,
+    ROWS_SHOWN,
+    SPEED,
+    TOGETHER,
+    is_listed,
+    left_out,
+    peak_modes,
+    peak_place,
+    peak_size,
+)
 
 KINDS = ("axial", "torsional")
 # Of what there is none, or none is known, such as amplitudes beyond the speeds judged.
@@ -44,19 +52,28 @@ def speed_table(
         Speeds at which the cylinders act in phase are marked.
     """
     running = (vibration["assessment"] or {}).get("running_rpm")
-    rows = [
-        _row(one, units, major, running)
+    shown = {kind: _shown(_speeds(vibration, kind), most) for kind in KINDS}
+    rows = [_row(one, units, major, running) for kind in KINDS for one in shown[kind]]
+    notes = [
+        f"{kind.capitalize()}: {text}"
         for kind in KINDS
-        for one in _shown(_speeds(vibration, kind), most)
+        if vibration["forced"] is not None
+        and (
+            text := left_out(
+                vibration["forced"][kind]["resonances"],
+                [one["resonance"] for one in shown[kind] if "resonance" in one],
+            )
+        )
     ]
     columns = [
         Column("vibration", words=True),
         SPEED,
         *(_absent(Column(name, "1/min", decimals=1, bare=True)) for name in BESIDE),
         Column("order", digits=None),
-        Column("mode"),
+        Column("mode", words=True),
         _absent(FREQUENCY),
         _absent(Column("phase sum", decimals=2)),
+        _absent(Column("peak at", words=True)),
         _absent(Column("amplitude")),
         _absent(Column("damping", "%", decimals=2)),
         Column("margin", "%", decimals=1, missing="inside"),
@@ -68,6 +85,7 @@ def speed_table(
         "Critical speeds",
         columns,
         [[row[one.name] for one in columns] for row in rows],
+        note=" ".join(notes),
         marks=[
             "chosen" if isinstance(row["phase sum"], float) and row["phase sum"] >= TOGETHER else ""
             for row in rows
@@ -88,28 +106,42 @@ def _speeds(vibration: Record, kind: str) -> list[Record]:
     """
     forced, assessment = vibration["forced"], vibration["assessment"]
     calculated = [] if forced is None else forced[kind]["resonances"]
-    peaks = [one for one in calculated if one["speed_rpm"] is not None or one["in_running_range"]]
+    peaks = [
+        one
+        for one in calculated
+        if is_listed(one) and (one["speed_rpm"] is not None or one["in_running_range"])
+    ]
     damped = {one["mode"] for one in calculated}
-    damped -= {one["mode"] for one in calculated if one["speed_rpm"] is not None}
+    damped -= {mode for one in calculated if one["speed_rpm"] is not None for mode in _modes(one)}
     met = {_meeting(one): one for one in vibration[kind]["criticals"]}
     found: list[Record] = [{"resonance": one} for one in peaks]
-    found += [{"critical": met[key]} for key in met.keys() - {_meeting(one) for one in calculated}]
+    known = {(mode, one["order"]) for one in calculated for mode in _modes(one)}
+    found += [{"critical": met[key]} for key in met.keys() - known]
     for own in found:
         key = _meeting(_known(own))
         own |= {"kind of motion": kind} | ({"critical": met[key]} if key in met else {})
     margins = [] if assessment is None else assessment["uncertainty"][kind]["critical"]
     for margin in margins:
-        same = [own for own in found if _meeting(_known(own)) == _meeting(margin)]
+        same = [
+            own
+            for own in found
+            if _known(own)["order"] == margin["order"] and margin["mode"] in _modes(_known(own))
+        ]
         if same:
             nearest = min(same, key=lambda own: _distance(own, margin))
             nearest["margin"] = margin
-        elif margin["mode"] not in damped:
+        elif margin["mode"] not in damped and _meeting(margin) not in known:
             found.append({"kind of motion": kind, "margin": margin})
     return found
 
 
 def _meeting(record: Record) -> tuple[int, float]:
     return record["mode"], record["order"]
+
+
+def _modes(record: Record) -> list[int]:
+    """Return all modes that make a peak."""
+    return [record["mode"], *record.get("modes", ())]
 
 
 def _distance(record: Record, margin: Record) -> float:
@@ -164,24 +196,16 @@ def _row(
         "undamped": _from_rpm(peak.get("undamped_rpm")),
         "ring locked": _from_rpm(peak.get("locked_rpm")),
         "order": known["order"],
-        "mode": known["mode"],
+        "mode": peak_modes(known),
         "frequency": None if peak else critical.get("frequency"),
         "phase sum": critical.get("phase_sum"),
-        "amplitude": _amplitude(peak, kind, units),
+        "peak at": peak_place(peak),
+        "amplitude": peak_size(peak, kind, units, 3) if peak else None,
         "damping": peak.get("damping_ratio"),
         # Of a speed outside whose uncertainty range reaches to running speeds nothing is left.
         "margin": (margin["margin"] if outside else None) if margin else ABSENT if peak else None,
         "kind": f"{named}{', ' if named else ''}outside" if outside else named or None,
     }
-
-
-def _amplitude(peak: Record, kind: str, units: OutputUnits) -> str | None:
-    if peak.get("speed_rpm") is None:
-        return None
-    if peak["unbounded"]:
-        return UNBOUNDED
-    own = units.of(MOTION[kind].printed)
-    return f"{own.number(peak['amplitude'], 3)} {own.name}"
 
 
 def _from_rpm(speed: float | None) -> float | None:

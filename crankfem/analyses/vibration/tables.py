@@ -1,5 +1,6 @@
 """The tables of an engine's vibration, from its plain records: the command line and the report show them."""
 
+import math
 from collections.abc import Callable
 from dataclasses import replace
 from typing import Any
@@ -11,6 +12,7 @@ from crankbase.units.units import RPM
 from crankfem.analyses.record import Record
 from crankfem.analyses.shaft.motion import MOTION
 from dynamics.assessment.limit_sentences import limit_at
+from dynamics.response.damped_criticals import LEAST_PEAK
 
 # What a table shows; files hold everything.
 ROWS_SHOWN = 12
@@ -124,21 +126,23 @@ def resonance_table(record: Record, units: OutputUnits = SI) -> Table:
     """Return the most severe resonances of a `forced_record`, by speed."""
     kind, found = record["kind"], record["resonances"]
     # Running speeds come first; what lies above them fills what is left.
-    worst = sorted(found, key=lambda one: (not one.get("in_running_range", True), -one["severity"]))
-    worst = worst[:ROWS_SHOWN]
+    kept = sorted(
+        (one for one in found if is_listed(one)),
+        key=lambda one: (not one.get("in_running_range", True), -one["severity"]),
+    )
+    worst = sorted(kept[:ROWS_SHOWN], key=lambda one: one["speed_rpm"] or float("inf"))
     motion = MOTION[kind].printed
-    ring = any(one.get("locked_rpm") is not None for one in found)
     speed = replace(SPEED, missing="no peak")
     return Table(
         f"{kind.capitalize()} resonances {_assessed_range(record, units)}"
-        + (f", the {ROWS_SHOWN} most severe of {len(found)}" if len(found) > ROWS_SHOWN else ""),
+        + (f", the {ROWS_SHOWN} most severe of {len(kept)}" if len(kept) > ROWS_SHOWN else ""),
         [
             speed,
             Column("order", digits=None),
-            Column("mode"),
+            Column("mode", words=True),
+            Column("peak at", words=True, missing="-"),
+            Column("peak", missing="-"),
             Column(record["free_end"]["node"], motion),
-            Column("undamped", "1/min", decimals=1, bare=True),
-            *([Column("ring locked", "1/min", decimals=1, bare=True)] if ring else []),
             Column("damping", "%", decimals=2),
             Column("kind", words=True),
         ],
@@ -146,16 +150,85 @@ def resonance_table(record: Record, units: OutputUnits = SI) -> Table:
             [
                 _from_rpm(one["speed_rpm"]),
                 one["order"],
-                one["mode"],
+                peak_modes(one),
+                peak_place(one),
+                peak_size(one, kind, units),
                 UNBOUNDED if one["unbounded"] else one["amplitude"],
-                _from_rpm(one.get("undamped_rpm")),
-                *([_from_rpm(one["locked_rpm"])] if ring else []),
                 one.get("damping_ratio"),
                 one["kind"] + ("" if one.get("in_running_range", True) else ", above"),
             ]
-            for one in sorted(worst, key=lambda one: one["speed_rpm"] or float("inf"))
+            for one in worst
         ],
+        note=left_out(found, worst),
     )
+
+
+def is_listed(peak: Record) -> bool:
+    """Return whether a table lists a peak of a `forced_record`, or tells of it in `left_out`."""
+    if peak["speed_rpm"] is None:
+        return True
+    # Results of older runs hold the free end's resonances alone.
+    return bool(peak.get("in_band", True)) and (
+        "place" not in peak or peak["severity"] >= LEAST_PEAK
+    )
+
+
+def peak_modes(peak: Record) -> str:
+    """Write the modes that make a peak, the main one first."""
+    return ", ".join(str(mode) for mode in peak.get("modes") or [peak["mode"]])
+
+
+def peak_place(peak: Record) -> str | None:
+    """Write where a peak is, and how many other places have theirs at what speeds nearby."""
+    if not peak.get("place"):
+        return None
+    # Of a point with several parts the first one tells it from others.
+    others, name = len(peak["others"]), peak["place"].split(", ")[0]
+    low, high = (f"{speed:.4g}" for speed in peak["spread_rpm"])
+    return f"{name} (+{others}{f' at {low} to {high}' if low != high else ''})" if others else name
+
+
+def peak_size(peak: Record, kind: str, units: OutputUnits, digits: int = 4) -> str | None:
+    """Write the amplitude of a peak at its place, of results of older runs at the free end."""
+    if peak.get("speed_rpm") is None:
+        return None
+    if peak["unbounded"]:
+        return UNBOUNDED
+    motion = MOTION[kind]
+    if peak.get("unit", motion.si) == motion.si:
+        own = units.of(motion.printed)
+        return f"{own.number(peak.get('value', peak['amplitude']), digits)} {own.name}"
+    return units.quantity(peak["value"], peak["unit"], digits)
+
+
+def left_out(found: list[Record], shown: list[Record]) -> str:
+    """Say which peaks of one kind a table leaves out, and why; empty without any."""
+    peaks = [one for one in found if one["speed_rpm"] is not None and one not in shown]
+    beyond = [one for one in peaks if is_listed(one)]
+    forced = [one for one in peaks if not one.get("in_band", True)]
+    small = [one for one in peaks if one not in beyond and one not in forced]
+    texts = []
+    if beyond:
+        most = 100.0 * max(one["severity"] for one in beyond)
+        texts.append(
+            f"{_counted(beyond, 'critical speed')}, up to {most:.0f} % of the largest peak at a place"
+        )
+    if small:
+        texts.append(
+            f"{_counted(small, 'peak')} below {100.0 * LEAST_PEAK:.0f} % of the largest one at every place"
+        )
+    if forced:
+        worst = max(forced, key=lambda one: one["severity"])
+        texts.append(
+            f"{_counted(forced, 'peak')} of the exciting forces, where no mode reaches half of its largest "
+            f"magnifier, the main one of order {worst['order']:g} at {worst['speed_rpm']:.4g} 1/min "
+            f"({worst['place'].split(', ')[0]})"
+        )
+    return f"Not listed: {'; '.join(texts)}." if texts else ""
+
+
+def _counted(peaks: list[Record], name: str) -> str:
+    return f"{len(peaks)} {name}{'s' if len(peaks) > 1 else ''}"
 
 
 def _from_rpm(speed: float | None) -> float | None:
@@ -339,6 +412,44 @@ def whole_table(record: Record) -> Table:
             Column("motion", words=True),
         ],
         [[one["name"], one["frequency"], one["label"]] for one in record["modes"]],
+    )
+
+
+def whole_critical_table(record: Record, kind: str) -> Table:
+    """Return the critical speeds of one kind in a `whole_record`, the largest ones of it."""
+    found = record["criticals"][kind]
+    largest = sorted(
+        found["peaks"], key=lambda one: -math.inf if one["value"] is None else -one["value"]
+    )
+    shown = sorted(largest[:ROWS_SHOWN], key=lambda one: one["speed_rpm"])
+    left = found["left_out"] + len(largest) - len(shown)
+    return Table(
+        f"Critical speeds of the whole crankshaft: {kind} "
+        f"{'motion' if kind == 'axial' else 'torque'} by one order",
+        [
+            SPEED,
+            Column("order", digits=None),
+            Column("at", words=True),
+            Column("amplitude", "um" if kind == "axial" else "kN m", 3, missing=UNBOUNDED),
+            Column("mode", missing="none"),
+            Column("damping", "%", decimals=2, missing="-"),
+            Column("range", words=True),
+        ],
+        [
+            [
+                one["speed_rpm"] / RPM,
+                one["order"],
+                one["place"],
+                one["value"],
+                one["mode"] or None,
+                one["damping_ratio"],
+                "running" if one["in_running_range"] else "above",
+            ]
+            for one in shown
+        ],
+        note=f"{left} smaller {'one is' if left == 1 else 'ones are'} left out."
+        if left
+        else "None is left out.",
     )
 
 

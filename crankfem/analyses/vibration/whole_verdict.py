@@ -6,17 +6,25 @@ from dataclasses import replace
 import numpy as np
 
 from crankfem.analyses.shaft.whole_difference import whole_shaft_remark
-from crankfem.analyses.shaft.whole_shaft import ShaftComparison
+from crankfem.analyses.shaft.whole_shaft import ShaftComparison, not_comparable
 from crankfem.analyses.vibration.assessment import Assessment
 from crankfem.analyses.vibration.bearing_sweep import BearingSweep
-from crankfem.analyses.vibration.engine_limits import Findings, engine_limits, engine_verdict
+from crankfem.analyses.vibration.engine_limits import (
+    Findings,
+    assessment_end_speeds,
+    element_series,
+    engine_limits,
+    engine_verdict,
+)
 from crankfem.files.engine.engine_file import EngineFile
 from dynamics.assessment.decided import Decision, decide
 from dynamics.assessment.limit_sentences import limit_at, use_in_words
 from dynamics.assessment.limits import AmplitudeCurve
 from dynamics.assessment.response_curves import curves_of
-from dynamics.assessment.verdict import Verdict
-from dynamics.chains.engine_chains import EngineChain
+from dynamics.assessment.verdict import LimitCheck, Verdict
+from dynamics.chains.engine_chains import FLYWHEEL, FREE_END, EngineChain
+from dynamics.crankshaft.shaft_criticals import ShaftCritical, shaft_criticals
+from dynamics.response.loads import ElementLoads
 from dynamics.response.series import OrderSeries
 
 DIGITS = 3
@@ -49,14 +57,16 @@ def with_whole_shaft(
     Further arguments are those of `whole_verdict`.
     """
     said = whole_shaft_remark(comparison)
+    if reason := not_comparable(engine_file):
+        said = (f"The verdict uses lumped models (chains) alone: {reason}.",)
     whole = whole_verdict(engine_file, comparison, cranks, moduli, assessment.verdict)
     if whole is None:
-        return replace(assessment, beside=(*said, *assessment.beside))
+        return replace(assessment, by_whole=said)
     return replace(
         assessment,
         whole=whole,
         decision=decision_by_both(assessment.decision, whole, assessment.verdict),
-        beside=(*said, whole_sentence(whole, assessment.verdict), *assessment.beside),
+        by_whole=(*said, whole_sentence(whole, assessment.verdict)),
     )
 
 
@@ -86,6 +96,74 @@ def whole_stress(
     )
 
 
+def whole_loads(comparison: ShaftComparison, cranks: EngineChain) -> ElementLoads:
+    """Return the torques of the whole crankshaft in the elements of the torsional chain [N m].
+
+    In the crankshaft those at its main bearings, behind it and in a damper those of the springs.
+
+    Parameters
+    ----------
+    comparison, cranks
+        As for `whole_stress`.
+    """
+    assert comparison.coupled is not None
+    coupled, chain = comparison.coupled, cranks.chain
+    count, named = coupled.crankshaft.shaft.section_count, set(coupled.crankshaft.names)
+    ends = {FREE_END: "main bearing 1 rz", FLYWHEEL: f"main bearing {count} rz"}
+    speeds = coupled.orders[:, np.newaxis] * coupled.speeds
+    elastic = whole_stress(comparison, cranks, dict.fromkeys(range(cranks.crank_elements), 1.0))
+    springs, total = [], []
+    for element in range(cranks.crank_elements, len(chain.connections)):
+        left, right = (
+            coupled.motion(ends.get(name, name if name in named else f"{name} rz"))
+            for name in (chain.names[node] for node in chain.connections[element])
+        )
+        springs.append(chain.stiffness[element] * (right - left))
+        lost = 1j * (chain.loss_factor[element] * springs[-1])
+        total.append(springs[-1] + lost + 1j * speeds * chain.damping[element] * (right - left))
+    all_total, all_elastic = (
+        replace(elastic, values=np.dstack((elastic.values, *own)), names=chain.elements)
+        for own in (total, springs)
+    )
+    none = replace(elastic, values=elastic.values[:, :, :0], names=())
+    return ElementLoads(all_total, all_elastic, ground=none, dashpots=none)
+
+
+def whole_criticals(
+    engine_file: EngineFile, comparison: ShaftComparison, cranks: EngineChain
+) -> dict[str, tuple[tuple[ShaftCritical, ...], int]]:
+    """Return the whole crankshaft's critical speeds and the number of small ones left out, by kind.
+
+    Of the kinds whose chain is inadequate: torques [N m] in the elements of the torsional chain, axial
+    motions [m] of the main bearings, from the lowest running speed to the highest one judged.
+    """
+    coupled = comparison.coupled
+    if coupled is None:
+        return {}
+    found: dict[str, tuple[tuple[ShaftCritical, ...], int]] = {}
+    ends = assessment_end_speeds(engine_file)
+    for verdict in comparison.verdicts:
+        if verdict.suffices:
+            continue
+        if verdict.kind == "torsional":
+            series = whole_loads(comparison, cranks).elastic
+        else:
+            names = [
+                f"main bearing {number}"
+                for number in range(1, coupled.crankshaft.shaft.section_count + 1)
+            ]
+            moved = [coupled.elastic_motion(f"{name} uz") for name in names]
+            series = OrderSeries(
+                coupled.orders,
+                coupled.speeds,
+                np.stack(moved, axis=-1),
+                coupled.unbounded,
+                tuple(names),
+            )
+        found[verdict.kind] = shaft_criticals(coupled, series, (ends[0], ends[-1]))
+    return found
+
+
 def whole_verdict(
     engine_file: EngineFile,
     comparison: ShaftComparison,
@@ -102,7 +180,7 @@ def whole_verdict(
     cranks, moduli
         As for `whole_stress`.
     chains : Verdict
-        Its curves are kept for what the whole crankshaft does not give: axial forces.
+        Its curves are kept for what the whole crankshaft does not give: axial forces in the throws.
 
     Returns
     -------
@@ -122,6 +200,9 @@ def whole_verdict(
             curves = list(curves_of(whole_stress(comparison, cranks, moduli)))
         elif moved is not None:
             curves = [AmplitudeCurve("free end", moved.speeds, moved.shaft)]
+        elif name != "axial_force":
+            loads = whole_loads(comparison, cranks)
+            curves = list(curves_of(element_series(name, engine_file, loads)))
         else:
             kept = (one for one in chains.checks if one.limit.name == limit.name)
             findings = [*findings, *((limit, one.curve) for one in kept)]
@@ -132,10 +213,16 @@ def whole_verdict(
 
 
 def whole_sentence(whole: Verdict, chains: Verdict) -> str:
-    """Say what the whole crankshaft reaches of the limit used most, and whether the verdicts agree."""
+    """Say what the whole crankshaft reaches of the limit used most, and whether the verdicts agree.
+
+    Beside it stands what the chains reach of the same limit, each at its own worst of the speeds judged.
+    """
     by_chains = {id(one.curve) for one in chains.checks}
     worst = next(one for one in whole.checks if id(one.curve) not in by_chains)
-    found = use_in_words(worst.limit, worst.worst_speed, worst.worst_value, worst.permitted, DIGITS)
+    found = _use(worst)
+    same = next((one for one in chains.checks if one.limit.name == worst.limit.name), None)
+    if same is not None:
+        found += f" (by the chains {same.curve.name}, {_use(same)})"
     agrees = "the same verdict" if whole.status == chains.status else "another verdict"
     ranges = ""
     if whole.status == "barred range needed":
@@ -147,6 +234,10 @@ def whole_sentence(whole: Verdict, chains: Verdict) -> str:
         f"The whole crankshaft held against the same limits: {limit_at(worst.limit.name, worst.curve.name)}, "
         f'{found}; with the values used, {agrees}, "{whole.status}"{ranges}.'
     )
+
+
+def _use(check: LimitCheck) -> str:
+    return use_in_words(check.limit, check.worst_speed, check.worst_value, check.permitted, DIGITS)
 
 
 def decision_by_both(decision: Decision, whole: Verdict, chains: Verdict) -> Decision:

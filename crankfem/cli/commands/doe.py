@@ -231,7 +231,7 @@ def _export_designs(plan: "StudyPlan", store: Path, folder: Path, kind: str, out
     """Write a study's designs for other solvers, including those added in its store."""
     from crankfem.analyses.study.design_export import TABLE, check_kind, export_designs
     from crankfem.jobs.outputs import make_output_folder
-    from regression.runs.registered_designs import known_designs
+    from regression.runs.study import known_designs
 
     check_kind(kind)
     planned = known_designs(store, plan)
@@ -280,7 +280,7 @@ def _import(plan: "StudyPlan", store: Path, file: Path, alone: bool, quiet: bool
 def _run(
     plan: "StudyPlan", store: Path, workers: int, options: dict[str, Any], quiet: bool
 ) -> "StudyTable":
-    from crankfem.analyses.study.growth import run_grown
+    from crankfem.analyses.study.studies import run_grown
 
     if options["dask"] is not None:
         from regression.runs.dask_cluster import silence_dask_log

@@ -127,7 +127,7 @@ def _one_throw(engine: str, asked: _Request) -> None:
 
 
 def _all_engines(asked: _Request) -> None:
-    from crankfem.analyses.throw.formula_spread import (
+    from crankfem.analyses.throw.formula_records import (
         engine_spread,
         spread_of_engines,
         spread_record,

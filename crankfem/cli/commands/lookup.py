@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from crankbase.errors import InputError
+from crankbase.wrong_files import not_a_file
 from crankfem.cli.commands import completion
 from crankfem.cli.commands.options import (
     GammaOption,
@@ -84,7 +85,7 @@ def lookup(
     else:
         from regression.models.compliance_model import ComplianceModel
 
-        if not model.exists():
+        if not_a_file(model) is None and not model.exists():
             raise InputError(
                 f"{model}: does not exist; allowed are law and the path of a model file."
             )
@@ -224,7 +225,7 @@ def _print_lookup(name: str, answer: "Lookup", shared: list[str], units: "Output
 def _print_bands(model: "ComplianceModel", names: list[str]) -> None:
     """State the errors included in the bands, and those unknown."""
     from regression.fits.statistics import COVERAGE
-    from regression.models.error_band import FEWEST, equation_error, percent
+    from regression.models.extrapolation import FEWEST, equation_error, percent
 
     used = {name: model.responses[name] for name in names}
 

@@ -47,8 +47,10 @@ def mechanism(
 ) -> None:
     """Calculate forces in the crank mechanism, bearing loads, and the balance of the engine."""
     from crankfem.analyses.mechanism.acceleration_records import acceleration_record
-    from crankfem.analyses.mechanism.balance_records import hinged_rods_record
-    from crankfem.analyses.mechanism.balanced_masses import mechanism_balance_record
+    from crankfem.analyses.mechanism.balance_records import (
+        hinged_rods_record,
+        mechanism_balance_record,
+    )
     from crankfem.analyses.mechanism.mechanism_records import force_columns, mechanism_record
     from crankfem.analyses.mechanism.mechanism_run import hinged_group, run_mechanism
     from crankfem.analyses.mechanism.plots.load_plots import plot_model_difference
@@ -70,7 +72,7 @@ def mechanism(
     from crankfem.files.engine.input_files import mechanism_inputs
     from crankfem.files.engine.mechanism_file import load_mechanism
     from crankfem.jobs.outputs import check_outputs
-    from crankfem.report.interactive.mechanism_plots import MECHANISM
+    from crankfem.report.interactive.mechanism import MECHANISM
 
     loaded, turning, models = load_mechanism(engine), parse_speed(speed), _rod_models(model)
     inputs = mechanism_inputs(loaded)

@@ -70,8 +70,8 @@ def optimum(
     """Find the smallest value of a dimension or response, such as web thickness, under limits."""
     from crankfem.cli.model_arguments import model_dimensions, parse_limit
     from regression.models.compliance_model import ComplianceModel
+    from regression.models.optimum import find_optimum
     from regression.models.optimum_limits import check_minimized
-    from regression.models.optimum_search import find_optimum
 
     loaded = ComplianceModel.load(model)
     check_minimized(loaded, minimize, "--minimize")

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from crankbase.errors import InputError, MissingLibraryError
+from crankbase.wrong_files import not_a_file
 from crankfem.cli.commands.options import Output, WorkersOption, with_output
 from crankfem.cli.console import print_json
 
@@ -79,6 +80,8 @@ def _read_key(file: Path | None) -> str | None:
     if file is None:
         return None
     try:
+        if (entry := not_a_file(file)) is not None:
+            raise InputError(f"--key-file: given {file}, which {entry}.")
         return file.read_text(encoding="ascii").strip()
     except (OSError, UnicodeDecodeError) as error:
         raise InputError(

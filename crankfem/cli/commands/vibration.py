@@ -65,6 +65,7 @@ def vibration(
         _print_chain_modes(engine, content, out.json, out.units, only_engines=others)
         return
     from crankbase.outputs import protect
+    from crankfem.analyses.engine_refusals import refuse_what_cannot_run
     from crankfem.analyses.shaft.motion import MOTION
     from crankfem.analyses.shaft.saved_model import with_model
     from crankfem.analyses.vibration.axial_cycle import axial_cycle_columns
@@ -77,18 +78,19 @@ def vibration(
     from crankfem.cli.tables.run_tables import print_verdict
     from crankfem.cli.tables.vibration_tables import print_run, print_run_up
     from crankfem.files.engine.engine_file import load_engine
-    from crankfem.files.engine.input_files import engine_tables
+    from crankfem.files.engine.input_files import engine_inputs
     from crankfem.files.engine.mechanism_file import mechanism_of
     from crankfem.jobs.outputs import make_output_folder
     from crankfem.report.interactive.vibration import VIBRATION
 
     duration = None if run_up is None else parse_duration(run_up)
     read = load_engine(content if model is None else with_model(content, model))
+    refuse_what_cannot_run(read, content)
     if strict:
         check_has_limits(read)
     mechanism = mechanism_of(read)
     if csv is not None or pictures is not None:
-        protect(read.path, *engine_tables(read, mechanism))
+        protect(*(file.path for file in engine_inputs(read)))
     tables = make_output_folder(
         "--csv", csv, [f"{one}.csv" for one in (*MOTION, "axial_force")], "table"
     )

@@ -13,7 +13,7 @@ from crankbase.tables.table import Cell, Column, Table
 from crankbase.units.units import DISPLAY_UNITS
 from crankfem.analyses.record import attributes
 from crankfem.cli.console import print_line, print_table
-from regression.plans.design_quality import DesignQuality, design_quality
+from regression.plans.designs_space import DesignQuality, design_quality
 from regression.plans.factors import Factor
 from regression.plans.plan import ExcludedDesign, PlannedStudy
 from regression.records import HELD_OUT, RUN

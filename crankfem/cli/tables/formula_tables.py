@@ -8,7 +8,7 @@ from rich.table import Table as RichTable
 from crankbase.tables.output_units import SI, OutputUnit, OutputUnits
 from crankbase.tables.table import Column, Table
 from crankbase.units.number_formats import significant
-from crankfem.analyses.throw.formula_spread import (
+from crankfem.analyses.throw.formula_records import (
     EngineSpread,
     FormulaSpread,
     Ratio,

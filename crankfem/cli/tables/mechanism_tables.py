@@ -8,11 +8,9 @@ from crankfem.analyses.mechanism.acceleration_records import (
 )
 from crankfem.analyses.mechanism.balance_records import (
     BALANCED_TEXT,
+    balance_contents,
     balance_table,
     hinged_rod_table,
-)
-from crankfem.analyses.mechanism.balanced_masses import (
-    balance_contents,
     moving_mass_table,
     throw_mass_table,
 )

@@ -1,6 +1,7 @@
 """Output of `crankfem run`: the verdict, its consequences, limits and the worst critical speeds."""
 
 from collections.abc import Mapping
+from dataclasses import replace
 from typing import Any
 
 from crankbase.tables.output_units import SI, OutputUnits
@@ -48,12 +49,13 @@ def print_worst(results: Mapping[str, Any], units: OutputUnits = SI) -> None:
     if vibration["assessment"] is not None:
         print_table(_limits(vibration["assessment"]["checks"], units), units, plain=True)
     speeds = speed_table(vibration, units, SPEEDS_SHOWN)
-    shown = ("vibration", "speed", "order", "amplitude", "kind")
+    shown = ["vibration", "speed", "order", "peak at", "amplitude", "kind"]
     if vibration["forced"] is None:
-        shown = ("vibration", "speed", "order", "mode", "phase sum")
+        shown = ["vibration", "speed", "order", "mode", "phase sum"]
     known = [column.name for column in speeds.columns]  # without peaks there are no amplitudes
     if speeds.rows:
-        print_table(speeds.select(*(name for name in shown if name in known)), units, plain=True)
+        own = speeds.select(*(name for name in shown if name in known))
+        print_table(replace(own, note=""), units, plain=True)
 
 
 def print_verdict(results: Mapping[str, Any], units: OutputUnits = SI) -> None:

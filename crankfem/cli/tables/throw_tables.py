@@ -6,8 +6,12 @@ from crankbase.tables.output_units import SI, OutputUnits
 from crankbase.tables.table import Column, Table
 from crankfem.analyses.record import Record
 from crankfem.analyses.throw.stress import mirrored, stress_tables
-from crankfem.analyses.throw.throw_record import NOT_CORRECTED
-from crankfem.analyses.throw.throw_tables import loaded_table, reaction_table, section_sentence
+from crankfem.analyses.throw.throw_record import (
+    NOT_CORRECTED,
+    loaded_table,
+    reaction_table,
+    section_sentence,
+)
 from crankfem.cli.console import print_line, print_notes, print_table
 from fem.rule_mesh import (
     ACROSS_WEB,

@@ -16,6 +16,7 @@ from crankfem.analyses.vibration.tables import (
     resonance_table,
     run_up_table,
     source_table,
+    whole_critical_table,
     whole_table,
 )
 from crankfem.cli.console import print_line, print_notes, print_table
@@ -24,15 +25,18 @@ NOT_FORCED = (
     "Amplitudes are not calculated, because the engine file gives no gas pressure: add [gas]."
 )
 
+CHAINS_USED = "the verdict uses lumped models (chains)"
 CHAINS_ALONE = (
-    "the verdict uses lumped models (chains); --coupled also holds the whole crankshaft against the limits "
-    "where they are inadequate"
+    "--coupled also holds the whole crankshaft against the limits where they are inadequate"
 )
 
 
 def print_run(record: Record, units: OutputUnits = SI) -> None:
     """Print an engine's vibration, the verdict last; critical speeds only where nothing is forced."""
     forced = record["forced"]
+    if "firing" in record:
+        print_line(units.text(record["firing"]))
+        print_notes([f"{one}." for one in record["firing_remarks"]], units)
     if record.get("load") is not None:
         print_load(record["load"], units)
     for kind in ("axial", "torsional"):
@@ -67,7 +71,8 @@ def print_run(record: Record, units: OutputUnits = SI) -> None:
             filter(None, found["remarks"] if found else [record.get("misfiring_note")]), units
         )
         if record["whole"] is None:
-            print_notes([CHAINS_ALONE], units)
+            reason = record.get("not_comparable")
+            print_notes([f"{CHAINS_USED}; {reason or CHAINS_ALONE}"], units)
         print_judgment(record["assessment"], units)
         if found is not None:
             print_line(units.text(f"Misfiring: {found['sentence']}"))
@@ -98,11 +103,13 @@ def _print_whole(record: Record, units: OutputUnits) -> None:
     length = units.of("um")
     print_table(whole_table(record), units)
     print_notes(record["remarks"], units)
+    for kind in record.get("criticals", ()):
+        print_table(whole_critical_table(record, kind), units)
     for kind, chain in record["chains"].items():
         motion = units.of(MOTION[kind].printed)
         if chain["chain_amplitude"] is not None or chain["shaft_amplitude"] is not None:
             print_line(
-                f"{kind.capitalize()} amplitude of the free end, largest over the speeds: chain "
+                f"{kind.capitalize()} amplitude of the free end, largest at running speeds: chain "
                 f"{motion.number(chain['chain_amplitude'])}, whole crankshaft "
                 f"{motion.number(chain['shaft_amplitude'])} {motion.name}"
             )
@@ -128,7 +135,7 @@ def _print_whole(record: Record, units: OutputUnits) -> None:
             for name, cause in causes.items()
         ]
         print_line(
-            f"Axial amplitude of the free end, each at its own worst speed: {', '.join(told)}"
+            f"Axial amplitude of the free end, each at its own worst running speed: {', '.join(told)}"
         )
 
 

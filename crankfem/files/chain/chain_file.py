@@ -6,12 +6,14 @@ from pathlib import Path
 import numpy as np
 
 from crankbase.errors import InputError
+from crankbase.input_file import InputFile
 from crankbase.summaries import summarized
+from crankbase.text_limits import LARGEST_TEXT_FILE
 from crankfem.files.chain.chain_build import Section, chain_of
 from crankfem.files.chain.chain_sections import AxialChainSection, TorsionalChainSection
 from crankfem.files.chain.chain_text import read_chain_text
-from crankfem.files.reading.data_files import input_path
-from crankfem.files.reading.toml_file import InputRecord, TomlFile, read_text, read_toml
+from crankfem.files.reading.data_files import InputFiles, input_path
+from crankfem.files.reading.toml_file import InputRecord, TomlFile, read_toml
 from dynamics.chains.chain import Chain
 from dynamics.chains.shaft_elements import Motion
 from fem.material import STEEL, Material
@@ -51,7 +53,7 @@ class ChainFile:
     sources: dict[str, str]
 
 
-def load_chain(path: str | Path | TomlFile) -> ChainFile:
+def load_chain(path: str | Path | InputFile | TomlFile) -> ChainFile:
     """Read and check a chain file.
 
     Parameters
@@ -65,15 +67,23 @@ def load_chain(path: str | Path | TomlFile) -> ChainFile:
     InputError
         With a sentence for each wrong field, which names what was given and what is allowed.
     """
-    found = path.path if isinstance(path, TomlFile) else input_path(path, "chain")
-    if not isinstance(path, TomlFile) and found.suffix.lower() != ".toml":
-        text = read_text(
-            found, "the text of a chain", "an input file (TOML) or the text of a chain"
+    if isinstance(path, TomlFile):
+        return _read_chain(path)
+    file = path if isinstance(path, InputFile) else InputFile(input_path(path, "chain"))
+    found = file.path
+    if found.suffix.lower() != ".toml":
+        allowed = "an input file (TOML) or the text of a chain"
+        read = read_chain_text(
+            file.text(LARGEST_TEXT_FILE, "the text of a chain", allowed), found.name
         )
-        read = read_chain_text(text, found.name)
         _check_sizes(found.name, read.chain)
         return ChainFile(found, read.name or found.stem, read.kind, read.chain, (), {})
-    content = path if isinstance(path, TomlFile) else read_toml(found)
+    sent = None if file.sent is None else {str(found): file.sent}
+    return _read_chain(read_toml(InputFiles(found, sent)))
+
+
+def _read_chain(content: TomlFile) -> ChainFile:
+    found = content.path
     kind = content.sections.get("chain", {}).get("kind")
     known = isinstance(kind, str) and kind in KINDS
     with content.all_errors(

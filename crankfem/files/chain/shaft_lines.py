@@ -30,8 +30,7 @@ def read_shaft_lines(content: TomlFile) -> dict[str, Chain]:
         name = None if given is None else getattr(given, field)
         if name is None:
             continue
-        beside = content.path.parent / name
-        read = load_chain(beside if beside.is_file() else name)
+        read = load_chain(content.files.named(f"shaft_line.{field}", name, "chains"))
         if read.kind != kind:
             why = "replaces" if field == PLANT else "continues"
             raise InputError(

@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from crankbase.errors import InputError
+from crankbase.input_file import InputFile
 from crankbase.model import InputModel
 from crankbase.summaries import summarized
 from crankfem.files.chain.shaft_lines import read_shaft_lines
@@ -20,13 +21,14 @@ from crankfem.files.engine.engine_checks import (
     check_strength,
     check_thrust_bearing,
 )
-from crankfem.files.engine.file_kinds import engine_sections, file_kind, torque_table_path
+from crankfem.files.engine.file_kinds import engine_sections, file_kind, torque_table_file
 from crankfem.files.engine.mechanism_cylinders import (
     angles_of_throws,
     check_sizes,
     pins_of,
     throws_of,
 )
+from crankfem.files.reading.data_files import InputFiles
 from crankfem.files.reading.section_changes import (
     Change,
     changed_section,
@@ -70,7 +72,7 @@ from crankfem.files.sections.vibration_sections import (
 from crankfem.files.study.study_file import study_plan
 from dynamics.chains.chain import Chain
 from fem.material import STEEL, Material
-from geometry.shaft_ends import ShaftEnds
+from geometry.crankshaft import ShaftEnds
 from geometry.throw import CrankThrow
 from regression.plans.plan import StudyPlan
 
@@ -131,7 +133,8 @@ class EngineFile:
 
     Attributes
     ----------
-    path : Path
+    files : InputFiles
+        The file, and those that it may name.
     engine, throw, shaft_ends, material, rod, piston, flywheel, thrust_bearing, vibration
         Its sections; of several throws by name, the one at the free end.
     shaft_lines : dict
@@ -154,7 +157,7 @@ load, gas_map, misfire, propeller_forces, limits, ranges, strength, torque_table
         If sections contradict each other, also when made by `dataclasses.replace` or `changed`.
     """
 
-    path: Path
+    files: InputFiles
     engine: Engine
     throw: CrankThrow
     material: Material
@@ -167,7 +170,7 @@ load, gas_map, misfire, propeller_forces, limits, ranges, strength, torque_table
     load: LoadSection | None
     gas_map: GasMap | None
     misfire: Misfire | None
-    torque_table: Path | None
+    torque_table: InputFile | None
     vibration: VibrationSettings
     shaft_ends: ShaftEnds
     flywheel: Flywheel
@@ -236,10 +239,21 @@ load, gas_map, misfire, propeller_forces, limits, ranges, strength, torque_table
         return tuple(throws[name] for name in self.throw_names)
 
     @property
-    def model_path(self) -> Path | None:
-        """The saved compliance model that the file names, if any."""
+    def path(self) -> Path:
+        """What messages call the file, and where it is unless it was sent."""
+        return self.files.path
+
+    @property
+    def model_file(self) -> InputFile | None:
+        """The saved compliance model that the file names, if any.
+
+        Raises
+        ------
+        InputError
+            If there is no such file.
+        """
         name = self.vibration.model
-        return None if name is None else self.path.parent / name
+        return None if name is None else self.files.named("vibration.model", name)
 
     @property
     def pins(self) -> tuple[int, ...]:
@@ -260,7 +274,7 @@ load, gas_map, misfire, propeller_forces, limits, ranges, strength, torque_table
         Returns
         -------
         EngineFile
-            With `path` of the same file, in whose folder tables are searched. Changed values have the
+            With `files` of the same file, among which tables are searched. Changed values have the
             source "changed in Python"; a study is one of the changed throw and material.
 
         Raises
@@ -381,7 +395,7 @@ def _read_engine(content: TomlFile) -> EngineFile:
         if own.name == "throw":
             throws = read_throws(content)
         elif own.name == "torque_table":
-            sections[own.name] = torque_table_path(content)
+            sections[own.name] = torque_table_file(content)
         elif own.name == "shaft_lines":
             sections[own.name] = read_shaft_lines(content)
         elif own.name in kinds:
@@ -390,7 +404,7 @@ def _read_engine(content: TomlFile) -> EngineFile:
     first = free_end_throw_name(throws, sections["shaft"])
     return EngineFile(
         **sections,
-        path=content.path,
+        files=content.files,
         throw=throws[first],
         study=study_plan(content, throws, first, sections["material"]),
         records=tuple(content.records),

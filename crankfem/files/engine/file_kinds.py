@@ -6,8 +6,9 @@ from pathlib import Path
 from typing import Literal
 
 from crankbase.errors import InputError
+from crankbase.input_file import InputFile
 from crankbase.wrong_files import LOOKED_AT
-from crankfem.files.reading.data_files import InputKind, find_table, input_path, shipped_names
+from crankfem.files.reading.data_files import InputKind, input_path, shipped_names
 from crankfem.files.reading.toml_file import TomlFile, read_toml
 from crankfem.files.sections.engine_sections import TorqueTable
 
@@ -83,7 +84,7 @@ def _has_sections(path: Path) -> bool:
         return False
 
 
-def torque_table_path(content: TomlFile) -> Path | None:
+def torque_table_file(content: TomlFile) -> InputFile | None:
     """Return the torque table that a file names, if it names one."""
     given = content.model("torque", TorqueTable)
-    return None if given is None else find_table("torque.table", content.path, given.table)
+    return None if given is None else content.files.named("torque.table", given.table, "tables")

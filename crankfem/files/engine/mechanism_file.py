@@ -24,6 +24,7 @@ from crankfem.files.engine.mechanism_cylinders import (
 from crankfem.files.engine.rated_power import EnginePower, engine_power
 from crankfem.files.engine.throw_file import ThrowFile, load_throw_file
 from crankfem.files.engine.usual_sizes import engine_warnings
+from crankfem.files.reading.data_files import InputFiles
 from crankfem.files.reading.toml_file import InputRecord, TomlFile
 from crankfem.files.sections.crank_throws import (
     PLAIN,
@@ -39,9 +40,8 @@ from dynamics.engine.cylinder import RotatingMass
 from dynamics.engine.layout import EngineLayout
 from dynamics.gas.pressure import GasPressure
 from fem.material import STEEL, Material
-from geometry.crankshaft import throw_masses, throw_starts
+from geometry.crankshaft import ShaftEnds, throw_masses, throw_starts
 from geometry.mass import MassProperties, unbalance
-from geometry.shaft_ends import ShaftEnds
 from geometry.throw import CrankThrow
 
 NEEDED = ("engine", "throw", "rod", "piston")
@@ -66,7 +66,8 @@ class MechanismFile:
 
     Attributes
     ----------
-    path : Path
+    files : InputFiles
+        The file, and those that it may name.
     name : str
         Of the engine.
     layout : EngineLayout
@@ -105,7 +106,7 @@ class MechanismFile:
         Short name to full citation.
     """
 
-    path: Path
+    files: InputFiles
     name: str
     layout: EngineLayout
     pressure: tuple[GasPressure, ...]
@@ -124,6 +125,11 @@ class MechanismFile:
     warnings: tuple[str, ...]
     records: tuple[InputRecord, ...]
     sources: dict[str, str]
+
+    @property
+    def path(self) -> Path:
+        """What messages call the file, and where it is unless it was sent."""
+        return self.files.path
 
     @property
     def bearing_positions(self) -> tuple[float, ...]:
@@ -165,7 +171,7 @@ def _read_mechanism(content: TomlFile) -> MechanismFile:
     along = throws_along_shaft(throws, throw_names(throws, shaft, len(angles)), np.degrees(angles))
     return mechanism_of(
         MechanismSections(
-            path=content.path,
+            files=content.files,
             engine=engine,
             shaft=shaft,
             named_throws=throws,
@@ -188,7 +194,7 @@ def _read_mechanism(content: TomlFile) -> MechanismFile:
 class MechanismSections:
     """The sections of a file that describe a mechanism, named as those of an `EngineFile`."""
 
-    path: Path
+    files: InputFiles
     engine: Engine
     shaft: ShaftLayout | None
     named_throws: dict[str, CrankThrow]
@@ -225,12 +231,12 @@ def mechanism_of(file: EngineFile | MechanismSections) -> MechanismFile:
         If cranks, throws and pins contradict each other, or the gas pressure cannot be reached.
     """
     engine, layout, gas = file.engine, layout_of(file), file.gas
-    pressure = () if gas is None else cylinder_pressures(gas, layout, file.path)
+    pressure = () if gas is None else cylinder_pressures(gas, layout, file.files)
     power = engine_power(engine, layout, pressure) if pressure else None
     sense = engine.turning_sense
     attached = [part.inertia for part in (file.flywheel, file.free_end) if part is not None]
     return MechanismFile(
-        path=file.path,
+        files=file.files,
         name=engine.name,
         layout=layout,
         pressure=pressure,

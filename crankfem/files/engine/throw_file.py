@@ -21,8 +21,7 @@ from crankfem.files.sections.crank_throws import (
 from crankfem.files.sections.engine_sections import Engine, ShaftLayout
 from crankfem.files.study.study_file import study_plan
 from fem.material import STEEL, Material
-from geometry.crankshaft import Crankshaft
-from geometry.shaft_ends import ShaftEnds
+from geometry.crankshaft import Crankshaft, ShaftEnds
 from geometry.throw import CrankThrow
 from regression.plans.plan import StudyPlan
 

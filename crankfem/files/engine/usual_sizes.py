@@ -2,10 +2,11 @@
 
 import math
 from collections import Counter
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Protocol
 
+from crankbase.errors import InputError
 from crankbase.units.quantity import format_quantity
 from crankfem.files.engine.rated_power import EnginePower
 from crankfem.files.sections.crank_throws import PLAIN
@@ -13,6 +14,8 @@ from crankfem.files.sections.engine_sections import Engine, Flywheel, ThrustBear
 from crankfem.files.sections.mechanism_sections import Piston, Rod
 from geometry.throw import CrankThrow
 from regression.law.ratios import DIVISORS, FILLETS, RANGES, REAL
+from regression.law.ratios import PLAIN as PLAIN_RANGES
+from regression.law.throw_law import axial_law
 
 LAW, SHIPPED, M53 = (
     "range of the law's training throws",
@@ -63,6 +66,11 @@ THRUST = UsualRange(2.2, 3.7, "is {} of the main journal's diameter", "MN/m per 
 THROW_MARGIN = 1.25
 OIL_HOLE = UsualRange(0.0, 0.2, "is {} its journal's diameter", basis=M53, margin=THROW_MARGIN)
 
+# Fillets over the main journal's diameter, in the middle of their usual range.
+USUAL_FILLET = 0.055
+# What sharp corners add to the axial compliance of the shipped engines' throws, by the law.
+SHARP = "5 to 14 %"
+
 # Fields of a throw and its parts to the ratio whose range the law's training throws have.
 OF_THROW = {
     **{name: name for name in REAL},
@@ -88,6 +96,7 @@ def throw_warnings(throws: Mapping[str, CrankThrow]) -> Iterator[str]:
     """
     for name, throw in throws.items():
         section = name if name == PLAIN else f"throws.{name}"
+        yield from _sharp_corners(section, throw)
         parts: list[tuple[str, object, Mapping[str, str]]] = [
             (section, throw, OF_THROW),
             (f"{section}.left_web", throw.left_web, OF_WEB),
@@ -95,10 +104,16 @@ def throw_warnings(throws: Mapping[str, CrankThrow]) -> Iterator[str]:
         ]
         for place, pin in enumerate(throw.further_pins):
             parts.append((f"{section}.further_pins[{place}]", pin, OF_PIN))
-        for path, part, known in parts:
-            for field, ratio in known.items():
-                if value := getattr(part, field, None):
-                    yield from _ratio_warning(f"{path}.{field}", value, ratio, throw)
+        yield from _out_of_proportion(
+            section,
+            throw,
+            [
+                (f"{path}.{field}", value, ratio)
+                for path, part, known in parts
+                for field, ratio in known.items()
+                if (value := getattr(part, field, None))
+            ],
+        )
         for hole in throw.parts.drillings:
             yield from OIL_HOLE.warning(
                 f"{section}.oil_holes[{hole.number - 1}].diameter",
@@ -107,10 +122,50 @@ def throw_warnings(throws: Mapping[str, CrankThrow]) -> Iterator[str]:
             )
 
 
-def _ratio_warning(field: str, value: float, ratio: str, throw: CrankThrow) -> Iterator[str]:
-    by = DIVISORS.get(ratio, "main_journal_diameter")
-    usual = UsualRange(*RANGES[ratio], f"is {{}} {by}", basis=LAW, margin=THROW_MARGIN)
-    return usual.warning(field, f"given {format_quantity(value, 'm')}", value / getattr(throw, by))
+def _sharp_corners(section: str, throw: CrankThrow) -> Iterator[str]:
+    """Tell of fillets that are left out, and what that does to the axial compliance."""
+    given = throw.model_fields_set
+    if "fillet_radius" in given or given.issuperset(FILLETS):
+        return
+    left_out = next(
+        (other for one, other in (FILLETS, FILLETS[::-1]) if one in given), "fillet_radius"
+    )
+    usual = USUAL_FILLET * throw.main_journal_diameter
+    try:
+        more = axial_law(throw).pinned / axial_law(throw.changed(fillet_radius=usual)).pinned - 1.0
+        much = f"{100.0 * more:.2g} % above that with {format_quantity(usual, 'm', 3)}, by the law"
+    except InputError:
+        much = f"{SHARP} above that with their fillets in throws of the shipped engines, by the law"
+    yield (
+        f"{section}.{left_out}: not given, so corners are taken as sharp: e_n is {much}; usual is "
+        f"{PLAIN_RANGES['fillet_radius'][0]:g} to {PLAIN_RANGES['fillet_radius'][1]:g} times "
+        "main_journal_diameter; write 0 mm for sharp corners on purpose"
+    )
+
+
+def _out_of_proportion(
+    section: str, throw: CrankThrow, sizes: Sequence[tuple[str, float, str]]
+) -> Iterator[str]:
+    """Name the sizes far out of proportion, or the main journal's where another one would suit them all."""
+    told: list[str] = []
+    journal, low, high = throw.main_journal_diameter, 0.0, math.inf
+    for field, value, ratio in sizes:
+        by = DIVISORS.get(ratio, "main_journal_diameter")
+        usual = UsualRange(*RANGES[ratio], f"is {{}} {by}", basis=LAW, margin=THROW_MARGIN)
+        if by == "main_journal_diameter":
+            low = max(low, value / (usual.high * usual.margin))
+            high = min(high, value * usual.margin / usual.low if usual.low > 0.0 else math.inf)
+        told += usual.warning(
+            field, f"given {format_quantity(value, 'm')}", value / getattr(throw, by)
+        )
+    if len(told) > 1 and low <= high and not low <= journal <= high:
+        suiting = " to ".join(format_quantity(end, "m", 3) for end in (low, high))
+        told = [
+            f"{section}.main_journal_diameter: given {format_quantity(journal, 'm')}, with which "
+            f"{len(told)} other dimensions of the throw are out of proportion; all of them suit {suiting} "
+            f"({LAW})"
+        ]
+    yield from told
 
 
 class Sized(Protocol):
@@ -157,7 +212,8 @@ def engine_warnings(
         At rated speed; None without gas pressure.
     thrust : ThrustBearing or None
     """
-    yield from throw_warnings(file.named_throws)
+    of_throws = list(throw_warnings(file.named_throws))
+    yield from of_throws
     engine, throw, bore = file.engine, file.crank_throws[0], file.engine.bore
 
     def told(field: str, value: float, unit: str, usual: UsualRange, ratio: float) -> Iterator[str]:
@@ -165,7 +221,10 @@ def engine_warnings(
 
     journal, rod, pitch = throw.main_journal_diameter, file.rod.length, throw.length
     yield from told("engine.stroke", engine.stroke, "m", STROKE, engine.stroke / bore)
-    yield from told("throw.main_journal_diameter", journal, "m", JOURNAL, journal / bore)
+    # A journal that is wrong against the throw is not told again against other parts.
+    wrong_journal = any(".main_journal_diameter: " in one for one in of_throws)
+    if not wrong_journal:
+        yield from told("throw.main_journal_diameter", journal, "m", JOURNAL, journal / bore)
     yield from PITCH.warning(
         "throw",
         f"{format_quantity(pitch, 'm', 5)} from one main bearing to the next",
@@ -190,7 +249,7 @@ def engine_warnings(
         inertia = file.flywheel.inertia
         gyration = math.sqrt(inertia / file.flywheel.mass)
         yield from told("flywheel.inertia", inertia, "kg m^2", FLYWHEEL, gyration / bore)
-    if thrust is not None:
+    if thrust is not None and not wrong_journal:
         stiffness = thrust.stiffness
         yield from told(
             "thrust_bearing.stiffness", stiffness, "N/m", THRUST, stiffness / journal / 1e9

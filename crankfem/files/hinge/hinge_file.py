@@ -5,6 +5,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 from crankbase.errors import InputError
+from crankbase.input_file import InputFile
 from crankbase.summaries import summarized
 from crankbase.units.quantity import format_quantity
 from crankfem.files.hinge.hinge_sections import (
@@ -17,7 +18,7 @@ from crankfem.files.hinge.hinge_sections import (
     RunningPoint,
     Sliding,
 )
-from crankfem.files.reading.data_files import find_table, input_path
+from crankfem.files.reading.data_files import InputFiles, input_path
 from crankfem.files.reading.toml_file import InputRecord, TomlFile, read_toml
 from crankfem.files.sections.cylinder_pressures import given_of_cycle, name_fields
 from dynamics.hinge.crosshead import CrossheadEngine, GasForce, piston_gas_force, two_stroke_cycle
@@ -39,7 +40,8 @@ class HingeFile:
 
     Attributes
     ----------
-    path : Path
+    files : InputFiles
+        The file, and those that it may name.
     name : str
     engine : CrossheadEngine
     spring : GasSpring
@@ -54,7 +56,7 @@ class HingeFile:
         Short name to full citation.
     """
 
-    path: Path
+    files: InputFiles
     name: str
     engine: CrossheadEngine
     spring: GasSpring
@@ -66,6 +68,11 @@ class HingeFile:
     comparison: Comparison | None
     records: tuple[InputRecord, ...]
     sources: dict[str, str]
+
+    @property
+    def path(self) -> Path:
+        """What messages call the file, and where it is unless it was sent."""
+        return self.files.path
 
     @property
     def speeds(self) -> tuple[float, ...]:
@@ -87,16 +94,18 @@ class HingeFile:
     def tables(self) -> tuple[Path, ...]:
         """Tables of gas forces that the file names."""
         return tuple(
-            find_table("operation.points.gas_force_table", self.path, point.gas_force_table)
+            self._table(point.gas_force_table).path
             for point in self.operation.points
             if point.gas_force_table is not None
         )
 
+    def _table(self, name: str) -> InputFile:
+        return self.files.named("operation.points.gas_force_table", name, "tables")
+
     def _gas_force(self, point: RunningPoint) -> GasForce:
         """Gas force of an operating point, by its table or by the cycle model."""
         if point.pressures is None or self.cycle is None:
-            name = point.gas_force_table or ""
-            return read_gas_force(find_table("operation.points.gas_force_table", self.path, name))
+            return read_gas_force(self._table(point.gas_force_table or ""))
         mean, peak, charge = point.pressures
         try:
             cycle = two_stroke_cycle(
@@ -211,7 +220,7 @@ def _read_hinge(content: TomlFile) -> HingeFile:
     operation = content.required("operation", Operation)
     calculated = any(point.pressures is not None for point in operation.points)
     found = HingeFile(
-        path=content.path,
+        files=content.files,
         name=crank.name,
         engine=engine,
         spring=spring,
@@ -225,6 +234,7 @@ def _read_hinge(content: TomlFile) -> HingeFile:
         sources=content.sources,
     )
     found.point_at("hinge.design_speed", hinge.design_speed)
-    for table in found.tables:  # refuses what cannot be read
-        read_gas_force(table)
+    for point in operation.points:  # refuses what cannot be read
+        if point.gas_force_table is not None:
+            found._gas_force(point)
     return found

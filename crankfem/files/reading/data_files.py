@@ -1,11 +1,15 @@
-"""Locations of the shipped engines and tables, in the wheel and in a checkout."""
+"""Input files and the files that they may name: on disk, sent, or shipped."""
 
 import os
+from collections.abc import Mapping
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Literal
 
 from crankbase.checks.choices import did_you_mean
 from crankbase.errors import InputError, quoted
+from crankbase.input_file import InputFile
+from crankbase.wrong_files import not_a_file
 
 InputKind = Literal["engine", "hinge", "chain"]
 # Of each kind of input the folder of those that are shipped, and how a message calls a file.
@@ -54,7 +58,7 @@ def input_path(given: str | Path, kind: InputKind = "engine") -> Path:
         shipped = data_folder() / FOLDERS[kind] / f"{path.name.removesuffix('.toml')}.toml"
         if path.parent == Path() and shipped.is_file():
             return shipped
-        fault = f"{given}: {'is a folder, not a file' if path.is_dir() else 'does not exist'}"
+        fault = f"{given}: {not_a_file(path) or 'does not exist'}"
     except OSError as error:
         fault = f"{given}: cannot be searched for; the system reports: {error.strerror}"
     others = [one for one in FOLDERS if one != kind and path.name in shipped_names(one)]
@@ -84,26 +88,62 @@ def torque_path(given: str | Path) -> Path:
     return shipped
 
 
-def find_table(field: str, beside: Path, name: str) -> Path:
-    """Find a table in the folder of the file that names it, or a shipped one.
+@dataclass(frozen=True)
+class InputFiles:
+    """An input file and those that its fields may name: whatever reads these asks here.
 
-    Parameters
+    Attributes
     ----------
-    field : str
-        The field that names it, for the message.
-    beside : Path
-        The file that names it.
-    name : str
-        Of the table's file.
-
-    Raises
-    ------
-    InputError
-        If there is neither.
+    path : Path
+        The input file.
+    sent : mapping, optional
+        Name to content of the files that were sent, the input file among them. No other is opened then
+        but shipped ones. Without it, files are on disk, in the folder of the input file.
     """
-    for path in (beside.parent / name, data_folder() / "tables" / name):
-        if path.is_file():
-            return path
-    raise InputError(
-        f"{field}: given {name!r}, which is neither in the folder of {beside.name} nor a shipped table."
-    )
+
+    path: Path
+    sent: Mapping[str, bytes] | None = None
+
+    @property
+    def own(self) -> InputFile:
+        """The input file itself."""
+        return InputFile(self.path, None if self.sent is None else self.sent[str(self.path)])
+
+    def named(
+        self, field: str, name: str, shipped: Literal["tables", "chains", ""] = ""
+    ) -> InputFile:
+        """Return the file that a field names.
+
+        Parameters
+        ----------
+        field : str
+            For the message.
+        name : str
+            Of the file, or of one among those of this kind that are `shipped`.
+
+        Raises
+        ------
+        InputError
+            If there is none of that name.
+        """
+        sent = self.sent
+        if sent is None:
+            path = self.path.parent / name
+            if os.path.isfile(path):  # False for what is no path, too
+                return InputFile(path)
+            if (entry := not_a_file(path)) is not None:
+                raise InputError(f"{field}: given {name!r}, which {entry}.")
+        elif name in sent:
+            return InputFile(Path(name), sent[name])
+        for path in (data_folder() / shipped).iterdir() if shipped else ():
+            if name in (path.name, path.name.removesuffix(".toml")):
+                content = None if sent is None else path.read_bytes()
+                return InputFile(path if sent is None else Path(path.name), content)
+        where = "in the folder of" if sent is None else "among the files sent with"
+        also = f"not {where} {self.path.name}"
+        if shipped:
+            known = f" ({', '.join(shipped_names('chain'))})" if shipped == "chains" else ""
+            also = (
+                f"neither {where} {self.path.name} nor a shipped {shipped.removesuffix('s')}{known}"
+            )
+        raise InputError(f"{field}: given {name!r}, which is {also}.")

@@ -4,15 +4,18 @@ import re
 import tomllib
 
 from crankbase.errors import shortened
+from crankbase.units.separators import SEPARATED_NUMBER, either, readings
 
 # Of a line that is looked at.
 LONGEST_LINE = 500
 # Where the parser stopped.
 AT_LINE = re.compile(r"\(at line (\d+), column \d+\)")
-# A number followed by letters, with no quotes about them: "= 9 in", "value = 17 kg", "[0 deg, ...".
+# A number followed by letters, with no quotes about them: "= 9 in", "value = 82,5 mm", "[0 deg, ...".
 BARE = re.compile(
-    r"[=\[,]\s*([+-]?\d[\d.]*(?:[eE][+-]?\d+)?\s*[A-Za-z%°µ][^\s,}\]#\"']*(?: [A-Za-z][\w^/*]*)*)"
+    rf"[=\[,]\s*({SEPARATED_NUMBER}\s*(?:1\s*/\s*)?[A-Za-z%°µ][^\s,}}\]#\"']*(?: [A-Za-z][\w^/*]*)*)"
 )
+# A number with separators, alone. In a list commas stand between numbers.
+SEPARATED = re.compile(rf"=\s*({SEPARATED_NUMBER})\s*(?:[,}}]|$)")
 NAME = re.compile(r"\s*([\w.-]+|\"[^\"]*\"|'[^']*')\s*=")
 HEADER = re.compile(r"\s*\[(?!\[)([^\]]+)\]")
 # What is written wrongly, where nothing else is, outside of quotes.
@@ -22,11 +25,6 @@ FAULTS = (
         "given typographic quotes; write straight ones, \" or '",
     ),
     (
-        # Not in a list, where a comma stands between numbers.
-        re.compile(r"=\s*[+-]?\d+,\d+\s*(?:[,}]|$)"),
-        "given a decimal comma; write a decimal point",
-    ),
-    (
         re.compile(r"^[^\"]*\"[^\"]*$|^[^']*'[^']*$"),
         "given an opening quote without a closing one; write both",
     ),
@@ -34,9 +32,16 @@ FAULTS = (
         re.compile(r"^\s*\[[^\]]*[^\x00-\x7f][^\]]*\]|^[^=\"']*[^\x00-\x7f][^=\"']*="),
         "given a name with other letters than A to Z; write names with A to Z, digits, _ and -",
     ),
+    (re.compile(r"^\s*[\w.-]+\s*:"), "given a colon behind a name; write ="),
+    (re.compile(r"[;,]\s*$"), "given a comma or a semicolon at its end; leave it out"),
+    (
+        re.compile(r"=\s*(?!(?:true|false|inf|nan)\b)[A-Za-z][\w .-]*$"),
+        "given text without quotes; write it in quotes",
+    ),
     (re.compile(r"^\s*\[\[?[^\]=]*$"), "given a section without its closing bracket; write it"),
 )
-QUOTED = re.compile(r"\"(?:[^\"\\]|\\.)*\"|'[^']*'")
+# An apostrophe behind a digit separates thousands.
+QUOTED = re.compile(r"\"(?:[^\"\\]|\\.)*\"|(?<!\d)'[^']*'")
 
 
 def not_toml(text: str, error: Exception) -> str:
@@ -72,11 +77,18 @@ def not_toml(text: str, error: Exception) -> str:
             "section once."
         )
     # What stands in quotes already, and remarks, are no bare quantities.
-    bare = BARE.search(QUOTED.sub('""', line).partition("#")[0])
+    plain = QUOTED.sub('""', line).partition("#")[0]
+    bare = BARE.search(plain)
     if bare is not None:
+        given = bare[1].strip()
+        if "," in given and not bare[0].startswith("="):
+            return (
+                f"{shown} given {given} in a list without quotes; write each quantity in quotes, with a "
+                "decimal point, because commas separate the values of a list."
+            )
         return (
-            f"{shown} given {bare[1].strip()} without quotes; write a quantity in quotes, "
-            f'"{bare[1].strip()}", because it is text with its unit.'
+            f"{shown} given {given} without quotes; write a quantity in quotes, "
+            f"{either(readings(given) or (given,))}, because it is text with its unit."
         )
     fault = _fault(line)
     if fault is not None:
@@ -87,6 +99,11 @@ def not_toml(text: str, error: Exception) -> str:
 def _fault(line: str) -> str | None:
     """Say what is written wrongly in a line, None if nothing is known of it."""
     plain = QUOTED.sub('""', line).partition("#")[0]
+    number = SEPARATED.search(plain)
+    if number is not None and (meant := readings(number[1])):
+        return (
+            f"given {number[1]}; write a decimal point and no separators, like {' or '.join(meant)}"
+        )
     return next((fault for pattern, fault in FAULTS if pattern.search(plain)), None)
 
 

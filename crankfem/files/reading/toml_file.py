@@ -11,12 +11,12 @@ from typing import Any, TypeVar
 from crankbase.checks.choices import did_you_mean
 from crankbase.errors import InputError, InputErrors
 from crankbase.model import InputModel, field_extra, part_kind
-from crankbase.text_limits import LARGEST_TEXT_FILE, check_file_size
+from crankbase.text_limits import LARGEST_TEXT_FILE
 from crankbase.units.quantity import format_quantity
-from crankbase.wrong_files import LOOKED_AT, wrong_kind
+from crankfem.files.reading.data_files import InputFiles
 from crankfem.files.reading.toml_errors import not_toml
 from crankfem.files.reading.toml_limits import check_content, check_keys, too_deep
-from crankfem.files.reading.toml_places import line_of
+from crankfem.files.reading.toml_places import place_of
 
 Model = TypeVar("Model", bound=InputModel)
 
@@ -56,7 +56,8 @@ class TomlFile:
 
     Attributes
     ----------
-    path : Path
+    files : InputFiles
+        The file, and those that it may name.
     sections : dict
         Section name to field name to value.
     provenance : dict
@@ -69,12 +70,17 @@ class TomlFile:
         Of the file.
     """
 
-    path: Path
+    files: InputFiles
     sections: dict[str, dict[str, Any]]
     provenance: dict[str, tuple[str, bool]]
     sources: dict[str, str]
     records: list[InputRecord] = field(default_factory=list)
     text: str = field(default="", repr=False, compare=False)
+
+    @property
+    def path(self) -> Path:
+        """What messages call the file, and where it is unless it was sent."""
+        return self.files.path
 
     def check_sections(self, allowed: Mapping[str, bool]) -> None:
         """Refuse unknown sections, and missing ones that are required.
@@ -160,15 +166,28 @@ class TomlFile:
                         others[name](self)
             told = {line for error in errors.found for line in error.sentences}
             alone = [] if told.issuperset(first.sentences) else [first]
-            every = InputError.of_all([*alone, *errors.found])
-            raise InputError("\n".join(map(self._with_line, every.sentences))) from None
+            with self.with_lines():
+                raise InputError.of_all([*alone, *errors.found]) from None
+
+    @contextmanager
+    def with_lines(self) -> Iterator[None]:
+        """Say of errors about fields in which lines of the file these are.
+
+        Raises
+        ------
+        InputError
+        """
+        try:
+            yield
+        except InputError as error:
+            raise InputError("\n".join(map(self._with_line, error.sentences))) from None
 
     def _with_line(self, sentence: str) -> str:
         """Add to a sentence about a field in which line of the file it is."""
-        line = line_of(self.text, sentence.partition(":")[0])
-        if line is None:
+        place = place_of(self.text, sentence.partition(":")[0])
+        if place is None:
             return sentence
-        return f"{sentence.removesuffix('.')} ({self.path.name}, line {line})."
+        return f"{sentence.removesuffix('.')} ({self.path.name}, {place})."
 
     def required(self, section: str, kind: type[Model]) -> Model:
         """Validate one required section.
@@ -214,7 +233,7 @@ class TomlFile:
             )
 
 
-def read_toml(path: Path) -> TomlFile:
+def read_toml(given: Path | InputFiles) -> TomlFile:
     """Read a file into sections.
 
     Raises
@@ -222,11 +241,13 @@ def read_toml(path: Path) -> TomlFile:
     InputError
         If it cannot be read, is not TOML, or has values outside sections.
     """
+    files = given if isinstance(given, InputFiles) else InputFiles(given)
+    path = files.path
     if path.suffix.lower() in (".step", ".stp"):
         raise InputError(
             f"{path}: is a STEP file; allowed is a TOML file here, because only `crankfem throw` reads STEP."
         )
-    text = read_text(path, "a file of dimensions", "a TOML file")
+    text = files.own.text(LARGEST_TEXT_FILE, "a file of dimensions", "a TOML file")
     check_keys(path.name, text)
     try:
         content = tomllib.loads(text)
@@ -250,33 +271,7 @@ def read_toml(path: Path) -> TomlFile:
             )
         sections[section] = _values_apart(section, values, sources, provenance)
     texts = {name: str(value) for name, value in sources.items()}
-    return TomlFile(path, sections, provenance, texts, text=text)
-
-
-def read_text(path: Path, what: str, allowed: str) -> str:
-    """Read a text file; its kind and the allowed content are for messages.
-
-    Raises
-    ------
-    InputError
-        If it is too large, or cannot be read as text.
-    """
-    check_file_size(path, LARGEST_TEXT_FILE, what)
-    try:
-        content = path.read_bytes()
-    except OSError as error:
-        raise InputError(f"{path}: cannot be read ({error.strerror or error}).") from None
-    wrong = wrong_kind(content[:LOOKED_AT])
-    if wrong is not None:
-        raise InputError(f"{path}: {wrong}; allowed is {allowed}.")
-    try:
-        return content.decode("utf-8-sig").replace("\r\n", "\n").replace("\r", "\n")
-    except UnicodeDecodeError as error:
-        line = content.count(b"\n", 0, error.start) + 1
-        raise InputError(
-            f"{path}: cannot be read as text, because line {line} is not UTF-8; allowed is {allowed} in "
-            "UTF-8."
-        ) from None
+    return TomlFile(files, sections, provenance, texts, text=text)
 
 
 def _values_apart(

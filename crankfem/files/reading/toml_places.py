@@ -9,7 +9,7 @@ FIELD = re.compile(r"[\w-]+(?:\[\d+\])?(?:\.[\w-]+(?:\[\d+\])?)*")
 
 
 def line_of(text: str, field: str) -> int | None:
-    r"""Return the number of the line that gives a field, from 1.
+    r"""Return the number of the line that gives a field or begins a section, from 1.
 
     Parameters
     ----------
@@ -39,6 +39,23 @@ def line_of(text: str, field: str) -> int | None:
             if header[1] == "[[":
                 place = counts[section] = counts.get(section, -1) + 1
                 section = f"{section}[{place}]"
+            if section == field:
+                return number
         elif (name := NAME.match(line)) and f"{section}.{name[1]}" in wanted:
             return number
     return None
+
+
+def place_of(text: str, field: str) -> str | None:
+    r"""Name the line that gives a field, or the section where it is missing; None if there is neither.
+
+    Examples
+    --------
+    >>> place_of('[throw]\nweb_width = "285 mm"', "throw.pin_length")
+    'section [throw], line 1'
+    """
+    if (line := line_of(text, field)) is not None:
+        return f"line {line}"
+    section = field.rpartition(".")[0]
+    line = line_of(text, section) if section else None
+    return None if line is None else f"section [{section}], line {line}"

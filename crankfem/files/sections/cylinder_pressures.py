@@ -3,13 +3,12 @@
 import math
 from collections.abc import Callable
 from dataclasses import replace
-from pathlib import Path
 from typing import TypeVar
 
 from crankbase.errors import InputError
 from crankbase.model import InputModel
 from crankbase.units.quantity import format_quantity
-from crankfem.files.reading.data_files import find_table
+from crankfem.files.reading.data_files import InputFiles
 from crankfem.files.sections.mechanism_sections import Gas
 from dynamics.engine.gas_forces import piston_position
 from dynamics.engine.layout import EngineLayout
@@ -25,7 +24,9 @@ USUAL_PRESSURE_RISE = 1.6
 Result = TypeVar("Result")
 
 
-def cylinder_pressures(gas: Gas, layout: EngineLayout, file: Path) -> tuple[GasPressure, ...]:
+def cylinder_pressures(
+    gas: Gas, layout: EngineLayout, files: InputFiles
+) -> tuple[GasPressure, ...]:
     """Return the pressure in each cylinder over the angle from its firing top.
 
     Parameters
@@ -33,8 +34,8 @@ def cylinder_pressures(gas: Gas, layout: EngineLayout, file: Path) -> tuple[GasP
     gas : Gas
         The section of the engine file.
     layout : EngineLayout
-    file : Path
-        The engine file, in whose folder a pressure table is searched.
+    files : InputFiles
+        The engine file and those that it may name.
 
     Raises
     ------
@@ -42,8 +43,8 @@ def cylinder_pressures(gas: Gas, layout: EngineLayout, file: Path) -> tuple[GasP
         If the table cannot be used, or the cycle cannot reach the given pressures.
     """
     if gas.pressure_table is not None:
-        path = find_table("gas.pressure_table", file, gas.pressure_table)
-        return (read_pressure_table(path, layout.strokes),) * len(layout.cylinders)
+        table = files.named("gas.pressure_table", gas.pressure_table, "tables")
+        return (read_pressure_table(table, layout.strokes),) * len(layout.cylinders)
     return tuple(one.pressure for one in full_load_cycles(gas, layout))
 
 

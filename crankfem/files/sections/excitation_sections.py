@@ -1,7 +1,6 @@
 """Sections of engine files about excitation: pressure map, misfire and propeller forces."""
 
 from collections.abc import Sequence
-from pathlib import Path
 from typing import Any, ClassVar, Literal, Self
 
 import numpy as np
@@ -10,7 +9,7 @@ from pydantic import Field, model_validator
 from crankbase.errors import InputError
 from crankbase.model import InputModel, part_field, quantity_field
 from crankbase.units.units import PER_MINUTE
-from crankfem.files.reading.data_files import find_table
+from crankfem.files.reading.data_files import InputFiles
 from crankfem.files.sections.cylinder_pressures import motored_pressures
 from crankfem.files.sections.mechanism_sections import Gas
 from dynamics.engine.gas_forces import piston_position
@@ -173,7 +172,7 @@ class PropellerForcesSection(InputModel):
         return PropellerForces(**self.model_dump(exclude={"node", "ratio", *phases}), **in_degrees)
 
 
-def gas_map_pressure(section: GasMap, strokes: int, file: Path) -> PressureMap:
+def gas_map_pressure(section: GasMap, strokes: int, files: InputFiles) -> PressureMap:
     """Return the pressure map that a section describes.
 
     Parameters
@@ -181,8 +180,8 @@ def gas_map_pressure(section: GasMap, strokes: int, file: Path) -> PressureMap:
     section : GasMap
     strokes : int
         Of the engine, 2 or 4.
-    file : Path
-        The engine file; tables are searched for in its folder.
+    files : InputFiles
+        The engine file and those that it may name.
 
     Raises
     ------
@@ -193,8 +192,8 @@ def gas_map_pressure(section: GasMap, strokes: int, file: Path) -> PressureMap:
     for number, point in enumerate(section.points):
         name = point.pressure_table
         if name not in found:
-            path = find_table(f"gas_map.points[{number}].pressure_table", file, name)
-            found[name] = read_pressure_table(path, strokes)
+            table = files.named(f"gas_map.points[{number}].pressure_table", name, "tables")
+            found[name] = read_pressure_table(table, strokes)
     try:
         return pressure_map(
             ((point.speed, point.load, found[point.pressure_table]) for point in section.points),

@@ -176,6 +176,11 @@ class LimitsInput(InputModel):
         maximum=1.0,
         default=None,
     )
+    passing_while_misfiring: bool = Field(
+        False,
+        description="whether the limits for passing serve while a cylinder misfires, where the class or the "
+        "maker says so; by default those of continuous running",
+    )
     shafts: tuple[ShaftLimitInput, ...] = part_field(
         "propulsion shafts limited by the unified requirement M68", ShaftLimitInput, many=True
     )
@@ -209,11 +214,6 @@ class LimitsInput(InputModel):
                 f"limits.crankshaft_rule: given {self.crankshaft_rule!r} without tensile_strength "
                 "and yield_strength; allowed is the rule with both, because it depends on them."
             )
-        if self.crankshaft_rule:
-            try:  # before anything is computed, at any speed and of any engine
-                self._crankshaft_limit(1.0, strokes=4)
-            except InputError as error:
-                raise InputError(f"limits.{error}") from None
         for name in GIVEN:
             kept, passing = getattr(self, name), getattr(self, name + PASSING, None)
             if passing is not None and (kept is None or passing < kept):
@@ -243,11 +243,6 @@ class LimitsInput(InputModel):
             Of the engine, for the crankshaft's rule; see `crankshaft_limit`.
         provenance : mapping, optional
             Field, such as "limits.axial_amplitude", to its source and whether it is assumed.
-
-        Raises
-        ------
-        InputError
-            If the rule has no formula for the material.
         """
         sources = provenance or {}
         found = {}

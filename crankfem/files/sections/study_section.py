@@ -7,7 +7,7 @@ from pydantic import Field, StrictBool, field_validator, model_validator
 from crankbase.errors import InputError
 from crankbase.model import InputModel, quantity_field
 from fem.wished_accuracy import COMPLIANCE_ACCURACY
-from regression.plans.design_choice import LARGEST_DESIGN, TAKERS, DesignKind
+from regression.plans.designs import LARGEST_DESIGN, TAKERS, DesignKind
 from regression.plans.plan import StudyPlan
 
 

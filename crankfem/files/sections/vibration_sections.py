@@ -9,7 +9,10 @@ from crankbase.model import InputModel, quantity_field
 
 
 class Damping(InputModel):
-    """Damping of engine and shaft. Without any value a measured magnifier of 40 is assumed."""
+    """Damping of engine and shaft. Without any value a measured magnifier of 40 is assumed.
+
+    An assumed magnifier damps only parts without damping of their own, a given one every mode.
+    """
 
     section: ClassVar[str] = "damping"
 

@@ -2,17 +2,18 @@
 
 import csv
 from collections.abc import Mapping, Sequence
-from pathlib import Path
 
 from crankbase.errors import InputError
-from crankbase.text_limits import LARGEST_TABLE_FILE, check_file_size
+from crankbase.input_file import InputFile
+from crankbase.text_limits import LARGEST_TABLE_FILE
 from crankbase.units.quantity import parse_quantity
+from crankbase.wrong_files import CSV
 from geometry.throw import CrankThrow
 from regression.plans.factors import Factor, ThrowField, throw_fields, unknown_field
 
 
 def read_design(
-    folder: Path, given: str, factors: tuple[Factor, ...], throw: CrankThrow
+    file: InputFile, factors: tuple[Factor, ...], throw: CrankThrow
 ) -> tuple[tuple[Factor, ...], tuple[tuple[float, ...], ...]]:
     """Read the runs of a CSV file, and the factors from its columns if the study names none.
 
@@ -21,10 +22,7 @@ def read_design(
 
     Parameters
     ----------
-    folder : path
-        Folder of the file.
-    given : str
-        Its name.
+    file : InputFile
     factors : tuple of Factor
         Of the study; may be empty.
     throw : CrankThrow
@@ -41,7 +39,8 @@ def read_design(
     InputError
         If the file cannot be read or does not fit the factors; the message names the line.
     """
-    header, lines = _read_csv(folder / given)
+    given = file.path.name
+    header, lines = _read_csv(file)
     names = [_column(cell)[0] for cell in header]
     for name in names:
         if names.count(name) > 1:
@@ -69,23 +68,12 @@ def read_design(
     return ordered, tuple(rows)
 
 
-def _read_csv(path: Path) -> tuple[list[str], list[tuple[int, list[str]]]]:
-    if not path.is_file():
-        found = "that is a folder" if path.is_dir() else "there is no such file"
-        raise InputError(
-            f"study.file: given {path.name!r}; {found} in the folder of the study file."
-        )
-    check_file_size(path, LARGEST_TABLE_FILE, "a table of designs")
+def _read_csv(file: InputFile) -> tuple[list[str], list[tuple[int, list[str]]]]:
+    path = file.path
     try:
-        text = path.read_text(encoding="utf-8-sig")
-    except UnicodeDecodeError:
-        raise InputError(
-            f"study.file: given {path.name!r}, which is no text in UTF-8; save it as UTF-8 text."
-        ) from None
-    except OSError as error:
-        raise InputError(
-            f"study.file: given {path.name!r}, which cannot be read ({error.strerror})."
-        ) from None
+        text = file.text(LARGEST_TABLE_FILE, "a table of designs", "a table (CSV)", CSV)
+    except InputError as error:
+        raise InputError(f"study.file: {error}") from None
     delimiter = ";" if ";" in text.partition("\n")[0] else ","
     reader = csv.reader(text.splitlines(), delimiter=delimiter)
     try:

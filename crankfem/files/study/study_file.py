@@ -11,8 +11,7 @@ from crankfem.files.sections.study_section import StudySection
 from crankfem.files.study.design_file import read_design
 from fem.material import Material
 from geometry.throw import CrankThrow
-from regression.plans.design_choice import DesignChoice
-from regression.plans.designs_factorial import ROMAN
+from regression.plans.designs import ROMAN, DesignChoice
 from regression.plans.factors import Factor, ThrowField, throw_fields, unknown_field
 from regression.plans.plan import StudyPlan
 
@@ -47,7 +46,7 @@ def study_plan(
     throw = throw_of_name(throws, given.throw, "study.throw", default)
     factors, rows = _factors(given.factors, throw), None
     if given.file is not None:
-        factors, rows = read_design(content.path.parent, given.file, factors, throw)
+        factors, rows = read_design(content.files.named("study.file", given.file), factors, throw)
     return StudyPlan(
         throw=throw,
         factors=factors,

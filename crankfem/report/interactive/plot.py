@@ -1,5 +1,6 @@
 """The plots of a run, each described once: what it is called, what it says, and what draws it."""
 
+import json
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from pathlib import Path
@@ -8,14 +9,53 @@ from typing import TYPE_CHECKING, Generic, TypeVar
 from crankbase.drawing.curves import Curves, draw_curves
 from crankbase.drawing.diagram_style import figure, make_folder
 from crankbase.drawing.legends import legend_below
-from crankbase.outputs import check_output
+from crankbase.errors import InputError
+from crankbase.outputs import check_output, write_text
 from crankfem.analyses.titles import add_title
 from crankfem.report.interactive.curves import figure_of
-from crankfem.report.interactive.style import Figure
-from crankfem.report.interactive.writing import write_figure
+from crankfem.report.interactive.style import Figure, Part
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
+
+
+def write_figure(path: Path, traces: list[Part], layout: Part) -> Path:
+    """Write a figure as small JSON in plotly's form.
+
+    Parameters
+    ----------
+    path : Path
+        Ends in .json.
+    traces : list of dict
+        plotly's "data".
+    layout : dict
+
+    Returns
+    -------
+    Path
+        The same.
+
+    Raises
+    ------
+    InputError
+        If the file cannot be written.
+    """
+    # Numbers that JSON does not know are an error here: curves have gaps where there is no number.
+    text = json.dumps(
+        {"data": traces, "layout": layout},
+        separators=(",", ":"),
+        allow_nan=False,
+        ensure_ascii=False,
+    )
+    try:
+        write_text(path, text + "\n", "plot")
+    except OSError as error:
+        raise InputError(
+            f"path: given {path}, which cannot be written ({error.strerror}); allowed is a file in an "
+            "existing folder, because the figure goes there."
+        ) from None
+    return path
+
 
 Run = TypeVar("Run")
 LEGEND_COLUMNS = 4

@@ -9,28 +9,26 @@ from numpy.typing import NDArray
 from crankbase.drawing.diagram_style import BLUE, GRAY, GREEN, ORANGE
 from crankfem.analyses.study.nominal_throw import factor_sweep
 from crankfem.analyses.study.response_fits import ResponseFits, predicted
-from crankfem.report.interactive.labels import (
-    choice_labels,
-    design_texts,
-    display_unit,
-    display_values,
-    factor_text,
-    factor_title,
-    symbol_text,
-    with_unit,
-)
-from crankfem.report.interactive.rounding import rounded
 from crankfem.report.interactive.style import (
     Figure,
     Part,
     axis,
     choice,
+    choice_labels,
+    design_texts,
+    display_unit,
+    display_values,
     dots,
+    factor_text,
+    factor_title,
     layout,
     level,
     line,
     literal,
+    rounded,
+    symbol_text,
     visibility_by_choice,
+    with_unit,
 )
 from regression.fits.fits import Fit
 from regression.plans.factors import Factor

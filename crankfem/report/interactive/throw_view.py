@@ -10,22 +10,22 @@ import numpy as np
 from numpy.typing import NDArray
 
 from crankbase.units.units import UNITS
-from crankfem.analyses.throw.fillets import of_loads
 from crankfem.analyses.throw.pictures.scene import eye_at
 from crankfem.analyses.throw.pictures.stress_picture import STRESS_SHOWN, load_title
 from crankfem.analyses.throw.pictures.stress_rendering import COLORS
 from crankfem.analyses.throw.pictures.surface import stressed_surface, stretched_surface
-from crankfem.report.interactive.mesh_decimation import decimate_triangles
-from crankfem.report.interactive.rounding import rounded, shortest
+from crankfem.analyses.throw.stress import of_loads
+from crankfem.report.interactive.plot import write_figure
 from crankfem.report.interactive.style import (
     Figure,
     Part,
     choice,
     note,
     plain_layout,
+    rounded,
+    shortest,
 )
-from crankfem.report.interactive.triangles import TriangleSurface, polylines
-from crankfem.report.interactive.writing import write_figure
+from crankfem.report.interactive.triangles import TriangleSurface, decimate_triangles, polylines
 from fem.fillet_peaks import FilletStresses
 from fem.throw_analysis import ThrowAnalysis
 from fem.unit_loads import whole_nodes

@@ -14,10 +14,8 @@ from crankfem.analyses.vibration.engine_limits import limited_series, of_stress
 from crankfem.analyses.vibration.firing_check import FiringCheck, named
 from crankfem.analyses.vibration.modes import Vibration
 from crankfem.analyses.vibration.run import EngineVibration, Kind
-from crankfem.report.interactive.campbell import campbell
+from crankfem.report.interactive.campbell import campbell, mode_shapes, shaft_modes
 from crankfem.report.interactive.plot import Plot, Plots, picture, plot_of_curves
-from crankfem.report.interactive.shaft import shaft_modes
-from crankfem.report.interactive.shapes import mode_shapes
 from crankfem.report.interactive.style import Figure
 from dynamics.assessment.limits import VibrationLimit
 from dynamics.crankshaft.coupled_response import CoupledResponse, split_curves

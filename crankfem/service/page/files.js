@@ -56,7 +56,7 @@ async function check(files) {
     const kinds = [["run", "/api/engines", "Run"], ["doe", "/api/studies", "Run the study alone"]];
     place.replaceChildren(
       made("p", { textContent: `${engine.name} is a valid ${found.kind} file.` }),
-      ...found.remarks.map((remark) => made("p", { className: "remarks", textContent: remark })),
+      ...[...found.warnings, ...found.remarks].map((remark) => made("p", { className: "remarks", textContent: remark })),
       made(
         "div",
         { className: "bar" },

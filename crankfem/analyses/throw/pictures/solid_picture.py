@@ -1,5 +1,7 @@
 """Pictures of a throw's or a crankshaft's solid, seen from the side with the free end to the left."""
 
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -11,20 +13,177 @@ from crankbase.outputs import copy_file
 from crankbase.processes import scratch_folder
 from crankfem.analyses.throw.pictures.offscreen import OffscreenProcess
 from crankfem.analyses.throw.pictures.scene import Scene
-from crankfem.analyses.throw.pictures.solid_surface import (
-    BORES,
-    ENDS,
-    FILLETS,
-    FORGED,
-    MACHINED,
-    SolidSurface,
-    shaft_surface,
-    throw_surface,
-)
+from crankfem.analyses.throw.pictures.surface import outside_corners, outside_facets, whole_points
+from fem.unit_loads import whole_facets, whole_nodes
 from geometry.crankshaft import Crankshaft
-from geometry.mesher import Throw
+from geometry.mesher import Throw, mesh_isolated
+from geometry.solid import BORE, COUNTERWEIGHT, FILLET, LEFT_END, RIGHT_END, WEB
 
 Array = NDArray[np.float64]
+Numbers = NDArray[np.int64]
+
+# Kinds of surfaces that a picture tells apart.
+MACHINED, FORGED, FILLETS, BORES, ENDS = range(5)
+KINDS = {
+    WEB: FORGED,
+    COUNTERWEIGHT: FORGED,
+    FILLET: FILLETS,
+    BORE: BORES,
+    LEFT_END: ENDS,
+    RIGHT_END: ENDS,
+}
+CYLINDER_SIDES = 180
+# Finer than for computing: elements whose edges were straightened leave smaller dents.
+SIZE_FACTOR = 0.7
+
+
+@dataclass(frozen=True)
+class SolidSurface:
+    """Triangles of a solid's outside, counterclockwise from outside.
+
+    Attributes
+    ----------
+    points : (n, 3) array
+        [m]; neighboring triangles have separate points at the same position.
+    triangles : (t, 3) array
+    kinds : (t,) array
+        Kind of each triangle, `MACHINED` and so on.
+    """
+
+    points: Array
+    triangles: Numbers
+    kinds: Numbers
+
+    def moved(self, angle: float, shift: float) -> "SolidSurface":
+        """Turn about +z [rad], then move along z [m]."""
+        cosine, sine = np.cos(angle), np.sin(angle)
+        turn = np.array([[cosine, -sine, 0.0], [sine, cosine, 0.0], [0.0, 0.0, 1.0]])
+        return replace(self, points=self.points @ turn.T + np.array([0.0, 0.0, shift]))
+
+    def without_ends(self, z: Sequence[float]) -> "SolidSurface":
+        """Leave out the ends of throws at some positions along the shaft [m]."""
+        places = self.points[self.triangles[:, 0], 2]
+        tolerance = 1e-9 * float(np.ptp(self.points[:, 2]))
+        inner = np.any(np.abs(places[:, None] - np.array(z)) < tolerance, axis=1)
+        kept = ~(inner & (self.kinds == ENDS))
+        return replace(self, triangles=self.triangles[kept], kinds=self.kinds[kept])
+
+
+def throw_surface(throw: Throw, fineness: int) -> SolidSurface:
+    """Surface of a whole throw, mirrored from the meshed part.
+
+    Parameters
+    ----------
+    throw : CrankThrow or ImportedThrow
+    fineness : int
+        Each curved triangle of the mesh becomes the square of this number of flat ones.
+
+    Raises
+    ------
+    MeshError
+        If the throw cannot be meshed.
+    """
+    mesh = mesh_isolated(throw, SIZE_FACTOR)
+    whole = whole_nodes(mesh)
+    facets = whole_facets(whole, outside_facets(mesh))
+    kinds = [
+        np.full(len(corners), KINDS.get(name, MACHINED))
+        for name, corners in outside_corners(mesh).items()
+    ]
+    weights, pieces = _subdivision(fineness)
+    starts = len(weights) * np.arange(len(facets))
+    return SolidSurface(
+        np.einsum("pi,tix->tpx", weights, whole_points(mesh, whole)[facets]).reshape(-1, 3),
+        (starts[:, None, None] + pieces).reshape(-1, 3),
+        np.tile(np.repeat(np.concatenate(kinds), len(pieces)), len(whole.images)),
+    )
+
+
+def shaft_surface(shaft: Crankshaft, fineness: int) -> SolidSurface:
+    """Surface of a crankshaft: its throws at their angles, free end and flange.
+
+    Parameters
+    ----------
+    shaft : Crankshaft
+    fineness : int
+        As for `throw_surface`.
+
+    Raises
+    ------
+    MeshError
+        If a throw cannot be meshed.
+    """
+    made = {throw: throw_surface(throw, fineness) for throw in set(shaft.throws)}
+    row = [
+        made[throw].moved(angle, float(start))
+        for throw, angle, start in zip(
+            shaft.throws, np.radians(shaft.crank_angles_deg), shaft.starts[:-1], strict=True
+        )
+    ]
+    throws = _joined(row).without_ends(shaft.starts[1:-1].tolist())
+    return _joined([throws, *(_cylinder(*given) for given in shaft.end_cylinders)])
+
+
+def _subdivision(count: int) -> tuple[Array, Numbers]:
+    """Split a six-node triangle along lines that divide its sides evenly.
+
+    Returns
+    -------
+    weights : (p, 6) array
+        Weights of the nodes (corners 0 1 2, edge middles on 01 12 02) in each point.
+    pieces : (count**2, 3) array
+        The points of the flat triangles, in the same sense of rotation.
+    """
+    numbers = {
+        (i, j): place
+        for place, (i, j) in enumerate(
+            (i, j) for i in range(count + 1) for j in range(count + 1 - i)
+        )
+    }
+    pieces = []
+    for i, j in numbers:
+        if i + j < count:
+            pieces.append([numbers[i, j], numbers[i + 1, j], numbers[i, j + 1]])
+        if i + j < count - 1:
+            pieces.append([numbers[i + 1, j], numbers[i + 1, j + 1], numbers[i, j + 1]])
+    second, third = np.array(list(numbers)).T / count
+    first = 1.0 - second - third
+    shares = (first, second, third)
+    at_corners = [share * (2.0 * share - 1.0) for share in shares]
+    on_edges = [4.0 * shares[a] * shares[b] for a, b in ((0, 1), (1, 2), (0, 2))]
+    return np.column_stack([*at_corners, *on_edges]), np.array(pieces)
+
+
+def _cylinder(diameter: float, low: float, high: float) -> SolidSurface:
+    """Surface of a cylinder about the shaft's axis."""
+    angles = np.linspace(0.0, 2.0 * np.pi, CYLINDER_SIDES, endpoint=False)
+    circle = 0.5 * diameter * np.column_stack([np.cos(angles), np.sin(angles)])
+    ends = [np.column_stack([circle, np.full(len(circle), z)]) for z in (low, high)]
+    points = np.vstack([*ends, [[0.0, 0.0, low], [0.0, 0.0, high]]])
+    first = np.arange(CYLINDER_SIDES)
+    after = np.roll(first, -1)
+    top, (low_center, high_center) = CYLINDER_SIDES, (2 * CYLINDER_SIDES, 2 * CYLINDER_SIDES + 1)
+    triangles = np.vstack(
+        [
+            np.column_stack([first, after, after + top]),
+            np.column_stack([first, after + top, first + top]),
+            np.column_stack([after, first, np.full_like(first, low_center)]),
+            np.column_stack([first + top, after + top, np.full_like(first, high_center)]),
+        ]
+    )
+    return SolidSurface(points, triangles, np.full(len(triangles), MACHINED))
+
+
+def _joined(surfaces: Sequence[SolidSurface]) -> SolidSurface:
+    offsets = np.cumsum([0, *(len(one.points) for one in surfaces)])
+    return SolidSurface(
+        np.concatenate([one.points for one in surfaces]),
+        np.concatenate(
+            [one.triangles + offset for one, offset in zip(surfaces, offsets, strict=False)]
+        ),
+        np.concatenate([one.kinds for one in surfaces]),
+    )
+
 
 ENDING = ".png"
 PICTURE = "picture.png"  # in the scratch folder

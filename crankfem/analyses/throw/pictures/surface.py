@@ -8,9 +8,9 @@ from numpy.typing import NDArray
 
 from fem.fields import displacement_field, images
 from fem.fillet_peaks import FilletStresses
-from fem.principal import von_mises
 from fem.superelement import RZ, UZ
 from fem.supports import end_motions
+from fem.surface_stress import von_mises
 from fem.throw_analysis import ThrowAnalysis
 from fem.unit_loads import WholeNodes, whole_facets, whole_nodes
 from geometry.facets import six_node_triangles
