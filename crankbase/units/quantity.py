@@ -276,11 +276,18 @@ def _evaluate(text: str, unit: str, given: str, limits: Limits, told: str) -> fl
             raise InputError(
                 f"{given}; write a decimal point and no separators, like {either(meant)}{told}."
             ) from None
+        if found is not None and re.fullmatch(r"[^\W\d]\w*", found[2]):
+            raise InputError(
+                f"{given}, in an unknown unit; write it in {WRITTEN.get(unit, (unit,))[0]} or a like "
+                f"unit{told}."
+            ) from None
+        # As behind a sign for a diameter: "Ø180 mm".
+        tail = re.sub(r"^[^\d.+\-\u2012-\u2015\u2212]+", "", text[:LONGEST_QUANTITY])
+        example = tail if _is_quantity(tail) else _example(unit, limits)
         raise InputError(
-            f"{given}, which is not one number with one unit; "
-            f'write for example "{_example(unit, limits)}"{told}.'
+            f'{given}, which is not one number with one unit; write for example "{example}"{told}.'
         ) from None
-    if one.unitless:
+    if one.unitless and not found[2]:
         raise _without_unit(given, found[1], unit, limits, told)
     turning = unit == "rad/s" and one.check("1/[time]") and not _names_an_angle(one)
     from pint.errors import PintError
@@ -294,6 +301,13 @@ def _evaluate(text: str, unit: str, given: str, limits: Limits, told: str) -> fl
             f"unit{told}."
         ) from None
     return _scaled(number, size) * (2.0 * math.pi if turning else 1.0)
+
+
+def _is_quantity(text: str) -> bool:
+    found = NUMBER_AND_UNIT.fullmatch(text)
+    with suppress(NoUnitError):
+        return found is not None and not unit_quantity(found[2]).unitless
+    return False
 
 
 def _scaled(number: float, factor: float) -> float:

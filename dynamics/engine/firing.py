@@ -4,7 +4,9 @@ import math
 import re
 from collections.abc import Sequence
 
-from crankbase.checks.arrays import finite_vector
+import numpy as np
+
+from crankbase.checks.arrays import FloatArray, finite_vector
 from crankbase.checks.scalars import is_whole
 from crankbase.errors import InputError
 from dynamics.cycle import cycle_degrees
@@ -13,6 +15,8 @@ from dynamics.cycle import cycle_degrees
 IN_LINE = 1e-6
 # Firings count as even, or as one, within this angle [rad], the digits of given angles.
 EVEN = math.radians(0.5)
+# Cylinders of a four-stroke engine of which all orders are tried: two tops in a cycle for each.
+MOST_TRIED = 16
 # No engine has more.
 MOST_CYLINDERS = 48
 
@@ -199,6 +203,66 @@ def even_firing_order(firing_angles: Sequence[float], strokes: int) -> tuple[int
         else:
             return None
     return tuple(slots[place] for place in range(count))
+
+
+def least_uneven_order(
+    firing_angles: Sequence[float], strokes: int
+) -> tuple[tuple[int, ...], tuple[float, ...]] | None:
+    """Return the firing order whose intervals differ least for the same cranks, and its intervals.
+
+    Parameters
+    ----------
+    firing_angles : sequence of n float
+        Shaft angle at which each cylinder fires now [rad].
+    strokes : int
+        Strokes per cycle, 2 or 4.
+
+    Returns
+    -------
+    order : tuple of int
+        Cylinder numbers, beginning with the one that fires first now. Of orders with the same difference
+        between longest and shortest interval that which repeats most often in a cycle, then the most even.
+    intervals : tuple of float
+        [rad].
+    None
+        If no order fires each cylinder at the first of its tops after the preceding one, or the cylinders
+        of a four-stroke engine are too many to try all (`MOST_TRIED`).
+
+    Examples
+    --------
+    >>> order, steps = least_uneven_order([0.0, math.pi / 2, math.pi, 3 * math.pi / 2], 4)
+    >>> order, [round(math.degrees(step)) for step in steps]
+    ((1, 2, 4, 3), [90, 180, 270, 180])
+    """
+    count, cycle = len(firing_angles), math.radians(cycle_degrees(strokes))
+    if strokes == 4 and count > MOST_TRIED:
+        return None
+    first = int(np.argmin(firing_angles))
+    now = np.asarray(firing_angles) - firing_angles[first]
+    free = [place for place in range(count) if place != first] if strokes == 4 else []
+    later = np.zeros((2 ** len(free), count))
+    later[:, free] = np.arange(len(later))[:, np.newaxis] >> np.arange(len(free)) & 1
+    angles = (now + 2.0 * math.pi * later) % cycle
+    angles[cycle - angles < IN_LINE] = 0.0
+    ordered = np.sort(angles, axis=1)
+    steps = np.diff(ordered, axis=1, append=ordered[:, :1] + cycle)
+    spread = np.where(
+        np.max(steps, axis=1) <= 2.0 * math.pi + IN_LINE, np.ptp(steps, axis=1), np.inf
+    )
+    if not np.isfinite(np.min(spread)):
+        return None
+    even = np.flatnonzero(spread <= np.min(spread) + EVEN)
+
+    def rank(row: int) -> tuple[int, float, tuple[int, ...]]:
+        repeated = repeating_intervals([round(math.degrees(one), 1) for one in steps[row]])
+        return len(repeated), round(float(np.sum(steps[row] ** 2)), 6), _order_of(angles[row])
+
+    best = min(even.tolist(), key=rank)
+    return _order_of(angles[best]), tuple(steps[best].tolist())
+
+
+def _order_of(angles: FloatArray) -> tuple[int, ...]:
+    return tuple((1 + np.argsort(np.round(angles, 9), kind="stable")).tolist())
 
 
 def _after(angle: float, least: float, turn: float) -> float:

@@ -46,6 +46,11 @@ def test_what_is_meant_is_among_the_readings_and_no_digit_is_lost(whole, part, p
         ("1'200 mm", 'like "1200 mm"'),
         ("82,5", 'like "82.5 mm"'),
         ("17 0 mm", "which is not one number with one unit"),
+        ("Ø180 mm", 'write for example "180 mm"'),
+        # Another sign than minus is not left out.
+        ("\u20135 mm", 'write for example "(?!5 mm)'),
+        ("1.4 mmm", "in an unknown unit; write it in mm or a like unit"),
+        ("66 %", "which is no length; write it in mm"),
     ],
 )
 def test_suggestion_keeps_the_digits(text, suggested):

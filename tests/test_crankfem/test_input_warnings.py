@@ -1,6 +1,8 @@
 """Warnings of sizes far outside of practice and of uneven firing, none of which is refused."""
 
+import itertools
 import math
+import re
 
 import numpy as np
 import pytest
@@ -10,7 +12,11 @@ from crankbase.errors import InputError
 from crankfem.analyses.mechanism.mechanism_run import run_mechanism
 from crankfem.files.engine import usual_sizes
 from crankfem.files.engine.engine_file import EngineFile
-from crankfem.files.engine.firing_evenness import FiringEvenness, firing_evenness
+from crankfem.files.engine.firing_evenness import (
+    FiringEvenness,
+    firing_evenness,
+    firing_sentence,
+)
 from crankfem.files.engine.mechanism_file import load_any, mechanism_of
 from crankfem.files.engine.throw_file import ThrowFile
 from crankfem.files.engine.usual_sizes import UsualRange, throw_warnings
@@ -213,6 +219,47 @@ def test_an_even_order_is_proposed():
     assert "1-2-3-4-5, which fires at uneven intervals of 72, 72, 72, 72, 432 deg" in warning
     assert "an order such as 1-3-5-2-4 fires every 144 deg with the same cranks" in warning
     assert firing_evenness(engine.changed(firing_order=(1, 3, 5, 2, 4))) == FiringEvenness()
+
+
+@pytest.mark.parametrize(
+    ("cranks", "given", "warned"),
+    [
+        # Three common pins at 90 deg between banks; 120 and 240 deg exchanged is a slip.
+        ((0.0, 240.0, 120.0), "90, 150 deg in turn", False),
+        ((0.0, 120.0, 240.0), "90, 30, 90, 30, 90, 390 deg", True),
+    ],
+)
+def test_the_least_uneven_order_is_proposed(cranks, given, warned):
+    bank = math.radians(45.0)
+    engine = three_cylinders(
+        cylinders=6,
+        crank_angles=tuple(map(math.radians, (*cranks, *cranks))),
+        bank_angles=(bank,) * 3 + (-bank,) * 3,
+        firing_order=(1, 4, 2, 5, 3, 6),
+    )
+    found = firing_evenness(engine)
+    assert bool(found.warnings) == warned
+    (said,) = (*found.warnings, *found.notes)
+    assert f"uneven intervals of {given}" in said
+    assert given in firing_sentence(engine)
+    if not warned:
+        assert said.endswith("or less uneven than this one")
+        return
+    order = tuple(
+        map(int, re.search(r"such as ([\d-]+) at 90, 150 deg in turn", said)[1].split("-"))
+    )
+    # The order proposed fires so, and no other one differs less between its intervals.
+    spreads = {}
+    for other in itertools.permutations(range(2, 7)):
+        try:
+            steps = engine.changed(firing_order=(1, *other)).firing_intervals_deg
+        except ValueError:
+            continue
+        spreads[1, *other] = max(steps) - min(steps)
+    assert sorted(engine.changed(firing_order=order).firing_intervals_deg) == close(
+        [90.0] * 3 + [150.0] * 3
+    )
+    assert min(spreads.values()) == close(60.0)
 
 
 def test_cylinders_alone_at_the_top_are_named():

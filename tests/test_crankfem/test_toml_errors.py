@@ -40,6 +40,9 @@ from crankfem.files.reading.toml_places import line_of, place_of
         ("[имя]\nx = 1\n", r"line 1, \[имя\]: given a name with other letters than A to Z"),
         ("[a]\nимя = 1\n", "line 2, имя = 1: given a name with other letters than A to Z"),
         ("[a\nx = 1\n", r"line 1, \[a: given a section without its closing bracket"),
+        ("[a]\nx: 3\n", "line 2, x: 3: given a colon behind a name; write ="),
+        ('[a]\nx = "3 mm",\n', "line 2, .*: given a comma or a semicolon at its end"),
+        ("[a]\nx = My Diesel\n", "line 2, .*: given text without quotes; write it in quotes"),
         ("[a]\nx y z\n", r"line 2, x y z: is not TOML \(.*\); allowed is a TOML file"),
     ],
 )

@@ -23,6 +23,7 @@ from crankfem.analyses.vibration.modes import SourceResult, Vibration
 from crankfem.analyses.vibration.run import EngineVibration
 from crankfem.analyses.vibration.run_up import RunUp
 from crankfem.analyses.vibration.whole_verdict import whole_criticals
+from crankfem.files.engine.firing_evenness import firing_evenness, firing_sentence
 from dynamics.chains.engine_chains import CRANKSHAFT_MODE
 from dynamics.excitation.axial_comparison import AxialForceComparison
 from dynamics.response.damped_criticals import DampedCritical
@@ -44,7 +45,11 @@ def run_record(run: EngineVibration) -> Record:
     """
     forced = (run.forced_axial, run.forced_torsional)
     running = (run.engine_file.engine.lowest_speed, run.engine_file.engine.highest_speed)
+    evenness = firing_evenness(run.engine_file.engine)
     return {
+        "firing": firing_sentence(run.engine_file.engine),
+        "firing_remarks": list(evenness.notes),
+        "firing_warnings": list(evenness.warnings),
         **{own.kind: vibration_record(own) for own in (run.axial, run.torsional)},
         "forced": {own.kind: forced_record(own) for own in forced if own is not None} or None,
         "axial_force": _axial_force(run),

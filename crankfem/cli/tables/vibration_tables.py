@@ -34,6 +34,9 @@ CHAINS_ALONE = (
 def print_run(record: Record, units: OutputUnits = SI) -> None:
     """Print an engine's vibration, the verdict last; critical speeds only where nothing is forced."""
     forced = record["forced"]
+    if "firing" in record:
+        print_line(units.text(record["firing"]))
+        print_notes([f"{one}." for one in record["firing_remarks"]], units)
     if record.get("load") is not None:
         print_load(record["load"], units)
     for kind in ("axial", "torsional"):

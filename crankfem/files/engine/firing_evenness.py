@@ -1,13 +1,21 @@
 """Whether an engine fires evenly: a warning where it could, a note where its cranks forbid it."""
 
 from collections import Counter
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
 from crankfem.files.sections.engine_sections import Engine
-from dynamics.engine.firing import EVEN, even_firing_order, repeating_intervals
+from dynamics.engine.firing import (
+    EVEN,
+    even_firing_order,
+    least_uneven_order,
+    repeating_intervals,
+)
+
+# Intervals that differ so many times more than those of another order look like a slip.
+MUCH = 2.0
 
 
 @dataclass(frozen=True)
@@ -30,7 +38,7 @@ def firing_evenness(engine: Engine) -> FiringEvenness:
     """Compare the firing intervals of an engine with even ones.
 
     Engines in banks and those of one or two cylinders are often built with uneven intervals: where no
-    firing order makes them even, that is a note.
+    firing order makes them even, or by far more even, that is a note.
 
     Parameters
     ----------
@@ -40,7 +48,7 @@ def firing_evenness(engine: Engine) -> FiringEvenness:
     if max(steps) - min(steps) < np.degrees(EVEN):
         return FiringEvenness()
     together = tuple(_together(engine))
-    told = f"{', '.join(f'{step:g}' for step in np.round(repeating_intervals(steps), 1))} deg"
+    told = _shown(steps)
     even = even_firing_order(engine.firing_angles, engine.strokes)
     order = "-".join(map(str, engine.firing_order))
     if even is not None:
@@ -52,15 +60,40 @@ def firing_evenness(engine: Engine) -> FiringEvenness:
         return FiringEvenness((*together, better))
     banked = engine.bank_angles is not None
     angles = "crank and bank angles" if banked else "crank angles"
-    uneven = (
-        f"engine.crank_angles: the cylinders fire at uneven intervals of {told}; no firing order is even "
-        f"with these {angles}"
-    )
+    fires = f"the cylinders fire at uneven intervals of {told}; no firing order is even with these {angles}"
+    best = least_uneven_order(engine.firing_angles, engine.strokes)
+    spread = max(steps) - min(steps)
+    least = spread if best is None else np.degrees(max(best[1]) - min(best[1]))
+    if best is not None and least < spread - np.degrees(EVEN):
+        such = "-".join(map(str, best[0]))
+        at = _shown([float(np.degrees(one)) for one in best[1]])
+        fires += f", and the least uneven is such as {such} at {at}"
+        if engine.cylinders > 2 and spread > MUCH * least:
+            return FiringEvenness((*together, f"engine.firing_order: given {order}; {fires}"))
+    elif best is not None:
+        fires += ", or less uneven than this one"
+    uneven = f"engine.crank_angles: {fires}"
     if banked or engine.cylinders < 3:
         return FiringEvenness(together, (uneven,))
     return FiringEvenness(
         (*together, f"{uneven}{_alone(engine)}, so check them unless the engine is built so")
     )
+
+
+def firing_sentence(engine: Engine) -> str:
+    """Say in which order and at which intervals an engine fires."""
+    steps = engine.firing_intervals_deg
+    order = "-".join(map(str, engine.firing_order))
+    if max(steps) - min(steps) < np.degrees(EVEN):
+        return f"Firing order {order}, even: every {sum(steps) / len(steps):g} deg."
+    return f"Firing order {order}, uneven: intervals of {_shown(steps)}."
+
+
+def _shown(intervals_deg: Sequence[float]) -> str:
+    """Write intervals; of those that repeat, each once."""
+    repeated = repeating_intervals(intervals_deg)
+    again = " in turn" if 1 < len(repeated) < len(intervals_deg) else ""
+    return f"{', '.join(f'{step:g}' for step in np.round(repeated, 1))} deg{again}"
 
 
 def _together(engine: Engine) -> Iterator[str]:

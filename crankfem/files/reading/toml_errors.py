@@ -32,6 +32,12 @@ FAULTS = (
         re.compile(r"^\s*\[[^\]]*[^\x00-\x7f][^\]]*\]|^[^=\"']*[^\x00-\x7f][^=\"']*="),
         "given a name with other letters than A to Z; write names with A to Z, digits, _ and -",
     ),
+    (re.compile(r"^\s*[\w.-]+\s*:"), "given a colon behind a name; write ="),
+    (re.compile(r"[;,]\s*$"), "given a comma or a semicolon at its end; leave it out"),
+    (
+        re.compile(r"=\s*(?!(?:true|false|inf|nan)\b)[A-Za-z][\w .-]*$"),
+        "given text without quotes; write it in quotes",
+    ),
     (re.compile(r"^\s*\[\[?[^\]=]*$"), "given a section without its closing bracket; write it"),
 )
 # An apostrophe behind a digit separates thousands.
