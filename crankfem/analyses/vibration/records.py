@@ -79,7 +79,7 @@ def _whole_criticals(run: EngineVibration, highest: float) -> Record:
                 "peaks": [
                     {
                         **attributes(one, "order", "place", "value", "mode", "frequency"),
-                        **attributes(one, "damping_ratio"),
+                        **attributes(one, "damping_ratio", "share"),
                         "speed_rpm": one.speed * RPM,
                         "in_running_range": one.speed <= highest * (1.0 + 1e-9),
                         "unit": "m" if kind == "axial" else "N m",

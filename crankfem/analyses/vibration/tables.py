@@ -419,10 +419,14 @@ def whole_table(record: Record) -> Table:
 
 
 def whole_critical_table(record: Record, kind: str) -> Table:
-    """Return the critical speeds of one kind in a `whole_record`, the largest ones of it."""
+    """Return critical speeds of one kind in a `whole_record`: the largest of each place, then the largest."""
     found = record["criticals"][kind]
     largest = sorted(
-        found["peaks"], key=lambda one: -math.inf if one["value"] is None else -one["value"]
+        found["peaks"],
+        key=lambda one: (
+            one["share"] < 1.0,
+            -math.inf if one["value"] is None else -one["value"],
+        ),
     )
     shown = sorted(largest[:ROWS_SHOWN], key=lambda one: one["speed_rpm"])
     left = found["left_out"] + len(largest) - len(shown)
