@@ -1,4 +1,4 @@
-"""Fit the law's networks to the computed throws: ``python benchmarks/fit_law.py FOLDER [--tier plain]``.
+"""Fit the law's networks to its throws: ``python benchmarks/fit_law.py [--tier plain] [--only bands]``.
 
 Levenberg and Marquardt's steps on the networks' own derivatives, with the weights held back as the
 evidence for them tells (D. J. C. MacKay, Neural Computation 4, 1992, 415-447, 448-472).
@@ -6,25 +6,24 @@ evidence for them tells (D. J. C. MacKay, Neural Computation 4, 1992, 415-447, 4
 
 import argparse
 import itertools
-import json
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import LinAlgError, cho_factor, cho_solve
+from scipy.optimize import minimize
 
-from fem.supports import STRETCH, TWIST
+from crankbase.errors import InputError
 from geometry.throw import CrankThrow
 from law_process import Process
-from law_throws import draw
+from law_table import throws
+from law_throws import DRAWN, FIELDS, Sample, draw
 from regression.law.inputs import plain_inputs, real_inputs
 from regression.law.networks import FILE, OUTPUTS, Networks
-from regression.law.ratios import ratios, throw_dimensions
+from regression.law.ratios import PLAIN, RANGES, REAL, ratios, throw_dimensions
 
 Array = NDArray[np.float64]
-UX, UY, UZ, RX, RY, RZ = range(6)
-PINNED = [n for n in range(12) if n not in (UX, UY, 6 + UX, 6 + UY, UZ, RZ)]
+INPUTS = {"plain": plain_inputs, "real": real_inputs}
 HIDDEN = {"plain": (16, 12), "real": (24, 16)}
 STEPS = {"plain": 60, "real": 200}
 SAMPLES = {"plain": ("plain-train", "plain-held-out")}
@@ -53,62 +52,27 @@ POOL, PLAIN_TEACHERS, KERNEL_THROWS = 3000, 200, 900
 # Networks that follow processes: squares of weights beside those of errors, and steps of less
 # than the least gain that may follow each other.
 FREE, LEAST_GAIN, SLOW = 8e-8, 1e-3, 6
+# A longer main journal makes a throw softer, pulled with its ends pinned, by this share of what the longer
+# journal gives as a bar: at random throws of so many lengths, the worst of them after each round of steps;
+# its weight beside errors, and how the weights found before are held.
+RISE, LEVELS, LADDERS, WORST, ROUNDS, LIFTS = 0.4, 7, 12_000, 1400, 4, 20
+LIFT_WEIGHT, LIFT_HELD = 300.0, 1.0
+# Weights of the slopes of half widths, and the share of throws that bands hold: of plain ones more, for those
+# held out are few.
+FLAT, INSIDE = 60.0, {"plain": 0.97, "real": 0.95}
 UNWEIGHED = 10  # steps before weights are held back as the evidence tells
 
 
-def read(folder: Path, samples: tuple[str, ...]) -> list[dict[str, Any]]:
-    """Finished throws of samples, each once, in the order of their numbers."""
-    found: dict[tuple[str, int], dict[str, Any]] = {}
-    for sample in samples:
-        for file in sorted(folder.glob(f"{sample}-[0-9].jsonl")):
-            for line in file.read_text(encoding="utf-8").splitlines():
-                try:
-                    row = json.loads(line)
-                except ValueError:
-                    continue
-                if "failed" not in row and row["corrected"]:
-                    found[sample, row["number"]] = row
-    return [found[key] for key in sorted(found)]
-
-
-def moment(axis: int, other: float) -> Array:
-    """Unit moment on the left end about an axis, and another on the right end (12,)."""
-    load = np.zeros(12)
-    load[[axis, 6 + axis]] = 1.0, other
-    return load
-
-
-def numbers(row: dict[str, Any]) -> list[float]:
-    """The law's answers of a throw, by `OUTPUTS`, from its superelement; E and D are 1 there."""
-    stiffness, pins = np.array(row["stiffness"]), np.array(row["pin_loads"])
-    tilts = [moment(RX, -1.0), moment(RY, 1.0), moment(RX, 1.0), moment(RY, -1.0)]
-    loads = np.column_stack([STRETCH, TWIST, *tilts, pins[:, 0], -pins[:, 1]])
-    motions = np.zeros_like(loads)
-    motions[PINNED] = np.linalg.solve(stiffness[np.ix_(PINNED, PINNED)], loads[PINNED])
-    work = loads.T @ motions
-    axial, torsional, in_plane, across, alike, bent = np.diag(work)[:6]
-    return [
-        axial,
-        axial - work[0, 2] ** 2 / in_plane,
-        in_plane / across,
-        work[0, 7],
-        work[0, 7] - work[0, 2] * work[2, 7] / in_plane,
-        torsional,
-        torsional - work[1, 3] ** 2 / across,
-        in_plane,
-        alike,
-        bent,
-        work[5, 6],
-        row["volume"],
-    ]
-
-
-def table(tier: str, rows: list[dict[str, Any]]) -> tuple[Array, Array]:
-    """Inputs (n, d) and logarithms of answers (n, k) of throws."""
-    make = plain_inputs if tier == "plain" else real_inputs
-    throws = [throw_dimensions(CrankThrow(**row["fields"])) for row in rows]
-    inputs = [make(ratios(throw)) for throw in throws]
-    return np.array(inputs), np.log(np.array([numbers(row) for row in rows]))
+def table(tier: str, samples: tuple[str, ...]) -> tuple[Array, Array, Array, Array]:
+    """Samples (n,), inputs (n, d), logarithms of answers (n, k), whether throws are in the law's range."""
+    names, dimensions, answers = throws()
+    some = np.isin(names, samples)
+    found = ratios({name: values[some] for name, values in dimensions.items()})
+    inside = np.ones(some.sum(), dtype=bool)
+    for name, (low, high) in RANGES.items():
+        inside &= (found[name] >= low) & (found[name] <= high)
+    logs = np.log(np.array([answers[name][some] for name in OUTPUTS]))
+    return names[some], INPUTS[tier](found).T, logs.T, inside
 
 
 class Network:
@@ -220,6 +184,50 @@ class Network:
             if slow > SLOW:
                 break
 
+    def lift(self, x: Array, y: Array, ladders: Array, bars: Array) -> None:
+        """Raise the output up the rungs of `ladders` (n, m, d) by a share of `bars` (n, m - 1) or more.
+
+        These are absolute, the output is a logarithm; answers y (n,) at x (n, d) are kept.
+        """
+        for _ in range(ROUNDS):
+            rungs = self.values(ladders.reshape(-1, x.shape[1])).reshape(ladders.shape[:2])
+            least = RISE * bars * np.exp(-rungs[:, :1])
+            worst = np.argsort((np.diff(rungs, axis=1) / least).min(axis=1))[:WORST]
+            self._lift(x, y, ladders[worst], least[worst])
+
+    def _lift(self, x: Array, y: Array, ladders: Array, least: Array) -> None:
+        points, shape = ladders.reshape(-1, x.shape[1]), ladders.shape[:2]
+        begin, damping = self.weights, 1e-3
+
+        def state(weights: Array) -> tuple[Array, Array, float]:
+            rungs = self.values(points, weights).reshape(shape)
+            error = y - self.values(x, weights)
+            missing = LIFT_WEIGHT * np.maximum(least - np.diff(rungs, axis=1), 0.0)
+            moved = weights - begin
+            return error, missing, error @ error + np.sum(missing**2) + LIFT_HELD * moved @ moved
+
+        error, missing, cost = state(begin)
+        for _ in range(LIFTS):
+            slopes = self.derivatives(x)[1]
+            rungs = self.derivatives(points)[1].reshape(*shape, -1)
+            short = missing > 0.0
+            rises = LIFT_WEIGHT * (rungs[:, 1:] - rungs[:, :-1])[short]
+            square = slopes.T @ slopes + rises.T @ rises
+            downhill = slopes.T @ error + rises.T @ missing[short]
+            downhill -= LIFT_HELD * (self.weights - begin)
+            for _ in range(8):
+                matrix = square.copy()
+                matrix[np.diag_indices_from(matrix)] += LIFT_HELD + damping
+                weights = self.weights + cho_solve(cho_factor(matrix, lower=True), downhill)
+                found = state(weights)
+                if found[2] < cost:
+                    break
+                damping *= 4.0
+            else:
+                break
+            self.weights, damping = weights, max(damping / 4.0, 1e-8)
+            error, missing, cost = found
+
     def _weighed(
         self, error: Array, slopes: Array, held: Array, precision: float
     ) -> tuple[Array, float]:
@@ -246,6 +254,9 @@ def fit(tier: str, x: Array, y: Array, steps: int, ends: tuple[Array, Array]) ->
         middle = column.mean()
         best = Network(x.shape[1], HIDDEN[tier], seed=0)
         best.train(scaled, column - middle, steps)
+        if name == "axial_pinned":
+            points, bars = rungs(tier, ends)
+            best.lift(scaled, column - middle, points, bars * np.exp(-middle))
         found.append([*best.parts()[:-1], best.parts()[-1][0] + middle])
         error = column - middle - best.values(scaled)
         print(f"{tier} {name}: rms {100 * error.std():.3f} %, largest {100 * abs(error).max():.2f} %,"
@@ -271,86 +282,152 @@ def pool(count: int) -> Array:
     )
 
 
-def teachers(rows: list[dict[str, Any]]) -> Array:
+def rungs(tier: str, ends: tuple[Array, Array]) -> tuple[Array, Array]:
+    """Scaled inputs (n, m, d) of random throws with main journals of m lengths; what these give as bars."""
+    random, (low, high) = np.random.default_rng(4), ends
+    shortest, longest = (PLAIN if tier == "plain" else REAL)["main_journal_length"]
+    lengths = np.geomspace(shortest, longest, LEVELS)
+    found, bars = [], []
+    while len(found) < LADDERS:
+        kind = tier if random.random() < 0.75 or tier == "plain" else "wide"
+        try:
+            throw = CrankThrow(**FIELDS[kind](Sample(kind, 0), random.random(DRAWN)))
+        except InputError:
+            continue
+        own = ratios(throw_dimensions(throw) | {"main_journal_length": lengths})
+        found.append(2.0 * (INPUTS[tier](own).T - low) / (high - low) - 1.0)
+        bars.append(4.0 / np.pi * np.diff(lengths) / (1.0 - own["main_journal_bore"] ** 2))
+    return np.array(found), np.array(bars)
+
+
+def teachers(samples: Array) -> Array:
     """Which throws teach the processes of real ones: all but of plain ones, of which a share."""
-    plain = np.array([row["sample"].startswith("plain") for row in rows])
+    plain = np.char.startswith(samples, "plain")
     few = np.random.default_rng(1).choice(np.flatnonzero(plain), PLAIN_TEACHERS, replace=False)
     return np.sort(np.concatenate([np.flatnonzero(~plain), few]))
 
 
-def fit_real(rows: list[dict[str, Any]], x: Array, y: Array, steps: int) -> dict[str, Array]:
+def process(x: Array, column: Array) -> Process:
+    """A process through all throws, its kernel the likeliest for a share of them."""
+    few = np.random.default_rng(2).permutation(len(x))[:KERNEL_THROWS]
+    return Process(x, column, logs=Process(x[few], column[few], steps=35).logs)
+
+
+def fit_real(samples: Array, x: Array, y: Array, steps: int) -> dict[str, Array]:
     """Fit processes to real throws, then networks to these processes at these throws and between them."""
     between = pool(POOL)
     low = np.minimum(x.min(axis=0), between.min(axis=0))
     high = np.maximum(x.max(axis=0), between.max(axis=0))
-    chosen = teachers(rows)
+    chosen = teachers(samples)
     scaled, far = (2.0 * (some - low) / (high - low) - 1.0 for some in (x[chosen], between))
-    few = np.random.default_rng(2).permutation(len(chosen))[:KERNEL_THROWS]
-    judged = np.array([rows[n]["sample"] == "real-train" for n in chosen])
     both = np.concatenate([scaled, far])
     found: list[list[Array]] = []
-    errors, misfit = [], []
     for name, column in zip(OUTPUTS, y[chosen].T[:, :, None], strict=True):
-        kernel = Process(scaled[few], column[few], steps=35).logs
-        process = Process(scaled, column, logs=kernel)
-        errors.append(process.left[judged, 0])
-        known = 0.5 * (process.values(scaled) + column)
-        taught = np.concatenate([known, process.values(far)])[:, 0]
+        through = process(scaled, column)
+        known = 0.5 * (through.values(scaled) + column)
+        taught = np.concatenate([known, through.values(far)])[:, 0]
         middle = taught.mean()
         tries = [Network(both.shape[1], HIDDEN["real"], seed) for seed in (0, 1)]
         for one in tries:
             one.follow(both, taught - middle, steps)
-        beside = [(taught - middle - one.values(both)).std() for one in tries]
-        best = tries[int(np.argmin(beside))].parts()
-        found.append([*best[:-1], best[-1][0] + middle])
-        misfit.append(min(beside))
-        left = 100 * np.abs(errors[-1])
-        print(f"{name}: processes of other throws rms {np.sqrt(np.mean(left**2)):.2f} %, largest "
-              f"{left.max():.1f} %; network beside them {100 * misfit[-1]:.2f} %", flush=True)  # fmt: skip
-    made = stacked(found, low, high)
-    made["bands"] = bands(scaled[judged], np.array(errors).T, np.array(misfit))
-    return made
+        best = min(tries, key=lambda one: (taught - middle - one.values(both)).std())
+        if name == "axial_pinned":
+            points, bars = rungs("real", (low, high))
+            best.lift(both, taught - middle, points, bars * np.exp(-middle))
+        parts = best.parts()
+        found.append([*parts[:-1], parts[-1][0] + middle])
+        print(f"{name}: network beside the process {100 * (taught - middle - best.values(both)).std():.2f} %",
+              flush=True)  # fmt: skip
+    return stacked(found, low, high)
 
 
-def fit_plain(rows: list[dict[str, Any]], x: Array, y: Array, steps: int) -> dict[str, Array]:
-    """Fit networks to plain throws; their bands by a first fit without those held out."""
-    held = np.array([row["sample"] == "plain-held-out" for row in rows])
-    ends = x.min(axis=0), x.max(axis=0)
-    first = fit("plain", x[~held], y[~held], steps, ends=ends)
-    some = Networks(**first, bands=np.zeros((len(OUTPUTS), 2)), poisson=np.zeros((len(OUTPUTS), 2)))
-    errors = y[held] - np.log(some.evaluate(x[held].T)[0]).T
-    made = fit("plain", x, y, steps, ends=ends)
-    made["bands"] = bands(some.scaled(x[held].T).T, errors, np.zeros(len(OUTPUTS)))
-    return made
+def fit_plain(samples: Array, x: Array, y: Array, steps: int) -> dict[str, Array]:
+    """Fit networks to plain throws, those held out among them."""
+    assert set(samples) == set(SAMPLES["plain"])
+    return fit("plain", x, y, steps, ends=(x.min(axis=0), x.max(axis=0)))
 
 
-def bands(x: Array, errors: Array, misfit: Array) -> Array:
-    """Half widths (k, 2) that hold 95 of 100 errors (n, k): in the middle, and their gain outward."""
-    outward = np.mean(x**4, axis=1)
+def plain_bands(made: dict[str, Array], samples: Array, x: Array, y: Array, inside: Array) -> Array:
+    """Bands of plain throws, by networks that have not seen those held out."""
+    held = (samples == "plain-held-out") & inside
+    first = fit("plain", x[samples == "plain-train"], y[samples == "plain-train"], STEPS["plain"],
+                ends=(made["low"], made["high"]))  # fmt: skip
+    errors, scaled = beside(first, x[held], y[held])
+    return np.array([band("plain", scaled, one, scaled, one) for one in errors.T])
+
+
+def real_bands(made: dict[str, Array], samples: Array, x: Array, y: Array, inside: Array) -> Array:
+    """Bands of real throws: sizes of errors by processes without each throw, calibrated on those held out."""
+    held = table("real", ("real-held-out",))
+    unseen, places = beside(made, held[1], held[2])
+    chosen = teachers(samples)
+    _, scaled = beside(made, x[chosen], y[chosen])
+    judged = inside[chosen] & ~np.char.startswith(samples[chosen], "plain")
     found = []
-    for sizes, besides in zip(np.abs(errors).T, misfit, strict=True):
-        gain, middle = np.polyfit(outward, sizes, 1)
-        if gain < 0.0 or middle < 0.0:
-            gain, middle = 0.0, sizes.mean()
-        share = np.quantile(sizes / (middle + gain * outward), 0.95)
-        found.append(
-            [np.sqrt((share * middle) ** 2 + FE_ERROR**2 + (2.0 * besides) ** 2), share * gain]
-        )
+    for place, column in enumerate(y[chosen].T[:, :, None]):
+        through = process(scaled, column)
+        misfit = beside(made, x[chosen], through.values(scaled), place)[0][:, 0]
+        errors = np.hypot(through.left[:, 0], misfit)[judged]
+        found.append(band("real", scaled[judged], errors, places, unseen[:, place]))
+        print(f"{OUTPUTS[place]}: processes of other throws rms {100 * through.left[judged].std():.2f} %",
+              flush=True)  # fmt: skip
     return np.array(found)
 
 
-FITS = {"plain": fit_plain, "real": fit_real}
+def beside(
+    made: dict[str, Array], x: Array, y: Array, place: int | slice = slice(None)
+) -> tuple[Array, Array]:
+    """Errors (n, k) of networks beside answers (n, k), and scaled inputs (n, d)."""
+    size, count = len(made["low"]), len(made["last"])
+    rest = {"bands": np.zeros((count, 1 + size)), "poisson": np.zeros((count, 2))}
+    some = Networks(**{**made, **rest})
+    logs = np.log(some.evaluate(x.T)[0])[place].reshape(-1, len(x)).T
+    return logs - y, some.scaled(x.T).T
+
+
+def band(tier: str, x: Array, errors: Array, places: Array, unseen: Array) -> Array:
+    """Logarithm of a half width (1 + d,), linear in scaled inputs, by errors (n,) at x (n, d).
+
+    It holds its share of these and of errors unseen before at other places. Sizes of errors are taken to be
+    distributed exponentially, for the largest of them would rule squares.
+    """
+    design = np.column_stack([np.ones(len(x)), x])
+    sizes = np.hypot(errors, 0.5 * FE_ERROR)
+
+    def unlikeliness(weights: Array) -> tuple[float, Array]:
+        logs = design @ weights
+        shares, held = sizes * np.exp(-logs), FLAT * np.append(0.0, weights[1:])
+        slopes = design.T @ (1.0 - shares) + held
+        return float(np.sum(logs + shares) + 0.5 * held @ weights), slopes
+
+    begin = np.append(np.log(sizes.mean()), np.zeros(x.shape[1]))
+    weights = np.asarray(minimize(unlikeliness, begin, jac=True, method="L-BFGS-B").x)
+    weights[0] += max(
+        np.quantile(
+            np.log(np.hypot(some, 0.5 * FE_ERROR)) - weights[0] - at @ weights[1:], INSIDE[tier]
+        )
+        for at, some in ((x, errors), (places, unseen))
+    )
+    return weights
+
+
+FITS: dict[str, Any] = {"plain": fit_plain, "real": fit_real}
+BANDS: dict[str, Any] = {"plain": plain_bands, "real": real_bands}
 
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("folder", type=Path)
     parser.add_argument("--tier", choices=FITS, nargs="*", default=list(FITS))
+    parser.add_argument("--only", choices=["bands"])
     given = parser.parse_args()
     kept = dict(np.load(FILE)) if FILE.exists() else {}
     for tier in given.tier:
-        rows = read(given.folder, SAMPLES[tier])
-        made = FITS[tier](rows, *table(tier, rows), STEPS[tier])
+        samples, x, y, inside = table(tier, SAMPLES[tier])
+        if given.only:
+            made = {name: kept[f"{tier}_{name}"] for name in Networks.__annotations__}
+        else:
+            made = FITS[tier](samples, x, y, STEPS[tier])
+        made["bands"] = BANDS[tier](made, samples, x, y, inside)
         made["poisson"] = np.array([POISSON[name] for name in OUTPUTS])
         kept |= {f"{tier}_{name}": array for name, array in made.items()}
     np.savez_compressed(FILE, **kept)

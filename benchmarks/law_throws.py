@@ -50,6 +50,7 @@ SAMPLES = {
     "wide-train": Sample("wide", 23_007, BEYOND, 0.5),
     "real-train": Sample("real", 23_008, BEYOND, 0.3),
     "real-pool": Sample("real", 23_010, BEYOND, 0.3),
+    "real-held-out": Sample("real", 23_011),
     "real-test": Sample("real", 23_009),
 }
 

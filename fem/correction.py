@@ -40,6 +40,9 @@ EFFECTIVITY = {True: (1.25, 3.5), False: (1.28, 3.0)}
 # that of the axial compliance (a small correction may be the difference of larger ones), and what answers
 # of two meshes of like size differ by in any case, together: in 95 of 100 answers of random throws.
 UNCERTAINTY, MESH_UNCERTAINTY, MESH_NOISE = 0.12, 0.1, 1e-4
+# Of a correction of the axial compliance beyond this share, as coarse meshes round oil holes have, more is
+# uncertain: the estimate of its error misses what such elements cannot show.
+COARSE, COARSE_UNCERTAINTY = 0.03, 0.3
 # A correction of so much of any motion's energy is none: the mesh tells nothing.
 LARGEST_SHARE = 0.5
 
@@ -131,6 +134,7 @@ def error_bars(
     """
     answers, plain = np.asarray(corrected, dtype=float), np.asarray(discrete, dtype=float)
     floor = MESH_UNCERTAINTY * axial_correction + MESH_NOISE + missing
+    floor += COARSE_UNCERTAINTY * max(0.0, axial_correction - COARSE)
     size = np.abs(answers if sizes is None else np.asarray(sizes, dtype=float))
     return np.asarray(UNCERTAINTY * np.abs(answers - plain) + floor * size)
 

@@ -30,6 +30,9 @@ SIZE_PER_BORE = 0.9
 SIZE_PER_WALL = 1.5
 # At journals, pins and bores beside their radius at any factor: larger ones cut chords off a cylinder.
 LARGEST_ON_ROUND = 0.8
+# On walls and exits of oil holes on the coarsest meshes, beside their radius and the factor, and at any.
+COARSE_ON_HOLE, COARSE_ON_EXIT = 0.3, 0.4
+COARSEST_ON_HOLE, COARSEST_ON_EXIT = 1.3, 1.8
 ROUND, EXITS = "round", "exits"
 # Nodes per item of `node_counts`, fitted to meshes of mixed throws (tests/campaigns/random_throws.py).
 NODES_PER_COUNT = np.array([7.5, 7.5, 9.3, 3.9, 9.6])
@@ -108,9 +111,13 @@ def size_plan(parts: ThrowParts, factor: float) -> SizePlan:
                 SizeZone((number, ROUND), False, LARGEST_ON_ROUND * cylinder.radius, length, area)
             )
     for number, hole in enumerate(parts.drillings):
-        # A hole is small: even on coarse meshes it has some six elements round it.
-        wall = min(bulk, min(factor * SIZE_PER_BORE, LARGEST_ON_ROUND) * hole.radius)
-        outlet = min(wall, min(factor * ROOT_PER_FILLET, 1.0) * (hole.exit_radius or hole.radius))
+        # A hole is small: it has some six elements round it, and on the coarsest meshes five.
+        largest = min(max(LARGEST_ON_ROUND, COARSE_ON_HOLE * factor), COARSEST_ON_HOLE)
+        wall = min(bulk, min(factor * SIZE_PER_BORE, largest) * hole.radius)
+        largest = max(1.0, min(COARSE_ON_EXIT * factor, COARSEST_ON_EXIT))
+        outlet = min(
+            wall, min(factor * ROOT_PER_FILLET, largest) * (hole.exit_radius or hole.radius)
+        )
         zones += drilling_zones(number, hole, wall, outlet)
     return SizePlan(bulk, tuple(zones))
 

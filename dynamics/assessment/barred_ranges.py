@@ -99,8 +99,8 @@ class ExceededRange:
     low, high : float
         Where the limit is met, by interpolation between the speeds calculated [rad/s].
     peaks : tuple of float
-        Speeds at which the use of the limit has a maximum [rad/s]; also that of a flank which the
-        range ends on, though it lies beyond. Where the limit begins on a falling flank is none.
+        Speeds at which the vibration has a maximum [rad/s]; also that of a flank which the range ends on,
+        though it lies beyond. Neither an end of the speeds calculated nor a bend of the limit is one.
     cut_off : bool
         Whether the range reaches the first or last calculated speed, so that it may continue beyond.
     used : float
@@ -138,18 +138,16 @@ def exceeded_ranges(
     slightly too wide. Next to an unbounded value the range extends to the next calculated speed.
     """
     speeds, used = curve.speeds, usage(limit, curve)
+    tops = _tops(curve.values)
     found = []
     for first, last in _runs(used > 1.0):
         if not at_most(speeds[first], highest):
             break
-        # The limit jumps on a falling flank: the peak is below the range, where another limit applies.
-        falls = first > 0 and curve.values[first - 1] > curve.values[first]
-        peaks = _peaks_to(speeds[first : last + 1], used[first : last + 1], highest)
         found.append(
             ExceededRange(
                 low=_crossing(limit, curve, used, first, -1),
                 high=min(_crossing(limit, curve, used, last, 1), highest),
-                peaks=peaks[1:] if falls and peaks and peaks[0] == speeds[first] else peaks,
+                peaks=_peaks_to(curve, tops[(tops >= first) & (tops <= last)], highest),
                 cut_off=first == 0 or last == curve.speeds.size - 1,
                 used=float(np.max(used[first : last + 1])),
             )
@@ -378,18 +376,17 @@ def _crossing(
     return above
 
 
-def _peaks_to(speeds: FloatArray, used: FloatArray, highest: float) -> tuple[float, ...]:
+def _peaks_to(curve: AmplitudeCurve, tops: NDArray[np.intp], highest: float) -> tuple[float, ...]:
     """Return the speeds of the local maxima up to a speed, and of the maximum on whose flank that is."""
-    peaks = _peaks(speeds, used)
+    peaks = tuple(curve.speeds[tops].tolist())
     inside = tuple(peak for peak in peaks if at_most(peak, highest))
     beyond = peaks[len(inside) :]
-    place = int(np.count_nonzero(at_most(speeds, highest)))
-    rises = beyond and used[place] > used[place - 1]
+    place = int(np.count_nonzero(at_most(curve.speeds, highest)))
+    rises = beyond and curve.values[place] > curve.values[place - 1]
     return (*inside, beyond[0]) if rises else inside
 
 
-def _peaks(speeds: FloatArray, used: FloatArray) -> tuple[float, ...]:
-    """Return the speeds of the local maxima; the first of equal neighbors."""
-    beside = np.concatenate(([-np.inf], used, [-np.inf]))
-    top = (used > beside[:-2]) & (used >= beside[2:])
-    return tuple(speeds[top].tolist())
+def _tops(values: FloatArray) -> NDArray[np.intp]:
+    """Return the indices of the local maxima; the first of equal neighbors, neither end."""
+    middle = values[1:-1]
+    return 1 + np.flatnonzero((middle > values[:-2]) & (middle >= values[2:]))

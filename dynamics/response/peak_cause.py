@@ -10,7 +10,6 @@ from crankbase.tables.frames import Row, table_of
 from crankbase.units.quantity import format_quantity
 from dynamics.indices import index_of_name
 from dynamics.response.complex_modes import ComplexModes, complex_modes
-from dynamics.response.damped_criticals import BAND
 from dynamics.response.forced import ForcedResponse
 from dynamics.response.order_excitation import OrderExcitation, checked_speed_index
 from dynamics.response.place_rows import named_row
@@ -24,14 +23,16 @@ if TYPE_CHECKING:
 DOMINATES = 0.5
 # Of an amplitude D times the static one, (D - 1) / D comes from resonance: half and more from D = 2 on.
 AMPLIFIED = 2.0
-# Beyond the mode's band, near it: within the usual margin of critical speeds from running speeds, 10 %.
+# At the resonance: within the half-power bandwidth of the mode's peak, and within 5 % of its frequency.
+HALF_POWER, AT_RESONANCE = np.sqrt(0.5), 0.05
+# Near it: within the usual margin of critical speeds from running speeds, 10 %.
 NEAR_RESONANCE = 0.1
 # Orders with a part below this share of the peak are told together.
 LEAST_PART = 0.02
 # So many orders and more are told as "0.5 to 5", and up to so many small ones between them with them.
 RUN, BRIDGED = 3, 2
 
-State = Literal["at resonance", "near resonance", "forced"]
+State = Literal["at resonance", "near resonance", "amplified", "forced"]
 
 
 @summarized("order", "contribution", "amplitude", "state", "mode")
@@ -48,7 +49,7 @@ class OrderPart:
         highest and lowest: these add up to the peak. Negative if the order reduces the peak.
     amplitude : float
         Of the order alone; the magnitude of the contribution is not larger.
-    state : {"at resonance", "near resonance", "forced"}
+    state : {"at resonance", "near resonance", "amplified", "forced"}
         Whether the order is at a resonance; see `peak_cause`.
     mode : int
         Number of the elastic mode with the largest part of the order's amplitude, 0 for none.
@@ -207,6 +208,7 @@ class PeakCause:
         where = {
             "at resonance": f"at the resonance of {_mode(first)}",
             "near resonance": f"near the resonance of {_mode(first)}",
+            "amplified": f"amplified by {_mode(first) if first.mode else 'several modes'}",
             "forced": "forced without resonance",
         }[first.state]
         parts = [one for run in runs for one in run]
@@ -284,16 +286,18 @@ def peak_cause(
     difference of order k's values there is its contribution; their sum is the amplitude exactly,
     whatever the phases.
 
-    Each order's Y_k is a sum over the damped modes. The order is at a resonance of a mode if
+    Each order's Y_k is a sum over the damped modes. The order is amplified by a mode if
 
     - the mode gives more than half of Y_k, measured in phase with it;
     - its dynamic magnifier D at the order's frequency is 2 or more. Of an amplitude D times the
-      static one, the share (D - 1) / D comes from resonance: at least half of it;
-    - D is at least half of the largest that the mode's damping allows, 1 / (2 d sqrt(1 - d^2)):
-      near a lightly damped resonance, within 1.7 half bandwidths of it.
+      static one, the share (D - 1) / D comes from resonance: at least half of it.
 
-    It is near the resonance if, instead of the last condition, the frequencies are within 10 %, the usual
-    margin of critical speeds. Otherwise it is forced: its size is that of its forces. If more than half of
+    It is at the resonance if, besides, D is at least 1 / sqrt(2) of the largest that the mode's damping
+    allows, 1 / (2 d sqrt(1 - d^2)), which is the half-power bandwidth, and its frequency is within 5 % of
+    that of the mode's peak, w_0 sqrt(1 - 2 d^2); near the resonance within 10 %, the usual margin of
+    critical speeds. Where no mode gives more than half, it is amplified if the modes together, with
+    their parts p_k, exceed twice what they give statically, |sum p_k| > 2 |sum p_k / D_k|. Otherwise it
+    is forced: its size is that of its forces. If more than half of
     these, by their effect, come from another vibration whose order is at a resonance or near
     one, that resonance is named.
     """
@@ -315,6 +319,8 @@ def peak_cause(
     size = np.where(whole == 0.0, 1.0, np.abs(whole))
     shares = (given / size * np.conj(whole / size)).real[:, :-1]
     magnifiers, largest = modes.magnifiers(w), modes.largest_magnifiers
+    tops = np.abs(modes.eigenvalues) * np.sqrt(np.maximum(1.0 - 2.0 * modes.damping_ratios**2, 0.0))
+    static = np.abs(np.sum(shares / np.where(magnifiers > 0.0, magnifiers, 1.0), axis=1))
     brought = np.zeros(w.size)
     if driven is not None:
         own = np.isin(series.orders, driven[0].orders)
@@ -335,13 +341,15 @@ def peak_cause(
             part = replace(
                 part,
                 amplitude=float("inf") if endless[at] else part.amplitude,
-                state=_state(magnifier, float(largest[most]), detuning),
+                state=_state(magnifier, float(largest[most]), float(w[at] / tops[most]) - 1.0),
                 mode=int(modes.numbers[most]),
                 mode_share=1.0 if endless[at] else float(shares[at, most]),
                 magnifier=magnifier,
                 detuning=detuning,
                 kind=kind,
             )
+        elif most >= 0 and abs(whole[at, 0]) > 0.0 and AMPLIFIED * static[at] < np.sum(shares[at]):
+            part = replace(part, state="amplified")
         if driven is not None and part.state == "forced" and brought[at] > DOMINATES:
             part = _resonance_of(part, driven[1])
         parts.append(part)
@@ -361,9 +369,9 @@ def _resonance_of(part: OrderPart, other: PeakCause) -> OrderPart:
 def _state(magnifier: float, largest: float, detuning: float) -> State:
     if magnifier < AMPLIFIED:
         return "forced"
-    if magnifier >= BAND * largest:
+    if magnifier >= HALF_POWER * largest and abs(detuning) <= AT_RESONANCE:
         return "at resonance"
-    return "near resonance" if abs(detuning) <= NEAR_RESONANCE else "forced"
+    return "near resonance" if abs(detuning) <= NEAR_RESONANCE else "amplified"
 
 
 def _mode(part: OrderPart) -> str:

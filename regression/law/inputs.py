@@ -17,6 +17,8 @@ from regression.law.ratios import FILLETS, REAL, Ratios
 
 Array = NDArray[np.float64]
 
+SMALLEST_BORE = 0.1  # of the training throws, over the diameter
+
 
 def plain_inputs(found: Ratios) -> Array:
     """Inputs (8, ...) of the networks of plain throws."""
@@ -31,7 +33,9 @@ def real_inputs(found: Ratios) -> Array:
     radius, pin, _, _, width, _ = lengths
     fillet, pin_fillet = (found[name] for name in FILLETS)
     bore, pin_bore = found["main_journal_bore"], found["pin_bore"]
-    offset, pin_offset = found["main_journal_bore_offset"], found["pin_bore_offset"]
+    # The offset of a bore that vanishes means nothing.
+    offset = found["main_journal_bore_offset"] * _opened(bore)
+    pin_offset = found["pin_bore_offset"] * _opened(pin_bore)
     half, rectangle = 0.5 * width, found["rectangle"]
     foot_end, tip_end = (half * found[f"web_{end}_end"] for end in ("journal", "pin"))
     corner = half * found["web_corner"]
@@ -91,6 +95,12 @@ def _overlap(found: Ratios) -> Any:
     """Overlap of main journal and pin over the web's thickness, its large values compressed."""
     overlap = 0.5 * (1.0 + found["pin_diameter"]) - found["crank_radius"]
     return np.arcsinh(overlap / found["web_thickness"])
+
+
+def _opened(bore: Any) -> Any:
+    """1 for the bores that the networks know, falling smoothly to 0 with smaller ones."""
+    share = np.minimum(bore / SMALLEST_BORE, 1.0)
+    return share * share * (3.0 - 2.0 * share)
 
 
 def _inertia_left(bore: Any, offset: Any) -> Any:

@@ -47,8 +47,9 @@ class Networks:
     second, second_constant : (k, n, m), (k, n) array
     last, direct, constant : (k, n), (k, d), (k,) array
         Contributions of the second layer and of the inputs themselves to the output.
-    bands : (k, 2) array
-        Relative half width of the 95 % band in the middle of the range, and its increase to the ends.
+    bands : (k, 1 + d) array
+        Logarithm of the relative half width of the 95 % band: in the middle of the range, and its change with
+        each input, between -1 and 1.
     poisson : (k, 2) array
         Change of the output's logarithm with Poisson's ratio, and its standard deviation over throws.
     """
@@ -67,8 +68,8 @@ class Networks:
 
     def evaluate(self, inputs: Array) -> tuple[Array, Array]:
         """Values (k, n) for inputs (d, n), and relative half widths (k, n) of their 95 % bands."""
-        count, units, size = self.first.shape
-        first, first_constant, second_constant, last, constant, middle, gain = self._columns
+        count, units, _ = self.first.shape
+        first, first_constant, second_constant, last, constant, middle, slopes = self._columns
         scaled = self.scaled(inputs)
         parts = []
         for start in range(0, inputs.shape[1], BLOCK):
@@ -77,9 +78,7 @@ class Networks:
             hidden = np.tanh(self.second @ hidden + second_constant)
             parts.append((last @ hidden)[:, 0] + self.direct @ given)
         found = parts[0] if len(parts) == 1 else np.concatenate(parts, axis=1)
-        square = scaled * scaled
-        outward = np.add.reduce(square * square, axis=0) / size
-        return np.exp(found + constant), middle + gain * outward
+        return np.exp(found + constant), np.exp(middle + slopes @ scaled)
 
     def scaled(self, inputs: Array) -> Array:
         """Inputs (d, n) between -1 and 1."""

@@ -58,8 +58,30 @@ FEATURES: Mapping[str, tuple[float, float, float]] = MappingProxyType(
         "thickness_step": (0.74, 1.35, 1.0),
     }
 )
+# Distances from plain throws over which their networks' part in an answer falls to nothing. The main
+# journal's length has none: it hardly changes e_n, which a passage between networks would outweigh.
+FEATURE_FADES = MappingProxyType(
+    {
+        "rectangle": 1.0,
+        "main_journal_bore": 0.1,
+        "pin_bore": 0.1,
+        "web_pin_end": 0.05,
+        "web_journal_end": 0.05,
+        "web_tip_thickness": 0.1,
+        "web_foot_thickness": 0.1,
+        "thickness_step": 0.1,
+    }
+)
 FILLETS = ("main_journal_fillet_radius", "pin_fillet_radius")
 LARGEST_FILLET = 0.08
+LENGTH_FADES = MappingProxyType({name: 0.1 * (PLAIN[name][1] - PLAIN[name][0]) for name in REAL})
+FADES: Mapping[str, float] = MappingProxyType(
+    {
+        **FEATURE_FADES,
+        **dict.fromkeys(FILLETS, 0.01),
+        **{name: fade for name, fade in LENGTH_FADES.items() if name != "main_journal_length"},
+    }
+)
 # Walls beside bores are this share of the diameter or more.
 THINNEST_WALL = 0.15
 # Divisors that are not D, for sentences.
@@ -173,12 +195,38 @@ def is_plain(found: Ratios) -> Any:
     """Whether throws of these ratios are plain, within their range: bool or array."""
     journal, pin = (found[name] for name in FILLETS)
     plain = abs(journal - pin) <= ROUND_OFF
-    for name, (*_, usual) in FEATURES.items():
-        plain = plain & (abs(found[name] - usual) <= ROUND_OFF)
+    for name in FEATURE_FADES:
+        plain = plain & (abs(found[name] - FEATURES[name][2]) <= ROUND_OFF)
     for name, (low, high) in PLAIN.items():
         ratio = journal if name == "fillet_radius" else found[name]
         plain = plain & (ratio >= low * (1.0 - ROUND_OFF)) & (ratio <= high * (1.0 + ROUND_OFF))
     return plain
+
+
+def nearest_plain(found: Ratios) -> dict[str, Any]:
+    """Ratios of the plain throws within their range that are nearest to others."""
+    fillet = _within(0.5 * (found[FILLETS[0]] + found[FILLETS[1]]), *PLAIN["fillet_radius"])
+    return {
+        **{name: usual for name, (*_, usual) in FEATURES.items()},
+        **{name: _within(found[name], *PLAIN[name]) for name in REAL},
+        **dict.fromkeys(FILLETS, fillet),
+    }
+
+
+def plain_share(found: Ratios, plain: Ratios, fades: Mapping[str, float]) -> Any:
+    """Share of plain throws' networks in an answer: 1 at a plain throw, falling smoothly to 0 over fades."""
+    share = 1.0
+    for name, fade in fades.items():
+        far = abs(found[name] - plain[name]) / fade
+        if type(far) is float and far >= 1.0:
+            return 0.0
+        far = far * (far < 1.0) + (far >= 1.0)
+        share = share * (1.0 - far * far * (3.0 - 2.0 * far))
+    return share
+
+
+def _within(ratio: Any, low: float, high: float) -> Any:
+    return min(max(ratio, low), high) if type(ratio) is float else np.clip(ratio, low, high)
 
 
 def real_ranges() -> dict[str, tuple[float, float]]:

@@ -5,6 +5,7 @@ compliances; E and the size are exact factors, Poisson's ratio near 0.3 has its 
 rigid discs, as in `fem.analysis.analyze_throw`; counterweights hardly stiffen a throw and are neglected.
 """
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
@@ -20,11 +21,16 @@ from geometry.throw import CrankThrow
 from regression.law.inputs import plain_inputs, real_inputs
 from regression.law.networks import TIERS, networks
 from regression.law.ratios import (
+    FADES,
+    LENGTH_FADES,
     MORE_FIELDS,
     PLAIN_FIELDS,
     RANGES,
+    Ratios,
     check_range,
     is_plain,
+    nearest_plain,
+    plain_share,
     ratio_text,
     ratios,
     throw_dimensions,
@@ -54,7 +60,7 @@ class AxialLaw:
     errors : mapping
         Relative half widths of bands that hold the true value in 95 of 100 throws, by the names above.
     tier : str or ndarray
-        "plain" or "real": the networks used.
+        "plain" or "real": whether the throw is a plain one; between them values pass over continuously.
     nearest_limit : str
         For one throw: the ratio nearest to an end of the law's range, in words.
     """
@@ -262,39 +268,28 @@ class LawAnswers:
 
     @property
     def tier(self) -> Any:
-        """The networks used: "plain" or "real", an array of these for many throws."""
+        """Whether throws are "plain" or "real", an array of these for many."""
         return np.where(self.plain, *TIERS) if self.shape else TIERS[not self.plain]
 
     def values(self, names: tuple[str, ...]) -> tuple[Array, Array]:
         """Dimensionless outputs (k, ...) by the names of `OUTPUTS`, and relative half widths."""
+        shape = self.shape or (1,)
         if not self.shape:
-            return self._of_tier(self.tier, names, self.ratios, 1)
-        plain = np.broadcast_to(self.plain, self.shape).ravel()
-        found = np.empty((2, len(names), plain.size))
-        for tier, where in zip(TIERS, (plain, ~plain), strict=True):
-            if where.all():
-                found[:] = self._of_tier(tier, names, self.ratios, plain.size)
-            elif where.any():
-                some = {
-                    name: np.broadcast_to(value, self.shape).ravel()[where]
-                    for name, value in self.ratios.items()
-                }
-                found[:, :, where] = self._of_tier(tier, names, some, int(where.sum()))
-        return found[0].reshape(-1, *self.shape), found[1].reshape(-1, *self.shape)
-
-    def _of_tier(
-        self, tier: str, names: tuple[str, ...], found: Mapping[str, Any], count: int
-    ) -> tuple[Array, Array]:
-        some = networks(tier, names)
-        inputs = INPUTS[tier](found).reshape(len(some.low), -1)
-        if inputs.shape[1] != count:
-            inputs = np.repeat(inputs, count, axis=1)
-        answers, widths = some.evaluate(inputs)
+            answers, widths = (_of_plain if self.plain else _of_real)(names, self.ratios, shape)
+        else:
+            plain = np.broadcast_to(self.plain, shape).ravel()
+            answers, widths = np.empty((2, len(names), plain.size))
+            for answer, where in ((_of_plain, plain), (_of_real, ~plain)):
+                if where.all():
+                    answers, widths = answer(names, self.ratios, shape)
+                elif where.any():
+                    some = _picked(self.ratios, shape, where)
+                    answers[:, where], widths[:, where] = answer(names, some, (where.sum(),))
         if self.beside:
-            mean, spread = some.poisson.T[:, :, None]
+            mean, spread = networks("real", names).poisson.T[:, :, None]
             answers = answers * np.exp(mean * self.beside)
             widths = widths + 2.0 * spread * abs(self.beside)
-        return answers, widths
+        return answers.reshape(-1, *shape), widths.reshape(-1, *shape)
 
     def results(self, *kinds: Mapping[str, tuple[str, int]]) -> list[dict[str, Any]]:
         """Fields of each law: values in SI units, errors, tier and the nearest limit."""
@@ -313,6 +308,47 @@ class LawAnswers:
             | shared
             for kind in kinds
         ]
+
+
+def _of_plain(names: tuple[str, ...], found: Ratios, shape: tuple[int, ...]) -> tuple[Array, Array]:
+    """Outputs (k, n) for ratios of n throws of a shape, and half widths, by the networks of plain throws."""
+    return _of_tier("plain", names, found, shape)
+
+
+def _of_real(names: tuple[str, ...], found: Ratios, shape: tuple[int, ...]) -> tuple[Array, Array]:
+    """The same by the networks of real throws, corrected by what these miss of plain ones nearby."""
+    answers, widths = _of_tier("real", names, found, shape)
+    plain = nearest_plain(found)
+    share = plain_share(found, plain, FADES)
+    if type(share) is float and share == 0.0:
+        return answers, widths
+    close: Any = slice(None)
+    if type(share) is not float:
+        close = np.broadcast_to(share, shape).ravel() > 0.0
+        if not close.any():
+            return answers, widths
+        found, plain = (_picked(some, shape, close) for some in (found, plain))
+        share, shape = plain_share(found, plain, FADES), (close.sum(),)
+    known, least = _of_tier("plain", names, plain, shape)
+    answers[:, close] *= (known / _of_tier("real", names, plain, shape)[0]) ** share
+    share = share * plain_share(found, plain, LENGTH_FADES)
+    widths[:, close] = share * least + (1.0 - share) * widths[:, close]
+    return answers, widths
+
+
+def _of_tier(
+    tier: str, names: tuple[str, ...], found: Ratios, shape: tuple[int, ...]
+) -> tuple[Array, Array]:
+    some, count = networks(tier, names), math.prod(shape)
+    inputs = INPUTS[tier](found).reshape(len(some.low), -1)
+    if inputs.shape[1] != count:
+        inputs = np.repeat(inputs, count, axis=1)
+    return some.evaluate(inputs)
+
+
+def _picked(found: Ratios, shape: tuple[int, ...], where: NDArray[np.bool_]) -> dict[str, Any]:
+    """Ratios of some throws of a shape, flat."""
+    return {name: np.broadcast_to(value, shape).ravel()[where] for name, value in found.items()}
 
 
 def check_material(youngs_modulus: float, poisson_ratio: float) -> None:

@@ -21,7 +21,7 @@ class MassLaw:
     error : float
         Relative half width of the band that holds the true value in 95 of 100 throws.
     tier : str
-        "plain" or "real": the networks used.
+        "plain" or "real": whether the throw is a plain one.
     """
 
     mass: float

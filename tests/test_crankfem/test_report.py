@@ -17,6 +17,7 @@ from pathlib import Path
 import pytest
 
 from comparing import close
+from crankbase.input_file import InputFile
 from crankfem.analyses.provenance import file_records, provenance_record, repeat_record, run_command
 from crankfem.analyses.throw.compliances import compliance_tables, regression_record
 from crankfem.analyses.throw.throw_record import pin_force_words
@@ -379,7 +380,7 @@ def test_what_a_run_was_made_with(tmp_path):
     assert about["packages"]["numpy"] is not None
     file = tmp_path / "my engine.toml"
     file.write_bytes(b"abc")
-    record = repeat_record(file_records(file, [file]), {"a": 1.0})
+    record = repeat_record(file_records([InputFile(file)]), {"a": 1.0})
     assert record["command"] == "crankfem run 'my engine.toml'"
     ((own),) = record["files"]
     # The example of FIPS 180-2.
@@ -394,7 +395,7 @@ def test_further_files_are_named_as_the_engine_file_names_them(tmp_path):
         (tmp_path / name).write_text(name, encoding="utf-8")
     shipped = data_folder() / "tables" / "yamz5340_torque_one_throw.csv"
     engine, table = (tmp_path / name for name in names)
-    found = file_records(engine, [table, shipped])
+    found = file_records([InputFile(file) for file in (engine, table, shipped)])
     assert [own["name"] for own in found] == [*names, shipped.name]
     assert found[1]["text"] == names[1]
     # A run takes the texts before it computes anything: what is written later is not in them.

@@ -192,3 +192,18 @@ def test_the_lower_of_the_shares_of_limit_and_rule_counts():
     assert allowed.allowed
     (refused,) = barred_ranges([(rule_end, curve)], BarredRangeRule(100.0, 0.7), (20.0, 100.0))
     assert "nothing may be barred above 0.70" in refused.refusals[0]
+
+
+def test_neither_an_end_of_the_speeds_nor_a_bend_of_the_limit_is_a_peak():
+    speeds = np.linspace(55.0, 75.0, 401)
+    curve = AmplitudeCurve("shaft", speeds, 4.0 * resonance(speeds, 50.0))
+    (found,) = exceeded_ranges(LIMIT, curve)
+    assert (found.low, found.peaks) == (55.0, ())
+    assert "peak" not in barred_ranges([(LIMIT, curve)], RULE, (20.0, 100.0))[0].ends
+    # The vibration rises all along, its use of the limit is largest where the limit bends.
+    bent = LimitCurve(lambda speed: np.interp(speed, [40.0, 60.0, 80.0], [20.0, 10.0, 60.0]))
+    limit = replace(LIMIT, continuous=bent)
+    rising = AmplitudeCurve("shaft", speeds, 0.25 * speeds)
+    (found,) = exceeded_ranges(limit, rising)
+    assert found.low < 60.0 < found.high
+    assert found.peaks == ()

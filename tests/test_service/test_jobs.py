@@ -36,7 +36,7 @@ def test_a_file_is_checked_before_it_is_run(service):
     assert "run" in told["commands"]
     thin = STUDY.replace('web_thickness = "68 mm"', 'web_thickness = "20 mm"')
     _, told = service.json("/api/files/check", {"text": thin, "name": "study.toml"})
-    assert [one.partition(":")[0] for one in told["warnings"]] == ["throw.web_thickness"]
+    assert "throw.web_thickness" in [one.partition(":")[0] for one in told["warnings"]]
 
 
 @pytest.mark.further

@@ -6,7 +6,9 @@ shipped engines' throws by corrected finite elements at 1 %, end sections rigid.
 
 Tolerances: plain throws' e_n pinned 0.2 % rms and 1 % at most, their other compliances 0.5 % rms; real throws
 as docs/law.md states, and most shipped engines' 2 %. A band for 95 of 100 true values must hold 95 of
-100 of either sample, and the others must be near it.
+100 of either sample, and the others must be near it; over twice the rms error of the 50 nearest throws not
+seen (samples real-test and real-held-out, the latter used for bands alone) it must be between 0.7 and 2 for
+nine throws of ten.
 """
 
 import csv
@@ -20,12 +22,13 @@ from crankbase.errors import InputError
 from crankfem.files.engine.throw_file import load_throw_file
 from regression.law.hand_formula import hand_value
 from regression.law.networks import OUTPUTS
-from regression.law.ratios import ratios
+from regression.law.ratios import PLAIN, RANGES, REAL, ratios
 from regression.law.throw_law import LawAnswers, axial_law
 
 DATA = Path(__file__).parents[2] / "data"
 TABLES, ENGINES = DATA / "tables", DATA / "engines"
-LAW = ("axial_pinned", "axial_guided", "tilt_ratio", "influence_pinned", "influence_guided",
+AXIAL = ("axial_pinned", "axial_guided")
+LAW = (*AXIAL, "tilt_ratio", "influence_pinned", "influence_guided",
        "torsional_pinned", "torsional_guided")  # fmt: skip
 # Axial compliances of the shipped engines' throws, ends pinned [m/N]: analyze_throw(throw, material, 0.01).
 SHIPPED = {
@@ -53,7 +56,7 @@ def throws():
     with gzip.open(TABLES / "law_throws.csv.gz", "rt", encoding="utf-8") as lines:
         rows = list(csv.DictReader(line for line in lines if not line.startswith("#")))
     found = {}
-    for sample in ("plain-test", "real-test"):
+    for sample in ("plain-test", "real-test", "real-held-out"):
         some = [row for row in rows if row["sample"] == sample]
         names = [name for name in rows[0] if name not in ("sample", "number", *OUTPUTS)]
         usual = {name: columns(some, name) for name in (*names, *OUTPUTS)}
@@ -127,9 +130,80 @@ def test_bands_hold_the_true_values(throws, sample):
     found, widths = errors(throws, sample)
     # As `LAW_BANDS` promises who looks a throw up.
     assert np.all(np.mean(np.abs(found) <= widths, axis=1) >= 0.95)
-    assert np.all(np.abs(found) <= 2.5 * widths)
+    assert np.all(np.mean(np.abs(found) <= 2.5 * widths, axis=1) >= 0.99)
     # Wide bands would hold them too.
     assert np.all(np.mean(np.abs(found) <= 0.25 * widths, axis=1) < 0.75)
+
+
+def test_bands_are_wide_where_errors_are_large(throws):
+    """Over twice the rms error of the 50 nearest other throws that the fit has not seen."""
+    places, found, widths = [], [], []
+    for sample in ("real-test", "real-held-out"):
+        given = ratios(throws[sample][0])
+        places.append([(given[name] - low) / (high - low) for name, (low, high) in RANGES.items()])
+        for one, some in zip((found, widths), errors(throws, sample), strict=True):
+            one.append(some)
+    places, found, widths = (np.concatenate(one, axis=1) for one in (places, found, widths))
+    far = np.square(places[:, :, None] - places[:, None, :]).sum(axis=0)
+    np.fill_diagonal(far, np.inf)
+    near = np.argsort(far, axis=1)[:, :50]
+    for error, width in zip(found, widths, strict=True):
+        shares = width / (2.0 * rms(error[near]))
+        assert np.mean((shares > 0.7) & (shares < 2.0)) >= 0.9
+        low, high = np.quantile(width, [0.05, 0.95])
+        assert high > 1.8 * low
+
+
+def neighbors(dimensions, count, random):
+    """Throws beside the given plain ones, each a hair's breadth off in a feature or beyond the range."""
+    beside = {name: values.copy() for name, values in dimensions.items()}
+    half = 0.5 * dimensions["web_width"]
+    usual = {
+        "main_journal_fillet_radius": dimensions["fillet_radius"],
+        "pin_fillet_radius": dimensions["fillet_radius"],
+        "web_pin_end": half,
+        "web_journal_end": half,
+        "web_tip_thickness": dimensions["web_thickness"],
+        "main_journal_bore": np.zeros(count),
+        "pin_bore": np.zeros(count),
+    }
+    which = random.integers(len(usual), size=count)
+    for number, (name, values) in enumerate(usual.items()):
+        off = 1e-4 if name.endswith("bore") else -1e-4 * values
+        beside[name] = values + np.where(which == number, off, 0.0)
+    return beside
+
+
+@pytest.mark.parametrize("end", [None, "crank_radius", "main_journal_length", "pin_length"])
+def test_values_do_not_jump_where_plain_throws_pass_into_real_ones(end):
+    count, random = 2000, np.random.default_rng(6)
+    plain = {
+        name: low * (high / low) ** random.random(count) for name, (low, high) in PLAIN.items()
+    }
+    plain["main_journal_diameter"] = np.ones(count)
+    if end is None:
+        beside = neighbors(plain, count, random)
+    else:
+        plain[end] = np.full(count, PLAIN[end][1])
+        beside = plain | {end: plain[end] * 1.0001}
+    one, other = (LawAnswers(throws, 1.0, 0.3) for throws in (plain, beside))
+    assert np.all(one.tier == "plain")
+    assert np.all(other.tier == "real")
+    (before, narrow), (after, wide) = one.values(OUTPUTS), other.values(OUTPUTS)
+    assert np.abs(after / before - 1.0).max() < 1e-3
+    assert np.abs(wide / narrow - 1.0).max() < 1e-2
+
+
+@pytest.mark.parametrize("sample", ["plain-test", "real-test", "real-held-out"])
+def test_a_longer_main_journal_makes_a_throw_softer(throws, sample):
+    """At least a slice of journal between rigid sections is added, for without these it is softer still."""
+    dimensions, _ = throws[sample]
+    low, high = REAL["main_journal_length"]
+    given = {name: values[:, None] for name, values in dimensions.items()}
+    given = given | {"main_journal_length": np.linspace(low, high, 15)}
+    for radius in (dimensions["crank_radius"][:, None], 1.94):
+        values, _ = LawAnswers(given | {"crank_radius": np.array(radius)}, 1.0, 0.3).values(AXIAL)
+        assert np.all(np.diff(values, axis=-1) > 0.0)
 
 
 def test_masses(throws, figure):
