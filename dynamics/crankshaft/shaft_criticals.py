@@ -38,6 +38,8 @@ class ShaftCritical:
         Natural frequency of the mode [Hz]; None for none.
     damping_ratio : float or None
         Of the mode, share of critical damping; None for none.
+    share : float
+        Of a place's largest maximum, at the place where that is most.
     """
 
     order: float
@@ -47,6 +49,7 @@ class ShaftCritical:
     mode: int
     frequency: float | None
     damping_ratio: float | None
+    share: float = 1.0
 
 
 def shaft_criticals(
@@ -87,18 +90,18 @@ def shaft_criticals(
     largest = np.zeros(len(series.names))
     finite = np.isfinite(values)
     np.maximum.at(largest, found[finite, 2], values[finite])
-    kinds = values >= LEAST_PEAK * largest[found[:, 2]]
-    kept: list[int] = []
-    small: list[int] = []
+    shares = np.minimum(values / np.where(largest > 0.0, largest, 1.0)[found[:, 2]], 1.0)
+    told: dict[int, float] = {}
     # What is worth a row first, the largest value first.
-    for row in np.lexsort((-values, ~kinds)).tolist():
-        told = kept if kinds[row] else small
-        if not any(
-            found[one, 0] == found[row, 0]
+    for row in np.lexsort((-values, shares < LEAST_PEAK)).tolist():
+        same = [
+            one
+            for one in told
+            if found[one, 0] == found[row, 0]
             and abs(speeds[one] - speeds[row]) <= TOGETHER * speeds[row]
-            for one in (*kept, *small)
-        ):
-            told.append(row)
+        ]
+        told[(same or [row])[0]] = max(shares[row], told.get((same or [row])[0], 0.0))
+    kept = {row: share for row, share in told.items() if share >= LEAST_PEAK}
     criticals = [
         ShaftCritical(
             float(series.orders[found[row, 0]]),
@@ -106,10 +109,11 @@ def shaft_criticals(
             series.names[found[row, 2]],
             float(values[row]),
             *_mode(coupled, found[row, 0], found[row, 1], float(speeds[row])),
+            float(share),
         )
-        for row in kept
+        for row, share in kept.items()
     ]
-    return tuple(sorted(criticals, key=lambda one: one.speed)), len(small)
+    return tuple(sorted(criticals, key=lambda one: one.speed)), len(told) - len(kept)
 
 
 def _vertex(speeds: FloatArray, sizes: FloatArray) -> tuple[FloatArray, FloatArray]:
