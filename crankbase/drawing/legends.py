@@ -2,6 +2,7 @@
 
 from typing import TYPE_CHECKING
 
+from crankbase.errors import visible
 from crankbase.units.units import DISPLAY_UNITS
 
 if TYPE_CHECKING:
@@ -54,7 +55,8 @@ def write_title(
 def plain_text(text: str) -> str:
     r"""Return a text without math notation for matplotlib, such as a name given by a user.
 
-    Otherwise two ``$`` would begin and end math notation, and invalid notation between them ends the drawing.
+    Otherwise two ``$`` would begin and end math notation, and invalid notation between them ends the drawing;
+    control characters, which no SVG may hold, are written as escapes.
     To be applied once, when the text is passed to matplotlib.
 
     Examples
@@ -62,7 +64,7 @@ def plain_text(text: str) -> str:
     >>> plain_text("Type $A_{$ 5")
     'Type \\$A_{\\$ 5'
     """
-    return text.replace("$", r"\$")
+    return visible(text).replace("$", r"\$")
 
 
 def display_unit(unit: str) -> tuple[str, float]:

@@ -4,6 +4,7 @@ import re
 import sys
 from collections import Counter
 from pathlib import Path
+from xml.etree import ElementTree
 
 import pytest
 
@@ -133,3 +134,10 @@ def test_an_option_of_one_value_is_not_given_twice(call):
 
 def test_help_keeps_names_of_sections(call):
     assert "[two_mass_check]" in call("two-mass", "--help").out
+
+
+def test_a_drawing_of_such_a_name_is_well_formed(call, tmp_path, edit, six_cylinders):
+    text = edit(six_cylinders, {"engine.name": f'"<b>&]]>{TOML}"'})
+    (tmp_path / "mine.toml").write_text(text, encoding="utf-8")
+    assert call("draw", "mine.toml", "--output", "throw.svg").code == 0
+    ElementTree.parse(tmp_path / "throw.svg")
