@@ -17,6 +17,11 @@ _NESTED = re.compile(r"'(?:[^'\\]|\\.)*'|\"(?:[^\"\\]|\\.)*\"|[\[({]|[\])}]", re
 # The parts of a path are cut each for itself: what is told of a file must lead to it.
 _WORD = re.compile(rf"[^\s/]{{{LONGEST_QUOTE + 1},}}")
 
+# Of a terminal (C0 and C1) and of the direction of writing; halves of characters stand for foreign bytes.
+_CONTROL = re.compile(
+    "[\x00-\x08\x0b-\x1f\x7f-\x9f\u061c\u200e\u200f\u2028-\u202e\u2066-\u2069\ud800-\udfff]"
+)
+
 
 def shortened(text: str, most: int = LONGEST_QUOTE) -> str:
     """Return a text of at most so many characters: its beginning and its end, if it is longer.
@@ -30,6 +35,19 @@ def shortened(text: str, most: int = LONGEST_QUOTE) -> str:
         return text
     end = (most - len(CUT)) // 3
     return text[: most - len(CUT) - end] + CUT + text[-end:]
+
+
+def visible(text: str) -> str:
+    r"""Return a text with its control characters written as escapes; lines and tabs stay.
+
+    Also shown are characters that change the direction of what follows, and what is no character.
+
+    Examples
+    --------
+    >>> print(visible("a\x1b]0;title\x07"))
+    a\x1b]0;title\x07
+    """
+    return _CONTROL.sub(lambda found: found[0].encode("unicode_escape").decode(), text)
 
 
 def quoted(value: object) -> str:

@@ -38,7 +38,7 @@ _NAMES = {
     "crankpin_beside_mean cranks cylinder cylinders designs detuning done elements elements_across_fillets "
     "evaluations exponent f_value failed fe_scatter figure fluctuation held_out kept largest_error_at_runs "
     "largest_error_held_out largest_leverage largest_of_mean largest_of_same_angle layers left_out "
-    "likeness lost "
+    "first_mode likeness lost modes "
     "magnifier mean_error_at_runs mean_error_held_out mechanical_efficiency mended_elements missing mode "
     "node_positions nodes nonuniformity of_mean of_same_angle overlap_per_radius phase_sum pins points "
     "misfiring processors q_squared r_squared resultant rho runs same_stars samples section_error sections "

@@ -11,12 +11,14 @@ from typing import Any, NoReturn, TypeVar
 
 from rich import box
 from rich.console import Console
-from rich.markup import escape
+from rich.measure import Measurement
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, SpinnerColumn, TaskID, TextColumn
 from rich.progress import TimeElapsedColumn as Elapsed
+from rich.segment import Segments
 from rich.table import Table as RichTable
+from rich.text import Text
 
-from crankbase.errors import InputError, with_short_quotes
+from crankbase.errors import InputError, visible, with_short_quotes
 from crankbase.tables.output_units import SI, OutputUnits
 from crankbase.tables.table import Table
 from crankbase.units.quantity import split_quantity
@@ -27,13 +29,25 @@ from regression.records import Outcome
 
 Value = TypeVar("Value")
 LONGEST_WORD = 20
+# Characters of a line that a table may take, however narrow the terminal is.
+LEAST_TABLE = 80
 # Seconds between two lines of progress where no bar can be drawn.
 LINE_EVERY = 30.0
 # With what rich and typer end where the output is read no more.
 UNREAD = 1
-errors = Console(stderr=True)
-# Brackets in units and file names are text, not markup.
-output = Console(markup=False)
+
+
+class Terminal(Console):
+    """A stream of the terminal: texts, those in tables too, are shown as they are, and control nothing."""
+
+    def render_str(self, text: str, **options: Any) -> Text:
+        """Return a text for display."""
+        return super().render_str(visible(text), **options)
+
+
+# Brackets and colons in units and names are text, neither markup nor pictures.
+errors = Terminal(stderr=True, markup=False, emoji=False)
+output = Terminal(markup=False, emoji=False)
 
 
 def print_json(content: dict[str, Any], within: str = "") -> None:
@@ -80,7 +94,7 @@ def print_warnings(warnings: Iterable[str], units: OutputUnits = SI) -> None:
 def print_note(text: str, quiet: bool = False) -> None:
     """Print a note on standard error, unless --quiet is given."""
     if not quiet:
-        errors.print(escape(text), soft_wrap=True, highlight=False)
+        errors.print(text, soft_wrap=True, highlight=False)
 
 
 def print_table(table: Table, units: OutputUnits = SI, *, plain: bool = False) -> None:
@@ -110,9 +124,16 @@ def print_table(table: Table, units: OutputUnits = SI, *, plain: bool = False) -
         )
     for row in rows:
         drawn.add_row(*row)
-    output.print(drawn)
+    print_drawn(drawn)
     if table.note:
         print_line(table.note)
+
+
+def print_drawn(drawn: RichTable) -> None:
+    """Print a table; a terminal that is too narrow for its words breaks its lines, and none is left out."""
+    least = Measurement.get(output, output.options.update_width(LEAST_TABLE), drawn).minimum
+    options = output.options.update_width(max(output.width, least))
+    output.print(Segments(output.render(drawn, options)), crop=False)
 
 
 def print_notes(remarks: Iterable[str], units: OutputUnits = SI) -> None:
@@ -146,7 +167,7 @@ def clear_errors() -> Iterator[None]:
         raise
     except Exception as error:
         if os.environ.get(TRACEBACK):
-            traceback.print_exc()
+            errors.print(traceback.format_exc(), soft_wrap=True, highlight=False)
         message, code = describe_error(error)
         _stop(message, code)
 
@@ -157,7 +178,7 @@ class ReportedExit(SystemExit):
 
 def exit_interrupted(sentence: str) -> NoReturn:
     """Exit after an interrupt, with a given sentence."""
-    errors.print(escape(sentence), soft_wrap=True)
+    errors.print(sentence, soft_wrap=True)
     raise ReportedExit(EXIT_INTERRUPTED)
 
 
@@ -171,7 +192,7 @@ def exit_usage_error(sentence: str, command: str) -> NoReturn:
 
 def exit_by_verdict(sentence: str, code: int) -> NoReturn:
     """Exit because the verdict, with --strict, is not acceptable."""
-    errors.print(escape(sentence), soft_wrap=True, highlight=False)
+    errors.print(sentence, soft_wrap=True, highlight=False)
     raise ReportedExit(code)
 
 
@@ -184,9 +205,9 @@ def _exit_broken_pipe() -> NoReturn:
 
 
 def _stop(message: str, code: int) -> NoReturn:
-    lines = [escape(with_short_quotes(line)) for line in message.split("\n")]
-    message = "\n       ".join(lines)  # several errors of a file stand below each other
-    errors.print(f"[bold red]Error:[/] {message}", soft_wrap=True, highlight=False)
+    # Several errors of a file stand below each other.
+    told = "\n       ".join(map(with_short_quotes, message.split("\n")))
+    errors.print(Text("Error:", "bold red"), told, soft_wrap=True, highlight=False)
     raise SystemExit(code)
 
 
@@ -198,11 +219,11 @@ class RunProgress:
         self._raising = ExitStack()
         self._bar = Progress(
             SpinnerColumn(),
-            TextColumn("{task.description}"),
+            TextColumn("{task.description}", markup=False),
             BarColumn(),
             MofNCompleteColumn(),
             Elapsed(),
-            TextColumn("{task.fields[pace]}"),
+            TextColumn("{task.fields[pace]}", markup=False),
             console=errors,
             disable=quiet,
         )
@@ -233,7 +254,7 @@ class RunProgress:
         if self._task is not None:
             task = self._bar.tasks[-1]
             self._bar.update(self._task, completed=task.total, refresh=True)
-        self._task = self._bar.add_task(text, total=1, pace="")
+        self._task = self._bar.add_task(visible(text), total=1, pace="")
 
     def design(self, finished: int, total: int, newest: Outcome | None) -> None:
         """Advance the bar; report the pace, and a failed design."""

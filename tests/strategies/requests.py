@@ -23,7 +23,7 @@ import crankfem.service.server
 import geometry.isolated
 from crankbase.errors import MeshError, with_short_quotes
 from crankfem.cli import app as cli
-from crankfem.service import job_routes, tasks
+from crankfem.service import tasks
 from crankfem.service.app import make_app
 from crankfem.service.bounds import Bounds, Settings
 from strategies.files import NUMBERS, ROOT, UNITS, WORDS, changed_json, json_texts, texts_of
@@ -322,13 +322,6 @@ def asking(folder: Path) -> Callable[[Request], Outcome]:
     client = httpx.AsyncClient(transport=transport, base_url="http://127.0.0.1")
     # One loop for all requests.
     loop = asyncio.Runner()
-    checked = folder / "checked"
-
-    @contextlib.contextmanager
-    def scratch() -> Iterator[Path]:
-        checked.mkdir(exist_ok=True)
-        yield checked
-        shutil.rmtree(checked)
 
     def ask(request: Request) -> Outcome:
         method, path, body, headers = request
@@ -337,7 +330,6 @@ def asking(folder: Path) -> Callable[[Request], Outcome]:
             with (
                 patience(),
                 nothing_started(),
-                mock.patch.object(job_routes, "scratch_folder", scratch),
                 contextlib.redirect_stderr(log),
                 warnings.catch_warnings(),
             ):
@@ -348,8 +340,6 @@ def asking(folder: Path) -> Callable[[Request], Outcome]:
             return Outcome(HANG, path)
         except Exception as error:
             return Outcome(TRACEBACK, where_raised(error))
-        finally:
-            shutil.rmtree(checked, ignore_errors=True)
         return _judged(
             path, answer.status_code, answer.headers.get("content-type", ""), answer.content
         )

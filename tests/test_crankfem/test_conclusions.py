@@ -272,7 +272,7 @@ def test_the_console_says_the_verdict_first_and_last_in_few_lines(
     assert lines[0].startswith("Verdict: Not acceptable: torsional stress of crankshaft")
 
 
-@pytest.mark.parametrize("width", [60, 200])
+@pytest.mark.parametrize("width", [70, 200])
 def test_lines_wrap_at_the_width_of_the_terminal_and_names_stay_whole(
     results, width, monkeypatch, capsys
 ):

@@ -5,8 +5,9 @@ from pathlib import Path
 
 import pytest
 
+from crankfem.analyses.vibration.mode_table import mode_table
 from crankfem.analyses.vibration.speed_table import speed_table
-from crankfem.analyses.vibration.tables import resonance_table
+from crankfem.analyses.vibration.tables import resonance_table, source_table
 
 STORED = Path(__file__).with_name("report_results.json")
 
@@ -134,3 +135,16 @@ def test_every_peak_is_in_the_table_or_told_to_be_left_out(results):
     assert len(shown.rows) == 3
     assert "critical speed" not in shown.note
     assert "2 peaks below 5 %" in shown.note
+
+
+def test_sources_show_modes_that_depend_on_them_and_all_points_have_names(results):
+    record = results["vibration"]["torsional"]
+    one = record["sources"][0]
+    one |= {"first_mode": 2, "first_frequencies": [7.3, 49.2, 129.1]}
+    one |= {"crankshaft_frequencies": [49.2, 129.1, 207.6]}
+    table = source_table(record)
+    assert "of the crankshaft, from mode 2 on" in table.title
+    assert table.rows[0][2] == [49.2, 129.1, 207.6]
+    note = mode_table(record).note
+    last = len(record["nodes"]) - 1
+    assert f"0 free end, 1 to 6 cylinder 1 to cylinder 6, {last} flywheel" in note

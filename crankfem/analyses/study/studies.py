@@ -13,7 +13,7 @@ from crankbase.checks.choices import check_choice, check_not_given
 from crankbase.checks.scalars import is_whole_within
 from crankbase.drawing.diagram_style import new_axes
 from crankbase.drawing.legends import legend_inside, write_title
-from crankbase.errors import InputError
+from crankbase.errors import InputError, visible
 from crankbase.summaries import summarized
 from crankfem.analyses.study.fit_records import compliance_model
 from crankfem.analyses.study.nominal_throw import sensitivities
@@ -336,7 +336,7 @@ def run_study(
 
 
 def _to_stderr(text: str) -> None:
-    print(text, file=sys.stderr, flush=True)
+    print(visible(text), file=sys.stderr, flush=True)
 
 
 def study_key(path: str | Path) -> str:

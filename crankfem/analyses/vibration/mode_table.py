@@ -28,8 +28,32 @@ def mode_table(record: Record) -> Table:
             ]
             for one in record["modes"]
         ],
-        note=f"Node positions count the chain's points: {first} is {names[0]}, {first + len(names) - 1} is "
-        f"{names[-1]}.",
+        note=f"Node positions count the chain's points: {_points(names, first)}.",
+    )
+
+
+def _points(names: list[str], first: int) -> str:
+    """Name all points by their numbers; those whose own numbers ascend along the chain together.
+
+    Examples
+    --------
+    >>> _points(["free end", "throw 1", "throw 2", "throw 3", "flywheel"], 0)
+    '0 free end, 1 to 3 throw 1 to throw 3, 4 flywheel'
+    """
+    runs: list[list[int]] = []
+    for place, name in enumerate(names):
+        before = names[place - 1].rpartition(" ") if place else ("", "", "")
+        stem, _, number = name.rpartition(" ")
+        follows = before[2].isdecimal() and number.isdecimal() and int(number) == int(before[2]) + 1
+        if follows and stem == before[0]:
+            runs[-1].append(place)
+        else:
+            runs.append([place])
+    return ", ".join(
+        f"{first + run[0]} {names[run[0]]}"
+        if len(run) == 1
+        else f"{first + run[0]} to {first + run[-1]} {names[run[0]]} to {names[run[-1]]}"
+        for run in runs
     )
 
 

@@ -135,6 +135,9 @@ def sweep_record(sweep: BearingSweep) -> Record:
 def vibration_record(vibration: Vibration) -> Record:
     """Modes and critical speeds with the chosen compliances, first frequencies with all."""
     chosen = vibration.chosen
+    # Another source changes this mode's frequency and name, but hardly its number.
+    crankshaft = chosen.chain.first_mode(chosen.modes)
+    first = chosen.modes.rigid if crankshaft is None else crankshaft
     return {
         "kind": vibration.kind,
         "source": chosen.source,
@@ -154,8 +157,12 @@ def vibration_record(vibration: Vibration) -> Record:
             {
                 "source": result.source,
                 "first_frequencies": result.elastic_frequencies[:3].tolist(),
-                "first_frequency": _first(result, chosen),
-                "beside_chosen": _first(result, chosen) / _first(chosen, chosen),
+                "first_mode": first - chosen.modes.rigid + 1,
+                "crankshaft_frequencies": result.modes.frequencies[first : first + 3].tolist(),
+                "first_frequency": float(result.modes.frequencies[first]),
+                "beside_chosen": float(
+                    result.modes.frequencies[first] / chosen.modes.frequencies[first]
+                ),
                 "mean_compliance": float(result.compliances.mean()),
                 "remark": result.remark,
             }
@@ -163,15 +170,6 @@ def vibration_record(vibration: Vibration) -> Record:
         ],
         "unusable": list(vibration.unusable),
     }
-
-
-def _first(result: SourceResult, chosen: SourceResult) -> float:
-    """Frequency of the mode that is the crankshaft's first with the chosen source [Hz].
-
-    Another source changes the mode's frequency and name, but hardly its number.
-    """
-    first = chosen.chain.first_mode(chosen.modes)
-    return float(result.modes.frequencies[chosen.modes.rigid if first is None else first])
 
 
 def _mode_records(result: SourceResult) -> list[Record]:

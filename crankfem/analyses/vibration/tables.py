@@ -79,8 +79,11 @@ def critical_table(record: Record) -> Table:
 def source_table(record: Record, said: Callable[[str], str] = str) -> Table:
     """Return the first frequencies of one kind with every source, which `said` puts into words."""
     unit = "m/N" if record["kind"] == "axial" else "rad/(N m)"
+    first = next((one.get("first_mode", 1) for one in record["sources"]), 1)
+    # Modes of a coupling or a damper, below the crankshaft's own, hardly depend on its compliances.
+    own = f" of the crankshaft, from mode {first} on," if first > 1 else ""
     return Table(
-        f"First {record['kind']} frequencies by source of the compliances",
+        f"First {record['kind']} frequencies{own} by source of the compliances",
         [
             Column("source", words=True),
             Column("mean compliance", f"1e-9 {unit}"),
@@ -92,7 +95,7 @@ def source_table(record: Record, said: Callable[[str], str] = str) -> Table:
             [
                 said(one["source"]),
                 one["mean_compliance"],
-                one["first_frequencies"],
+                one.get("crankshaft_frequencies", one["first_frequencies"]),
                 one["beside_chosen"],
                 one["remark"],
             ]

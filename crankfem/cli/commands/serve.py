@@ -9,7 +9,7 @@ import typer
 from crankbase.errors import InputError, MissingLibraryError
 from crankbase.wrong_files import not_a_file
 from crankfem.cli.commands.options import Output, WorkersOption, with_output
-from crankfem.cli.console import print_json
+from crankfem.cli.console import print_json, print_note
 
 if TYPE_CHECKING:
     from crankfem.service.bounds import Settings
@@ -73,7 +73,7 @@ def _tell(settings: "Settings", address: str, out: Output) -> None:
             f"crankfem serves at {address} ({settings.who}).",
             f"Jobs are in {settings.folder}. Stop with Ctrl-C; running jobs continue at the next start.",
         ):
-            typer.echo(line, err=True)
+            print_note(line)
 
 
 def _read_key(file: Path | None) -> str | None:

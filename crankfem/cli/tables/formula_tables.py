@@ -154,7 +154,7 @@ def print_spread(
         for word in ("least", "mean", "greatest"):
             rows.append([word, "", "", *(_summary(summary.get(name), word) for name in names)])
         _add_rows(table, rows, section=len(spreads))
-        console.output.print(table)
+        console.print_drawn(table)
     print_line(
         "* outside the range where the formula has a meaning. s/R: overlap of main journal and crankpin "
         "divided by the crank radius. Mean: geometric."
@@ -175,7 +175,7 @@ def print_published(values: Sequence[PublishedValue]) -> None:
         for engine in dict.fromkeys(value.engine for value in values)
     ]
     _add_rows(table, rows)
-    console.output.print(table)
+    console.print_drawn(table)
     print_line("* power of ten repaired; printed are:")
     for value in values:
         if value.mark == "*" and value.repaired is not None and value.formula != FINITE_ELEMENTS:
