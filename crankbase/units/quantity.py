@@ -74,7 +74,8 @@ def unit_quantity(text: str) -> Any:
     try:
         one = registry.Quantity(1.0, registry.parse_units(spelled))
         size = float(one.to_root_units().magnitude)
-    except (PintError, OverflowError, ValueError):  # also of "nan", which pint takes for a number
+    # Pint takes "nan" for a number, and fails by an assertion where it finds no unit at all.
+    except (PintError, OverflowError, ValueError, AssertionError):
         raise NoUnitError(text) from None
     if not SMALLEST_UNIT <= size <= 1.0 / SMALLEST_UNIT:
         raise NoUnitError("too small or large for a number")
