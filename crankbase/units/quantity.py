@@ -268,11 +268,12 @@ def _evaluate(text: str, unit: str, given: str, limits: Limits, told: str) -> fl
             raise NoUnitError("no number in front")
         number, one = float(found[1]), unit_quantity(found[2])
     except NoUnitError:
-        meant = readings(text) if len(text) <= LONGEST_QUANTITY else ()
+        meant = tuple(
+            one if one[-1].isalpha() else _example(unit, limits, one)
+            for one in (readings(text) if len(text) <= LONGEST_QUANTITY else ())
+            if one[-1].isalpha() or re.fullmatch(r"[+-]?\d+(\.\d+)?", one)
+        )
         if meant:
-            meant = tuple(
-                one if one[-1].isalpha() else _example(unit, limits, one) for one in meant
-            )
             raise InputError(
                 f"{given}; write a decimal point and no separators, like {either(meant)}{told}."
             ) from None

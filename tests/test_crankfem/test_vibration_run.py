@@ -451,6 +451,11 @@ def test_misfiring_is_held_against_the_continuous_limit_unless_the_file_says_oth
     for low, high in found.remaining:
         assert not any(one[0] < low < one[1] or one[0] < high < one[1] for one in found.exceeded)
     low, high = found.remaining[-1]
+    third = (high - low) / 3.0
+    left = found.outside([(low - third, low + third), (high - third, high + third)]).remaining
+    assert left[-1] == close([low + third, high - third])
+    assert len(left) == len(found.remaining)
+    assert found.outside([(1.01 * high, 2.0 * high)]).remaining == found.remaining
     assert f"restrict running to {shown_range(*found.remaining[0])}" in found.sentence
     # Of the class or the maker's word the limit for passing serves, and the sentence says so.
     said = engine_vibration(

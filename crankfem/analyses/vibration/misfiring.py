@@ -72,7 +72,8 @@ class Misfiring:
         Ranges of running speeds in which a limit while misfiring is exceeded in any of the cases, each
         widened to the next speeds at which all are kept [rad/s].
     remaining : tuple of pairs of floats
-        Ranges of running speeds in which all limits are kept, in these cases and in normal firing [rad/s].
+        Ranges of running speeds in which all limits are kept, in these cases and in normal firing, and
+        nothing is barred [rad/s].
     """
 
     cases: tuple[Cylinders, ...]
@@ -141,6 +142,18 @@ class Misfiring:
             "the limits of continuous running decide; those for passing serve only where the class or the "
             "maker says so, with limits.passing_while_misfiring"
         )
+
+    def outside(self, barred: Sequence[tuple[float, float]]) -> "Misfiring":
+        """Return the same with no speed that remains in ranges barred in normal firing [rad/s]."""
+        left = self.remaining
+        for low, high in barred:
+            parts = (
+                part
+                for own in left
+                for part in ((own[0], min(own[1], low)), (max(own[0], high), own[1]))
+            )
+            left = tuple(part for part in parts if part[1] > part[0] * (1.0 + NARROW))
+        return replace(self, remaining=left)
 
     def to_pandas(self) -> Any:
         """Return a table with a row for each quantity: normal firing and misfiring side by side.

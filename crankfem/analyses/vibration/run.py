@@ -324,6 +324,8 @@ def engine_vibration(
             tell("Sampling what is uncertain")
         chains, forced = (axial, torsional), (lengthened, twisted)
         assessment = assess_chains(read, harmonics, chains, forced, shaft, analyses, model, held)
+        if misfiring is not None:
+            misfiring = misfiring.outside(assessment.verdict.ranges_to_bar)
     if whole is not None:
         answer = None if twisted is None else shaft_response(read, whole, twisted.forces)
         comparison = (
