@@ -49,7 +49,7 @@ def check_not_given(option: str, given: object, shown: str, because: str) -> Non
 
 
 def did_you_mean(given: str, names: Iterable[str], cutoff: float = 0.6, form: str = "{}") -> str:
-    """Return "did you mean NAME? " of the closest name, or nothing if none is close.
+    """Return "did you mean NAME? " of the closest name; nothing if none is close, or several share the word.
 
     Parameters
     ----------
@@ -64,8 +64,13 @@ def did_you_mean(given: str, names: Iterable[str], cutoff: float = 0.6, form: st
     --------
     >>> did_you_mean("lenght", ["length", "mass"])
     'did you mean length? '
+    >>> did_you_mean("pressure", ["peak_pressure", "intake_pressure"])
+    ''
     """
-    close = get_close_matches(given, list(names), n=1, cutoff=cutoff)
+    known = list(names)
+    if sum(given in name.split("_") for name in known) > 1:
+        return ""
+    close = get_close_matches(given, known, n=1, cutoff=cutoff)
     return f"did you mean {form.format(close[0])}? " if close else ""
 
 

@@ -6,7 +6,9 @@ from dataclasses import dataclass
 from typing import Annotated, Any
 
 import typer
+from typer.core import TyperCommand
 
+from crankbase.errors import InputError
 from crankbase.units.quantity import split_quantity
 from crankfem.cli import console
 from crankfem.cli.commands.check import check
@@ -180,11 +182,25 @@ def _crankfem(
         raise typer.Exit(EXIT_INPUT)
 
 
+class OptionsOnce(TyperCommand):
+    """A command that refuses an option of one value given twice, since only the last would count."""
+
+    def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
+        """Read the command line."""
+        end = args.index("--") if "--" in args else len(args)
+        names = [one.partition("=")[0] for one in args[:end]]
+        for option in self.params:
+            repeats = getattr(option, "multiple", True) or getattr(option, "is_flag", True)
+            if not repeats and sum(name in option.opts for name in names) > 1:
+                raise InputError(f"{option.opts[0]}: given more than once; give it once.")
+        return super().parse_args(ctx, args)
+
+
 for listed in COMMANDS:
     # One command has the name of what Python keeps for itself.
     called = listed.command.__name__.strip("_").replace("_", "-")
     told = examples_text(listed.examples)
-    app.command(called, epilog=told, rich_help_panel=listed.group)(listed.command)
+    app.command(called, cls=OptionsOnce, epilog=told, rich_help_panel=listed.group)(listed.command)
 
 
 def main() -> None:

@@ -19,6 +19,7 @@ import fault_disk
 import fault_kills
 import fault_names
 import fault_service
+import fault_terminal
 from fault_tools import Bench, Finding
 
 Attack = Callable[[Bench, Random, Path], Finding]
@@ -48,6 +49,7 @@ ATTACKS: dict[str, tuple[Attack, int]] = {
     "folder read-only": (fault_disk.read_only, 3),
     "results folder half written or cut": (fault_disk.results_folder, 3),
     "files named in every field": (fault_names.named_files, 3000),
+    **fault_terminal.ATTACKS,
 }
 COLUMNS = ("inputs", "lost", "silent", "tracebacks", "hangs")
 BEGIN, END = "<!-- table: begin -->", "<!-- table: end -->"

@@ -115,3 +115,21 @@ def test_closed_streams_and_poor_encodings(spawn, spawn_environment, tmp_path):
     start = ["sh", "-c", 'exec "$@" <&- >&- 2>&-', "sh", sys.executable, "-m", "crankfem"]
     for line, code in (("check", "mü.toml"), 0), (("check", "none"), 2):
         assert spawn(*line, command=start).code == code
+
+
+def test_an_option_of_one_value_is_not_given_twice(call):
+    for line in (
+        ("throw", "6chn25-34", "--pin-force", "1 kN", "--pin-force=2 kN"),
+        ("throw", "6chn25-34", "--gamma", "90 deg", "--gamma-deg", "120"),
+        ("run", "6chn25-34", "--output", "a", "--output", "b"),
+    ):
+        answer = call(*line)
+        assert (answer.code, answer.out) == (2, "")
+        assert answer.err.strip() == f"Error: {line[2]}: given more than once; give it once."
+    # Some are meant to be, and flags say the same twice.
+    assert call("formulas", "6chn25-34", "--constant", "x=1", "--constant", "y=2").code == 2
+    assert call("fields", "throw", "--json", "--json").code == 0
+
+
+def test_help_keeps_names_of_sections(call):
+    assert "[two_mass_check]" in call("two-mass", "--help").out

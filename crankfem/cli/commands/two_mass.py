@@ -18,7 +18,7 @@ def two_mass(
         str,
         typer.Argument(
             metavar="ENGINE.toml",
-            help="Engine file with a section [two_mass_check], or a file of that section alone.",
+            help="Engine file with a section \\[two_mass_check], or a file of that section alone.",
             autocompletion=completion.engines,
         ),
     ],
