@@ -36,7 +36,7 @@ FIRST_FILLETED = 2.0
 FIRST_SHARP = 2.2
 # With oil holes it has at most this times the squared inverse of the wished accuracy, as far as this factor
 # goes: holes are small and many elements stand round them, though they hardly change compliances.
-FIRST_DRILLED, COARSEST_DRILLED = 45.0, 6.0
+FIRST_DRILLED, COARSEST_DRILLED = 36.0, 8.0
 # Recovered stresses miss some of the error, most beside surfaces; the estimate is theirs times this
 # (tests/campaigns/corrected_answers.py).
 SAFETY = 1.35

@@ -74,7 +74,8 @@ def unit_quantity(text: str) -> Any:
     try:
         one = registry.Quantity(1.0, registry.parse_units(spelled))
         size = float(one.to_root_units().magnitude)
-    except (PintError, OverflowError, ValueError):  # also of "nan", which pint takes for a number
+    # Pint takes "nan" for a number, and fails by an assertion where it finds no unit at all.
+    except (PintError, OverflowError, ValueError, AssertionError):
         raise NoUnitError(text) from None
     if not SMALLEST_UNIT <= size <= 1.0 / SMALLEST_UNIT:
         raise NoUnitError("too small or large for a number")
@@ -268,11 +269,12 @@ def _evaluate(text: str, unit: str, given: str, limits: Limits, told: str) -> fl
             raise NoUnitError("no number in front")
         number, one = float(found[1]), unit_quantity(found[2])
     except NoUnitError:
-        meant = readings(text) if len(text) <= LONGEST_QUANTITY else ()
+        meant = tuple(
+            one if one[-1].isalpha() else _example(unit, limits, one)
+            for one in (readings(text) if len(text) <= LONGEST_QUANTITY else ())
+            if one[-1].isalpha() or re.fullmatch(r"[+-]?\d+(\.\d+)?", one)
+        )
         if meant:
-            meant = tuple(
-                one if one[-1].isalpha() else _example(unit, limits, one) for one in meant
-            )
             raise InputError(
                 f"{given}; write a decimal point and no separators, like {either(meant)}{told}."
             ) from None

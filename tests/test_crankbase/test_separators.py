@@ -56,3 +56,9 @@ def test_what_is_meant_is_among_the_readings_and_no_digit_is_lost(whole, part, p
 def test_suggestion_keeps_the_digits(text, suggested):
     with pytest.raises(InputError, match=suggested):
         parse_quantity(text, "m", "throw.crank_radius")
+
+
+@pytest.mark.parametrize("given", ["+5,N'%4", "847,e+8Å4*"])
+def test_what_is_no_number_behind_a_comma_is_refused(given):
+    with pytest.raises(InputError, match="not one number with one unit"):
+        parse_quantity(given, "m", "f")

@@ -449,3 +449,23 @@ def test_the_engine_is_told_in_a_line(results):
     for name in ("firing_intervals_deg", "mean_piston_speed"):
         del results["engine"][name]
     assert "firing order 1-5-3-6-2-4" in engine_facts(results)[-1]
+
+
+def test_the_whole_crankshaft_stands_on_the_first_screen(results):
+    """The verdict's box shows four findings; like is told beside like, each with its speed."""
+    vibration = results["vibration"]
+    vibration["assessment"] |= {"by_whole": ["It differs."], "beside": ["It differs.", "A note."]}
+    vibration["axial_force"] = {
+        "running": {"amplitude": 116683.6, "speed_rpm": 500.6},
+        "running_whole": {"amplitude": 55509.2, "speed_rpm": 496.9},
+    }
+    peak = {"order": 6.0, "speed_rpm": 494.6, "value": 6170.0, "unit": "N m", "place": "a - b"}
+    above = peak | {"value": 1e9, "in_running_range": False}
+    peaks = [peak | {"in_running_range": True, "damping_ratio": 0.0125}, above]
+    vibration["whole"]["criticals"] = {"torsional": {"left_out": 0, "peaks": peaks}}
+    found = conclusions(results)
+    (said,) = [one for one in found[:4] if one.startswith("It differs.")]
+    assert "55.5 kN at 497 1/min by the whole crankshaft, 117 kN at 501 1/min by the chain" in said
+    assert "order 6 at 495 1/min" in said
+    assert "at a - b, damping 1.2 %" in said
+    assert sum("It differs." in one for one in found) == 1

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from scipy.signal import peak_prominences
 
 from comparing import close
 from dynamics.chains.chain import Chain
@@ -71,8 +72,9 @@ def case(seed):
 
 
 def tops(values):
-    """Places of the local maxima, and their values."""
+    """Places of the local maxima, and their values; one that rises by less than 1e-5 is a shoulder."""
     at = 1 + np.flatnonzero((values[1:-1] > values[:-2]) & (values[1:-1] >= values[2:]))
+    at = at[peak_prominences(values, at)[0] > 1e-5 * values[at]]
     return FINE[at], values[at]
 
 
