@@ -153,6 +153,7 @@ GROUPS: dict[str, tuple[str, dict[str, str]]] = {
             "test_bearing_range": "the same engine in bearings of one stiffness each",
             "test_chain_difference": "matrices assembled by hand",
             "test_first_modes": "two inertias on a spring",
+            "test_worst_place": "the largest of all elements and speeds",
             "test_gas_cycle": "ideal cycles of thermodynamics",
             "test_power_and_load": "integral over the volume; MAN B&W 6S50MC-C, 9480 kW",
             "test_known_balance": "series of the slider-crank, handbooks",

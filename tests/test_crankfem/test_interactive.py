@@ -43,7 +43,7 @@ from crankfem.report.plots import ANGLES, STUDY
 from dynamics.assessment.limits import LimitCurve, VibrationLimit
 from dynamics.engine.loads import LoadDiagram
 from dynamics.plots.quantities import quantity_display
-from dynamics.response.resonance import Resonance
+from dynamics.response.damped_criticals import DampedCritical
 from dynamics.response.series import OrderSeries
 from fem import fillet_stress
 from fem.analysis import analyze_throw
@@ -345,29 +345,28 @@ def test_names_are_no_markup(load, studied):
 
 def resonance(**changes):
     given = {
-        "mode": 2,
-        "frequency": 60.0,
         "order": 4.5,
+        "mode": 2,
         "speed": 2.0 * math.pi * 60.0 / 4.5,
         "amplitude": 1.234e-4,
-        "equilibrium": 1e-6,
-        "magnifier": 30.0,
-        "estimate": 1e-4,
-        "share": 0.5,
+        "first_amplitude": 1.234e-4,
+        "place": "flywheel",
+        "mode_share": 0.5,
+        "in_band": True,
+        "mode_frequency": 60.0,
+        "damping_ratio": 0.02,
+        "undamped_speed": 2.0 * math.pi * 60.0 / 4.5,
+        "locked_speed": math.nan,
         "severity": 0.5,
-        "kind": "minor",
-        "unbounded": False,
     }
-    return Resonance(**(given | changes))
+    return DampedCritical(**(given | changes))
 
 
 def test_campbell_tells_what_meets():
     found = [
         resonance(),
         resonance(kind="major", order=6.0, speed=2.0 * math.pi * 10.0, severity=1.0),
-        resonance(
-            kind="major", order=5.0, speed=24.0 * math.pi, unbounded=True, amplitude=math.inf
-        ),
+        resonance(kind="major", order=5.0, speed=24.0 * math.pi, amplitude=math.inf),
     ]
     orders = np.arange(0.5, 6.1, 0.5)
     traces, layout = campbell(

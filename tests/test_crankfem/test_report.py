@@ -578,7 +578,7 @@ AS_STORED = [
         "+0 to +1.9 % of the value used. First natural frequency of the crankshaft 76.5 to 76.8 Hz by the ",
     ),
     ("campbell", "axial 542 540 542 - 8.5 1 - - - 4.9 minor, outside"),
-    ("modes", "1 is main bearing 1, 7 is main bearing 7"),
+    ("modes", "1 to 6 main bearing 1 to main bearing 6, 7 main bearing 7, flywheel"),
     (
         "modes",
         "mode frequency [Hz] [1/min] nodes at 1 76.8 4606 none 2 162 9712 5.58 3 335 20095 2.79, 6.82",
