@@ -45,7 +45,9 @@ def _refuse_study(engine_file: EngineFile) -> None:
         check_study_can_be_fitted(engine_file.study.planned)
         reason = outside_study(engine_file.study)
         for kind in chosen_regressions(engine_file.vibration) if reason else ():
-            raise refused(kind, f"does not apply to the throw that its study varies: {reason}")
+            raise refused(
+                engine_file, kind, f"does not apply to the throw that its study varies: {reason}"
+            )
 
 
 def _refuse_pressures(engine_file: EngineFile) -> None:

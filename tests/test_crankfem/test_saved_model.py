@@ -120,6 +120,17 @@ def test_what_vibration_refuses_is_refused_at_once(
     assert "Traceback" not in answer.err
 
 
+def test_a_model_given_by_option_is_refused_by_its_option(saved, silent, edit, call, tmp_path):
+    saved()
+    thick = written(tmp_path, edit(silent, {"throw.web_thickness": '"95 mm"'}))
+    for command in ("vibration", "run"):
+        answer = call(command, thick, "--model", "model.json")
+        assert answer.code == 2
+        assert answer.err.startswith(
+            "Error: --model: given model.json, which does not apply to this throw: web_thickness:"
+        )
+
+
 def test_check_tells_which_command_fits(silent, saved, edit, call, tmp_path):
     text = edit(silent, {"vibration.axial_source": '"regression"'})
     name = written(tmp_path, text)

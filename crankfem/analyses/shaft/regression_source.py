@@ -1,5 +1,7 @@
 """A fitted compliance model as the source of an engine's compliances, and its limits."""
 
+from pathlib import Path
+
 from crankbase.errors import InputError
 from crankfem.files.engine.engine_file import EngineFile
 from crankfem.files.sections.engine_sections import VibrationSettings
@@ -11,6 +13,8 @@ from regression.response_kinds import AXIAL, TORSIONAL
 from regression.throw_values import same_dimension
 
 REGRESSION = "regression"
+# Source of the values that the option --model gives in place of a file's.
+OPTION = "option --model"
 RESPONSES = {"axial": AXIAL, "torsional": TORSIONAL}
 # What compliances depend on.
 ELASTIC = {"youngs_modulus": "Pa", "poisson_ratio": ""}
@@ -94,12 +98,16 @@ def refuse_regression(engine_file: EngineFile, model: ComplianceModel | None) ->
         try:
             throw_lookups(engine_file, model, response)
         except InputError as error:
-            raise refused(kind, str(error)) from None
+            raise refused(engine_file, kind, str(error)) from None
 
 
-def refused(kind: str, reason: str) -> InputError:
+def refused(engine_file: EngineFile, kind: str, reason: str) -> InputError:
     """Return the error of a regression that cannot be the source of a kind of vibration."""
+    field = f"vibration.{kind}_source"
+    chosen = f"{field}: given 'regression', which"
+    if engine_file.provenance.get(field, ("", False))[0] == OPTION:
+        chosen = f"--model: given {Path(engine_file.vibration.model or '').name}, which"
     return InputError(
-        f"vibration.{kind}_source: given 'regression', which {reason.rstrip('.')}; give a model whose range "
+        f"{chosen} {reason.rstrip('.')}; give a model whose range "
         "contains the throw, because its error is known nowhere else, or another source, such as 'fe'."
     )

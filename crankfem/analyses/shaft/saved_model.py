@@ -6,6 +6,7 @@ from pathlib import Path
 from crankbase.errors import InputError
 from crankbase.input_file import GivenFile
 from crankfem.analyses.shaft.regression_source import (
+    OPTION,
     REGRESSION,
     RESPONSES,
     refuse_regression,
@@ -13,8 +14,6 @@ from crankfem.analyses.shaft.regression_source import (
 from crankfem.files.engine.engine_file import EngineFile
 from crankfem.files.reading.toml_file import TomlFile
 from regression.models.compliance_model import ComplianceModel
-
-OPTION = "option --model"
 
 
 def saved_model(engine_file: EngineFile) -> ComplianceModel | None:
