@@ -463,7 +463,8 @@ def test_vibration_without_the_study(lightly, call):
     content = answer.json()
     assert set(content) == {
         *("axial", "torsional", "forced", "assumed", "assessment", "whole", "bearings", "files"),
-        *("load", "misfiring", "misfiring_note", "axial_force", "units"),
+        *("load", "misfiring", "misfiring_note", "axial_force", "units", "not_comparable"),
+        *("firing", "firing_remarks", "firing_warnings"),
     }
     assert content["torsional"]["modes"][0]["rigid"] is True
     assert content["torsional"]["modes"][0]["frequency"] == close(0.0, abs=1e-2)

@@ -32,6 +32,8 @@ TWIST, INERTIA, ALONG, MASS = 2e7, 8.0, 3e9, 120.0
 # Stiff across the shaft, so that torsion is alone; a section without any inertia has no motion.
 STIFF, LEFT = 1e11, 1e-7
 FLYWHEEL, FREE_END = 60.0, 3.0
+# Error of an eigenvalue [rad^2/s^2]: round-off of the largest, that of the sections almost without inertia.
+ROUND_OFF = 4.0 * np.finfo(float).eps * TWIST / (LEFT * INERTIA)
 
 
 def twisting_throw(angle_deg):
@@ -117,7 +119,8 @@ def test_frequencies_are_those_of_the_chain_with_its_line(line):
     modes = own.chain.modes()
     low = modes.frequencies < 2000.0
     found = of_kind(shaft, "torsional")
-    assert found[: low.sum()] == close(modes.frequencies[low], 1e-6)
+    eigenvalues = (2.0 * np.pi * modes.frequencies[low]) ** 2
+    assert (2.0 * np.pi * found[: low.sum()]) ** 2 == close(eigenvalues, rel=2e-6, abs=ROUND_OFF)
     assert (
         np.abs(shaft.stiffness @ shaft.rigid).max(initial=0.0)
         < 1e-9 * np.abs(shaft.stiffness).max()
@@ -125,8 +128,9 @@ def test_frequencies_are_those_of_the_chain_with_its_line(line):
     # Each mode is found again, with its share of strain in the crankshaft.
     wanted = np.flatnonzero(low)[modes.rigid :].tolist()
     shaft_modes = crankshaft_modes(shaft)
+    near = 1e-6 + 0.5 * ROUND_OFF / eigenvalues[modes.rigid]
     for match in match_modes(shaft, shaft_modes, own, wanted):
-        assert (match.difference, match.likeness) == (close(0.0, abs=1e-6), close(1.0, abs=1e-5))
+        assert (match.difference, match.likeness) == (close(0.0, abs=near), close(1.0, abs=1e-5))
 
 
 @given(lines())

@@ -147,7 +147,7 @@ def test_throws_with_oil_holes_get_the_same_mesh_down_to_model_engines(dimension
     for scale in (1.0, 0.01):
         hole = OilHole(part="pin", diameter=0.01 * scale, exit_radius=0.003 * scale, tilt=0.3)
         sizes = {name: scale * value for name, value in dimensions.items()}
-        meshes.append(mesh_throw(CrankThrow(**sizes, oil_holes=(hole,)), 4.0))
+        meshes.append(mesh_throw(CrankThrow(**sizes, oil_holes=(hole,)), 3.0))
     assert np.array_equal(meshes[0].elements, meshes[1].elements)
     assert meshes[1].points == close(0.01 * meshes[0].points, abs=1e-15)
 

@@ -89,7 +89,7 @@ class LimitsInput(InputModel):
 
     section: ClassVar[str] = "limits"
     # Beyond the strengths that carbon steel may have, the rule asks for the alloy.
-    choices = frozenset({"crankshaft_rule", "alloy"})
+    choices = frozenset({"crankshaft_rule", "alloy", "passing_while_misfiring"})
 
     crankshaft_stress: float | None = quantity_field(
         "permissible nominal torsional vibration stress of the crankshaft",
