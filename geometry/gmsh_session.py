@@ -2,6 +2,7 @@
 
 import ctypes
 import re
+import signal
 from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import Any
@@ -28,6 +29,8 @@ DEBIAN_PACKAGES = {
     "libgomp.so.1": "libgomp1",
 }
 
+# A write to a closed pipe or socket: an error in Python, the end of the process once gmsh is initialized.
+SIGPIPE = getattr(signal, "SIGPIPE", None)
 # Of which gmsh's arrays are.
 NUMBERS = (ctypes.c_double, ctypes.c_int, ctypes.c_size_t)
 
@@ -110,7 +113,7 @@ def gmsh_session(name: str) -> Iterator[Any]:
     gmsh = load_gmsh()
     mine = not gmsh.isInitialized()
     if mine:
-        gmsh.initialize(readConfigFiles=False, interruptible=False)
+        _initialize(gmsh)
     before = {option: gmsh.option.getNumber(option) for option in OPTIONS}
     current = None if mine else gmsh.model.getCurrent()
     views = set(gmsh.view.getTags())
@@ -129,6 +132,18 @@ def gmsh_session(name: str) -> Iterator[Any]:
             gmsh.model.setCurrent(current)
             for view in set(gmsh.view.getTags()) - views:  # these do not go with their model
                 gmsh.view.remove(view)
+
+
+def _initialize(gmsh: Any) -> None:
+    """Start gmsh, and give back to a broken pipe what gmsh takes from it; in any thread."""
+    of_pipe = None if SIGPIPE is None else _signal("getsig", ctypes.c_int)(SIGPIPE)
+    gmsh.initialize(readConfigFiles=False, interruptible=False)
+    if SIGPIPE is not None:
+        _signal("setsig", ctypes.c_int, ctypes.c_void_p)(SIGPIPE, of_pipe)
+
+
+def _signal(name: str, *arguments: Any) -> Any:
+    return ctypes.PYFUNCTYPE(ctypes.c_void_p, *arguments)((f"PyOS_{name}", ctypes.pythonapi))
 
 
 @contextmanager

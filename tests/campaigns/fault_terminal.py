@@ -1,24 +1,38 @@
 """Faults of terminals: control characters in every text of every file, and widths from 0 to 40."""
 
+import json
 import re
 import subprocess
+import sys
 from collections import Counter
 from pathlib import Path
 from random import Random
 
 from fault_tools import Bench, Finding, command
-from study_tools import environment
+from study_tools import ROOT, environment
 
-from crankbase.model import InputModel
-from crankfem.files.engine.engine_file import SECTIONS
 from crankfem.files.reading.data_files import FOLDERS, data_folder
 
-# A window title, hidden text, a C1 sequence, and text written backwards, as TOML writes them.
-ESCAPES = r"\u001b]0;evil\u0007\u001b[8m\u009b31m\u007f\u202e[red]"
+# A window title, hidden text, a C1 sequence, and text written backwards; and as TOML writes them.
+ESCAPES = "\u001b]0;evil\u0007\u001b[8m\u009b31m\u007f\u202e[red]"
+WRITTEN = json.dumps(ESCAPES)[1:-1]
+BATCH, SEPARATOR = 50, "=== end ===\n"
+CHECK_ALL = f"""
+import sys
+from crankfem.cli import app
+for file in sys.argv[1:]:
+    for options in ((), ("--json",)):
+        sys.argv = ["crankfem", "check", file, *options]
+        try:
+            app.main()
+        except SystemExit as ended:
+            assert ended.code in (None, 0, 2, 3), "Traceback"
+        sys.stdout.write({SEPARATOR!r})
+        sys.stdout.flush()
+"""
 CONTROL = re.compile("[\x00-\x08\x0b-\x1f\x7f-\x9f\u202a-\u202e\u2066-\u2069]")
 WIDEST = 40
 FILES = sorted(path for kind in FOLDERS.values() for path in (data_folder() / kind).glob("*.toml"))
-FIELD = re.compile(r"(?m)^([\w.]+) *= *(.*)$")
 TABLES = (
     ("check", "6chn25-34"),
     ("fields", "throw"),
@@ -38,38 +52,39 @@ TABLES = (
 
 
 def _texts() -> list[str]:
-    """Files with escapes in one text each: every line of every shipped file, every field of every model."""
-    made = []
+    """Files with escapes in one text each: every field of every model, as a value, its source or reason."""
+    sys.path.append(str(ROOT / "tests"))
+    from file_fields import fields, text_with
+
+    values = (ESCAPES, {"value": ESCAPES, "source": ESCAPES}, {"value": 1, "assumed": ESCAPES})
+    made = [text_with(kind, path, value) for kind, path, *_ in fields() for value in values]
     for path in FILES:
         text = path.read_text(encoding="utf-8")
-        for line in FIELD.finditer(text):
-            for value in (f'"{ESCAPES}"', f'{{ value = {line[2]}, assumed = "{ESCAPES}" }}'):
-                made.append(f"{text[: line.start(2)]}{value}{text[line.end(2) :]}")
-        made.append(f'{text}\n["{ESCAPES}"]\n"{ESCAPES}" = 1\n')
-    engine = (data_folder() / "engines/6chn25-34.toml").read_text(encoding="utf-8")
-    for section, kind in SECTIONS.items():
-        fields = (
-            kind.model_fields if isinstance(kind, type) and issubclass(kind, InputModel) else ()
-        )
-        start = re.split(rf"(?m)^\[{section}\]\n(?:[^\[\n].*\n|\n)*", engine)
-        made += [f'{"".join(start)}\n[{section}]\n{name} = "{ESCAPES}"\n' for name in fields]
-    return made
+        made.append(f'{text}\n["{WRITTEN}"]\n"{WRITTEN}" = 1\n')
+        if "[sources]" in text:
+            named = text.replace("[sources]", f'[sources]\nevil = "{WRITTEN}"\n"{WRITTEN}" = "x"')
+            made.append(named.replace("source =", 'source = "evil" #', 1))
+    return [text.replace("\x7f", "\\u007f") for text in made]
 
 
 def escapes(bench: Bench, draw: Random, place: Path) -> Finding:
-    """Check a file with escapes in one of its texts; the terminal gets none of them."""
-    finding = Finding(inputs=1)
-    file = place.with_suffix(".toml")
-    # Each in turn: the number of the trial stands in the name of its place.
+    """Check files with escapes in one of their texts; the terminal gets none of them."""
+    finding, number = Finding(), int(place.stem.split("-")[1])
     texts = _texts()
-    file.write_text(texts[int(place.stem.split("-")[1]) % len(texts)], encoding="utf-8")
-    for line in (("check", file), ("check", file, "--json")):
-        ended = bench.end(command(*line), finding)
-        found = CONTROL.search(
-            (ended.out + ended.errors).replace("\x7f", "" if "--json" in line else "\x7f")
-        )
-        finding.silent += found is not None
-    file.unlink()
+    for start in range(number * BATCH, (number + 1) * BATCH):
+        file = place.with_name(f"{place.stem}-{start}.toml")
+        file.write_text(texts[start % len(texts)], encoding="utf-8")
+        finding.inputs += 1
+    files = sorted(place.parent.glob(f"{place.stem}-*.toml"))
+    # All in one process, which prints to a pipe as to a terminal.
+    line = [sys.executable, "-c", CHECK_ALL, *map(str, files)]
+    ended = subprocess.run(line, capture_output=True, text=True, env=environment(), check=False)
+    for printed in (ended.stdout + ended.stderr).split(SEPARATOR):
+        finding.silent += CONTROL.search(printed) is not None
+        finding.tracebacks += "Traceback" in printed or "unexpected error" in printed
+    finding.lost += ended.stdout.count(SEPARATOR) != 2 * len(files)
+    for file in files:
+        file.unlink()
     return finding
 
 

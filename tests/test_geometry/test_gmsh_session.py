@@ -1,4 +1,7 @@
+import signal
+import subprocess
 import sys
+from pathlib import Path
 from unittest import mock
 
 import gmsh
@@ -10,6 +13,7 @@ from geometry.gmsh_session import DEBIAN_PACKAGES, gmsh_session, load_gmsh, miss
 from geometry.mesh import mesh_throw
 from geometry.throw import CrankThrow
 
+ROOT = Path(__file__).parents[2]
 OPTIONS = (
     "General.Terminal",
     "General.NumThreads",
@@ -138,3 +142,34 @@ def test_meshing_without_the_package_names_it_too(dimensions):
         pytest.raises(MissingLibraryError, match="pip install gmsh"),
     ):
         mesh_throw(CrankThrow(**dimensions), 2.0)
+
+
+PIPE = """
+import os, threading
+from geometry.gmsh_session import gmsh_session
+
+def write():
+    with gmsh_session("any"):
+        pass
+    reader, writer = os.pipe()
+    os.close(reader)
+    try:
+        os.write(writer, b"x")
+    except BrokenPipeError:
+        print("an error")
+
+write()
+thread = threading.Thread(target=write)
+thread.start()
+thread.join()
+"""
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(not hasattr(signal, "SIGPIPE"), reason="no such signal here")
+def test_a_broken_pipe_stays_an_error():
+    """Gmsh has it end the process, such as a server whose client has gone."""
+    ended = subprocess.run(
+        [sys.executable, "-c", PIPE], capture_output=True, text=True, check=True, cwd=ROOT
+    )
+    assert ended.stdout.split("\n") == ["an error", "an error", ""]
