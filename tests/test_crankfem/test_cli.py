@@ -601,6 +601,7 @@ def test_throw_between_neighbors_under_a_pin_force(call):
         assert own["axial_force"] == close(3e4 * own["axial_force_per_radial"])
 
 
+@pytest.mark.slow
 def test_a_pin_force_of_three_components(call):
     arguments = ("--accuracy", "0.1", "--pin-force", "4, -10, 1 kN")
     answer = call("throw", "yamz-5340", *arguments)

@@ -72,6 +72,7 @@ def rows(path):
         return list(csv.DictReader(file))
 
 
+@pytest.mark.slow
 def test_doe_runs_a_study_and_says_what_it_has(call, study, tmp_path):
     answer = call("doe", study)
     assert answer.code == 0, answer.err
@@ -104,6 +105,7 @@ def test_doe_tells_how_the_runs_lie(call, study):
     assert 0.0 < quality["discrepancy"] < 0.1
 
 
+@pytest.mark.slow
 def test_doe_checks_a_store_and_repairs_it(call, study, tmp_path):
     assert call("doe", study).code == 0
     for line in (("runs.sqlite",), (study, "--store", "runs.sqlite")):
@@ -151,6 +153,7 @@ def test_doe_adds_runs_once(call, study, monkeypatch):
     assert (record["runs"], record["added"], record["computed_now"]) == (12, 3, 0)
 
 
+@pytest.mark.slow
 def test_doe_exports_over_nothing_of_the_users(call, study, tmp_path):
     for options, code in ((), 2), (("--force",), 0), ((), 0):
         if code == 2:

@@ -198,6 +198,7 @@ def test_finite_elements_over_the_angle_are_the_chain(analysis):
         assert fe_axial(analysis, gamma) == close(chain, rel=1e-3)
 
 
+@pytest.mark.slow
 def test_finite_elements_of_unequal_webs_are_the_chain(dimensions):
     unequal = coarse(CrankThrow(**dimensions, right_web=Web(thickness=0.09)))
     chain = unequal.axial_compliance(Neighbors(120.0, 120.0))

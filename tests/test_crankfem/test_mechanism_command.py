@@ -133,6 +133,7 @@ def test_motored_engine_gives_no_power():
     assert max(work.peak_pressure for work in run.works) < 6e6
 
 
+@pytest.mark.slow
 def test_tables_and_files(call, tmp_path):
     answer = call(
         "mechanism", "8chn26-26", "--csv", tmp_path / "forces.csv", "--pictures", tmp_path / "p"

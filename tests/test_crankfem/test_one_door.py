@@ -88,6 +88,7 @@ def compare(monkeypatch, tmp_path, engines, examples):
     return counts
 
 
+@pytest.mark.slow
 def test_check_accepts_and_refuses_what_a_run_does(monkeypatch, tmp_path):
     counts = compare(monkeypatch, tmp_path, QUICK, 20)
     assert counts[True] >= 5

@@ -102,12 +102,14 @@ def test_a_narrow_terminal_loses_nothing(call, monkeypatch, line):
         assert letters(answer.out) == whole
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("given", [{"COLUMNS": "0"}, {"COLUMNS": "²", "LINES": "²"}])
 def test_impossible_sizes_are_none(spawn, spawn_environment, given):
     expected = spawn("new", "--list")
     assert spawn("new", "--list", env=spawn_environment(**given)) == expected
 
 
+@pytest.mark.slow
 def test_closed_streams_and_poor_encodings(spawn, spawn_environment, tmp_path):
     (tmp_path / "mü.toml").write_bytes(input_path("6chn25-34").read_bytes())
     answer = spawn("check", "mü.toml", env=spawn_environment(PYTHONIOENCODING="ascii"))

@@ -194,6 +194,7 @@ def test_both_kinds_of_force_together_are_their_sum(forces):
     assert not answer.unbounded.any()
 
 
+@pytest.mark.slow
 def test_critical_speeds_are_all_peaks_of_single_orders(forces):
     """Every local maximum on a grid ten times as fine is there, unless it is small at its place."""
     shaft = straight(0.3)

@@ -257,7 +257,9 @@ def test_corrected_answers_are_told_as_such(throw, analysis, capsys):
     [
         ({}, 0.002),
         ({"fillet_radius": 0.0, "web_thickness": 0.085}, 0.005),
-        ({"oil_holes": (OilHole(part="pin", diameter=0.04),)}, 0.002),
+        pytest.param(
+            {"oil_holes": (OilHole(part="pin", diameter=0.04),)}, 0.002, marks=pytest.mark.further
+        ),
     ],
     ids=["filleted", "sharp", "drilled"],
 )

@@ -338,6 +338,7 @@ def test_who_ignores_interrupts_goes_on_doing_so():
 # --------------------------------------------------------------------------- the worker's own work
 
 
+@pytest.mark.slow
 def test_a_worker_computes_and_tells_what_it_cannot():
     requests = [
         {"key": "bad", "inputs": design(web_width=0.100)},

@@ -35,6 +35,7 @@ def followed(store, name, change, count=1, stopping=lambda: False):
     return asyncio.run(run())
 
 
+@pytest.mark.slow
 def test_every_follower_gets_every_change_and_the_end(store, monkeypatch):
     looks, looked = [], store.job
     monkeypatch.setattr(store, "job", lambda name: looks.append(name) or looked(name))
@@ -86,6 +87,7 @@ def test_streams_end_with_the_job_s_record_and_with_the_service(store):
     assert followed(store, name, end, stopping=lambda: bool(ended)) == [["queued"]]
 
 
+@pytest.mark.slow
 def test_a_follower_hears_from_time_to_time_that_nothing_changes(store, monkeypatch):
     monkeypatch.setattr(followers, "PING", 0.2)
     name = store.add("study", "mine", {}, 20)
