@@ -333,7 +333,6 @@ def test_drilled_throws_asked_for_little_are_meshed_coarsely(throw):
 def test_bars_on_coarse_meshes_of_drilled_throws_hold_what_fine_ones_find(throw):
     one = drilled(*DRILLED[throw])
     coarse, fine = analyze_throw(one, accuracy=0.04), analyze_throw(one, accuracy=0.006)
-    assert coarse.mesh.unknowns <= 30_000
     assert coarse.accuracy_met
     for support in ("pinned", "guided"):
         for name in ("axial", "torsional", "influence"):
