@@ -199,11 +199,7 @@ def measure_calculix(mesh_file: str, threads: str) -> dict[str, float]:
     path = Path(mesh_file)
     mesh = pickle.loads(path.read_bytes())
     value, writing, running = by_calculix(mesh, path.parent, int(threads))
-    return {
-        "value": value,
-        "seconds": writing + running,
-        "memory": child_peak(),
-    }
+    return {"value": value, "seconds": writing + running, "memory": child_peak()}
 
 
 ROLES = {"axial": measure_axial, "whole": measure_whole, "calculix": measure_calculix}

@@ -28,11 +28,7 @@ MANY = 1_000_000
 MOST_MICROSECONDS, LEAST_RATE, MOST_IMPORT_SECONDS = 20.0, 2e6, 0.5
 HEAVY = ("gmsh", "vtk", "vtkmodules", "pyvista", "scipy", "pint", "skfem", "matplotlib", "meshio")
 
-THREE = {
-    "web_width": (0.270, 0.330),
-    "web_thickness": (0.038, 0.098),
-    "pin_length": (0.120, 0.158),
-}
+THREE = {"web_width": (0.270, 0.330), "web_thickness": (0.038, 0.098), "pin_length": (0.120, 0.158)}
 EIGHT = THREE | {
     "crank_radius": (0.150, 0.190),
     "main_journal_diameter": (0.200, 0.240),

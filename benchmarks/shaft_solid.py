@@ -21,12 +21,7 @@ from fem.solver import factorize
 from geometry.crankshaft import Crankshaft, make_shaft
 from geometry.gmsh_session import gmsh_errors, gmsh_session
 from geometry.mesh import ThrowMesh, read_mesh
-from geometry.mesh_checks import (
-    SolidProperties,
-    check_quality,
-    check_volume,
-    solid_properties,
-)
+from geometry.mesh_checks import SolidProperties, check_quality, check_volume, solid_properties
 from geometry.shapes import straighten_elements
 
 Array = NDArray[np.float64]

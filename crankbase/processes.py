@@ -46,10 +46,7 @@ def package_environment() -> dict[str, str]:
 
 
 def start_child(
-    module: str,
-    *arguments: str,
-    environment: Mapping[str, str] | None = None,
-    **streams: Any,
+    module: str, *arguments: str, environment: Mapping[str, str] | None = None, **streams: Any
 ) -> subprocess.Popen[bytes]:
     """Run a module of ours as ``python -m module`` in a process that ends with this one.
 

@@ -8,10 +8,7 @@ CSV = "is a table (CSV)"
 JSON = "is a JSON file, such as the results of a run or a saved model"
 # Beginnings of files to what they are.
 BEGINNINGS = (
-    (
-        b"SQLite format 3\0",
-        "is the store of a study (SQLite); use it with fit and doe --store",
-    ),
+    (b"SQLite format 3\0", "is the store of a study (SQLite); use it with fit and doe --store"),
     (b"PK\x03\x04", "is a packed file, such as one of a spreadsheet or word processor"),
     (b"%PDF", "is a PDF file"),
     (b"ISO-10303-21", "is a STEP file; use it with throw"),

@@ -27,13 +27,7 @@ MAIN = {
         ("assembly",),
         ("solver",),
     ),
-    "geometry": (
-        ("mesher",),
-        ("mesh",),
-        ("solid",),
-        ("parts",),
-        ("throw",),
-    ),
+    "geometry": (("mesher",), ("mesh",), ("solid",), ("parts",), ("throw",)),
     "crankbase": (
         ("tables",),
         ("drawing",),
@@ -166,10 +160,7 @@ def drawing() -> str:
     left, right = MARGIN, MARGIN + COLUMN + 20
     body, face = _box("crankfem", order["crankfem"], left, MARGIN, 2)
     places = {"crankfem": (MARGIN, face)}
-    for package, x, top in (
-        ("dynamics", left, face + GAP),
-        ("regression", right, face + GAP),
-    ):
+    for package, x, top in (("dynamics", left, face + GAP), ("regression", right, face + GAP)):
         drawn, end = _box(package, order[package], x, top)
         body, places = body + drawn, places | {package: (top, end)}
     top = places["regression"][1] + GAP

@@ -176,11 +176,7 @@ def draw_supports(analysis: cf.ThrowAnalysis, path: Path) -> None:
     panels = (
         ("pinned", "pinned: ends tilt freely", lambda axes: draw_hinges(axes, length)),
         ("guided", "guided: ends stay upright", lambda axes: draw_guides(axes, length, radius)),
-        (
-            between,
-            "Neighbors(120, 120)",
-            lambda axes: draw_neighbors(axes, length, radius),
-        ),
+        (between, "Neighbors(120, 120)", lambda axes: draw_neighbors(axes, length, radius)),
     )
     with figure(path, columns=3, width=11.5, height=4.2) as all_axes:
         for axes, (support, title, draw) in zip(all_axes, panels, strict=True):

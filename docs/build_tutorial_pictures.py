@@ -27,9 +27,7 @@ PICTURES = {
         "new-engine-stress.svg": "new-engine-stress.svg",
     },
     "cluster-study": {"cluster-study-compliance.svg": "cluster-study-compliance.svg"},
-    "torque-to-resonance": {
-        "torque-to-resonance-stress.svg": "torque-to-resonance-stress.svg",
-    },
+    "torque-to-resonance": {"torque-to-resonance-stress.svg": "torque-to-resonance-stress.svg"},
     "v-engine": {"v8-crankpin.svg": "v-engine-crankpin.svg"},
     "slow-speed-plant": {"slow-speed-plant-stress.svg": "slow-speed-plant-stress.svg"},
     "hinge": {"hinge-guide.svg": "hinge-guide.svg"},
@@ -39,10 +37,7 @@ BLOCK = re.compile(
     r"(?P<text>.*?)^```$",
     re.MULTILINE | re.DOTALL,
 )
-LOOK = STYLE | {
-    "axes.prop_cycle": cycler(color=COLORS),
-    "figure.constrained_layout.use": True,
-}
+LOOK = STYLE | {"axes.prop_cycle": cycler(color=COLORS), "figure.constrained_layout.use": True}
 
 
 def main() -> None:

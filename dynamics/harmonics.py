@@ -7,12 +7,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from crankbase.checks.angles import radians_of
-from crankbase.checks.arrays import (
-    FloatArray,
-    finite_vector,
-    positive_number,
-    read_only,
-)
+from crankbase.checks.arrays import FloatArray, finite_vector, positive_number, read_only
 from crankbase.checks.choices import check_choice
 from crankbase.errors import InputError
 from crankbase.library_types import Axes, DataFrame

@@ -25,11 +25,7 @@ def node_index(field: str, node: object, count: int) -> int:
 
 
 def values_at_nodes(
-    field: str,
-    values: ArrayLike | Mapping[int, float] | None,
-    count: int,
-    unit: str,
-    reason: str,
+    field: str, values: ArrayLike | Mapping[int, float] | None, count: int, unit: str, reason: str
 ) -> FloatArray:
     """Return one non-negative value per node, from an array or a mapping node -> value.
 

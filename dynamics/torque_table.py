@@ -82,12 +82,7 @@ class TorqueTable:
         MissingLibraryError
             If pandas is not installed.
         """
-        return table(
-            {
-                "crank_angle": (self.crank_angle_deg, "deg"),
-                "torque": (self.torque, "N m"),
-            }
-        )
+        return table({"crank_angle": (self.crank_angle_deg, "deg"), "torque": (self.torque, "N m")})
 
 
 def read_torque_table(path: GivenFile, *, strokes: int | None = None) -> TorqueTable:

@@ -148,12 +148,7 @@ class RefinementLevel:
             known
             if one == known.symmetry
             else condense(
-                *given,
-                one,
-                self.solver,
-                problem.end_sections,
-                problem.watch,
-                problem.degree,
+                *given, one, self.solver, problem.end_sections, problem.watch, problem.degree
             )
             for one in symmetries
         ]

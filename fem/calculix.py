@@ -185,10 +185,7 @@ ENDS = "ENDS"
 
 
 def write_calculix(
-    mesh: ThrowMesh,
-    material: Material,
-    path: str | Path,
-    cases: Sequence[LoadCase] | None = None,
+    mesh: ThrowMesh, material: Material, path: str | Path, cases: Sequence[LoadCase] | None = None
 ) -> Path:
     """Write a throw as an input deck for CalculiX, to check compliances and reactions with it.
 

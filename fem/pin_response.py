@@ -180,11 +180,7 @@ def checked_pin(pin: int, count: int) -> int:
 
 
 def spread_load(
-    mesh: ThrowMesh,
-    pin: int,
-    force: ArrayLike,
-    moment: ArrayLike,
-    distribution: Distribution,
+    mesh: ThrowMesh, pin: int, force: ArrayLike, moment: ArrayLike, distribution: Distribution
 ) -> NodalLoads:
     """Distribute a force and a moment (3,) over a pin of the throw.
 

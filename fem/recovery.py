@@ -37,11 +37,7 @@ _ENDS = np.array([[1.0 if corner in edge else 0.0 for corner in range(4)] for ed
 
 
 def stresses_at(
-    points: Array,
-    elements: Integers,
-    displacement: Array,
-    material: Material,
-    gradients: Array,
+    points: Array, elements: Integers, displacement: Array, material: Material, gradients: Array
 ) -> Array:
     """Stress of the finite element solution.
 

@@ -18,13 +18,7 @@ from geometry.mesh import MeshingStrategy, OnRemark, ThrowMesh, checked_mesh, tr
 from geometry.mesh_checks import check_budget, solid_properties
 from geometry.recognition import PLACE_TOLERANCE
 from geometry.size_fields import set_face_sizes, set_size_map
-from geometry.sizes import (
-    GROWTH,
-    ROOT_PER_FILLET,
-    SIZE_PER_BORE,
-    SizeMap,
-    SizePlan,
-)
+from geometry.sizes import GROWTH, ROOT_PER_FILLET, SIZE_PER_BORE, SizeMap, SizePlan
 from geometry.solid import BORE, LEFT_END, RIGHT_END
 
 Array = NDArray[np.float64]

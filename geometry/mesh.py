@@ -264,10 +264,7 @@ def _mesh_once(
     attempts: tuple[str, ...],
 ) -> ThrowMesh:
     factor = size_factor * rung.share
-    with (
-        gmsh_errors("mesh the throw"),
-        built_solid(parts, part, rung.options) as built,
-    ):
+    with gmsh_errors("mesh the throw"), built_solid(parts, part, rung.options) as built:
         if sizes is None:
             set_sizes(built.gmsh, built.parts, size_plan(built.parts, factor), built.last)
         else:

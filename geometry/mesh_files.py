@@ -27,9 +27,7 @@ VOLUME = "throw"
 
 
 def write_mesh(
-    mesh: ThrowMesh,
-    path: str | Path,
-    point_data: dict[str, NDArray[np.float64]] | None = None,
+    mesh: ThrowMesh, path: str | Path, point_data: dict[str, NDArray[np.float64]] | None = None
 ) -> Path:
     """Write a mesh with its named surfaces.
 

@@ -81,11 +81,7 @@ def set_face_sizes(
 
 
 def set_size_map(
-    gmsh: Any,
-    sizes: SizeMap,
-    factor: float,
-    parts: ThrowParts | None = None,
-    unit: float = 1.0,
+    gmsh: Any, sizes: SizeMap, factor: float, parts: ThrowParts | None = None, unit: float = 1.0
 ) -> None:
     """Let a size map rule the current model.
 

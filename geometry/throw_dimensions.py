@@ -54,10 +54,7 @@ class Counterweight(InputModel):
         feature=True,
     )
     angle: float = quantity_field(
-        "counterweight's whole angle",
-        "rad",
-        minimum=0.17453292519943295,
-        maximum=3.141592653589793,
+        "counterweight's whole angle", "rad", minimum=0.17453292519943295, maximum=3.141592653589793
     )
     thickness: float | None = length_field(
         "counterweight's thickness along the shaft; by default that of the web",

@@ -142,11 +142,7 @@ def _of_mechanism(file: MechanismFile, given: set[str]) -> Iterable[InputRecord]
     for section, cylinders in (("rod", plain), ("hinged_rods", hinged)):
         if cylinders and f"{section}.inertia" not in given:
             inertia = format_quantity(cylinders[0].rod.inertia, "kg m^2", 4)
-            yield _assumed(
-                f"{section}.inertia",
-                inertia,
-                "that of two masses at its pins",
-            )
+            yield _assumed(f"{section}.inertia", inertia, "that of two masses at its pins")
     if hinged and "hinged_rods.pin_angle" not in given:
         yield _assumed(
             "hinged_rods.pin_angle", "angle between the banks", "the usual place of the pin"

@@ -74,9 +74,7 @@ COMMANDS = (
     CatalogedCommand(stress, THROW, ("stress 6chn25-34 --pictures stresses",)),
     CatalogedCommand(draw, THROW, ("draw 6chn25-34", "draw 6chn25-34 --shaft crankshaft.png")),
     CatalogedCommand(
-        export,
-        THROW,
-        ("export 6chn25-34 throw.step", "export 6chn25-34 throw.inp --calculix"),
+        export, THROW, ("export 6chn25-34 throw.step", "export 6chn25-34 throw.inp --calculix")
     ),
     CatalogedCommand(
         formulas,
@@ -173,8 +171,7 @@ def _version(asked: bool) -> None:
 def _crankfem(
     context: typer.Context,
     version: Annotated[  # noqa: ARG001 - its callback answers
-        bool,
-        typer.Option("--version", callback=_version, is_eager=True, help="Print the version."),
+        bool, typer.Option("--version", callback=_version, is_eager=True, help="Print the version.")
     ] = False,
 ) -> None:
     if context.invoked_subcommand is None:

@@ -315,9 +315,7 @@ def number(value: float, digits: int = 4) -> str:
 
 
 def parse_pairs(
-    pairs: Iterable[str],
-    convert: Callable[[str, str], Value],
-    example: str = "web_width=300mm",
+    pairs: Iterable[str], convert: Callable[[str, str], Value], example: str = "web_width=300mm"
 ) -> dict[str, Value]:
     """Read name=value pairs from the command line; `example` is used in the message.
 

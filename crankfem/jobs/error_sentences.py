@@ -2,13 +2,7 @@
 
 import errno
 
-from crankbase.errors import (
-    InputError,
-    MeshError,
-    MissingLibraryError,
-    RenderError,
-    SolveError,
-)
+from crankbase.errors import InputError, MeshError, MissingLibraryError, RenderError, SolveError
 from crankfem.jobs.exit_codes import EXIT_FAILED, EXIT_INPUT
 from regression.records import StudyStoppedError
 

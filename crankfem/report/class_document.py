@@ -16,10 +16,7 @@ TEMPLATE, STYLES = "class.html.j2", ("report/style.css", "class.css")
 
 
 def render_class_document(
-    run: EngineVibration,
-    parts: Sequence[DocumentPart],
-    pictures: Mapping[str, Path],
-    created: str,
+    run: EngineVibration, parts: Sequence[DocumentPart], pictures: Mapping[str, Path], created: str
 ) -> str:
     """Return the text of the document.
 

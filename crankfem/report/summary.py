@@ -51,10 +51,7 @@ def summary(results: Mapping[str, Any]) -> Record:
         "sentences": conclusions(results),
         "failed_checks": failed_checks(results["checks"]),
         "limits": [] if assessment is None else worst_of_each(assessment["checks"]),
-        "figures": [
-            _compliance(results),
-            *(_frequency(vibration, kind) for kind in KINDS),
-        ],
+        "figures": [_compliance(results), *(_frequency(vibration, kind) for kind in KINDS)],
         "uncertain": {}
         if assessment is None
         else {kind: uncertain_sentence(vibration, kind) for kind in KINDS},

@@ -101,11 +101,7 @@ class Spread:
 
     @classmethod
     def within(
-        cls,
-        kind: Kind,
-        share: float,
-        places: tuple[int | str, ...] | None = None,
-        name: str = "",
+        cls, kind: Kind, share: float, places: tuple[int | str, ...] | None = None, name: str = ""
     ) -> "Spread":
         """Make a spread of plus or minus a share, such as 0.05 for 5 %.
 

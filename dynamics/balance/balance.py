@@ -8,12 +8,7 @@ from typing import Literal, get_args
 
 import numpy as np
 
-from crankbase.checks.arrays import (
-    ComplexArray,
-    FloatArray,
-    finite_array,
-    positive_number,
-)
+from crankbase.checks.arrays import ComplexArray, FloatArray, finite_array, positive_number
 from crankbase.checks.choices import check_choice
 from crankbase.errors import InputError
 from crankbase.library_types import Axes, DataFrame

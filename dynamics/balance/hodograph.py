@@ -220,11 +220,7 @@ class Hodograph:
         angles = np.linspace(0.0, 360.0, most)
         vector = self.at(shaft_angle_deg=angles)
         return table(
-            {
-                "shaft_angle": (angles, "deg"),
-                "x": (-vector.imag, unit),
-                "y": (vector.real, unit),
-            }
+            {"shaft_angle": (angles, "deg"), "x": (-vector.imag, unit), "y": (vector.real, unit)}
         )
 
 

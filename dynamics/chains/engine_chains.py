@@ -20,12 +20,7 @@ from crankbase.summaries import summarized
 from dynamics.chains.attachments import DrivenMachine
 from dynamics.chains.chain import Chain
 from dynamics.chains.chain_modes import Modes
-from dynamics.chains.dampers import (
-    AxialDamper,
-    TorsionalDamper,
-    check_axial,
-    check_torsional,
-)
+from dynamics.chains.dampers import AxialDamper, TorsionalDamper, check_axial, check_torsional
 from dynamics.chains.editing import add_node, join_chains, with_damper, with_ground
 from dynamics.indices import node_index, values_at_nodes
 

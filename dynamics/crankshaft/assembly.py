@@ -107,10 +107,7 @@ class AssembledShaft:
 
 
 def assemble_crankshaft(
-    throws: Sequence[ShaftThrow],
-    around: ShaftSurroundings | None = None,
-    *,
-    turning_sense: int = 1,
+    throws: Sequence[ShaftThrow], around: ShaftSurroundings | None = None, *, turning_sense: int = 1
 ) -> AssembledShaft:
     """Assemble throws, bearings, end bodies and dampers.
 

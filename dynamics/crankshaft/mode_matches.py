@@ -12,13 +12,7 @@ from crankbase.checks.arrays import FloatArray, positive_number
 from crankbase.errors import InputError
 from crankbase.summaries import summarized
 from crankbase.tables.frames import Row
-from dynamics.chains.engine_chains import (
-    CRANKSHAFT_MODE,
-    FLYWHEEL,
-    FREE_END,
-    EngineChain,
-    Kind,
-)
+from dynamics.chains.engine_chains import CRANKSHAFT_MODE, FLYWHEEL, FREE_END, EngineChain, Kind
 from dynamics.crankshaft.assembly import AssembledShaft
 from dynamics.crankshaft.joined_lines import MOTION_OF
 from dynamics.crankshaft.shaft_modes import ShaftModes
@@ -81,10 +75,7 @@ class ModeMatch:
         """Frequencies [Hz] and shares of the two modes that a chain's mode is divided between, or none."""
         if self.shaft_frequency is None or self.further_frequency is None:
             return ()
-        both = (
-            (self.shaft_frequency, self.share),
-            (self.further_frequency, self.further_share),
-        )
+        both = ((self.shaft_frequency, self.share), (self.further_frequency, self.further_share))
         return tuple(sorted(both))
 
     @property

@@ -99,11 +99,7 @@ class ShaftModes:
         return self.rigid + int(found[0]) if found.size else None
 
     def plot(
-        self,
-        axes: Axes | None = None,
-        *,
-        mode: int | None = None,
-        radius: float | None = None,
+        self, axes: Axes | None = None, *, mode: int | None = None, radius: float | None = None
     ) -> Axes:
         """Draw the shape of one mode along the shaft.
 

@@ -5,12 +5,7 @@ from dataclasses import KW_ONLY, dataclass, field
 
 import numpy as np
 
-from crankbase.checks.arrays import (
-    FloatArray,
-    finite_array,
-    positive_number,
-    read_only,
-)
+from crankbase.checks.arrays import FloatArray, finite_array, positive_number, read_only
 from crankbase.checks.scalars import whole_number
 from crankbase.errors import InputError
 from crankbase.summaries import summarized

@@ -8,12 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from crankbase.checks.angles import checked_degrees
-from crankbase.checks.arrays import (
-    ComplexArray,
-    FloatArray,
-    finite_array,
-    turning_speeds,
-)
+from crankbase.checks.arrays import ComplexArray, FloatArray, finite_array, turning_speeds
 from crankbase.checks.scalars import whole_within
 from crankbase.errors import InputError
 from crankbase.library_types import Axes, Dataset
@@ -296,10 +291,7 @@ def over_angles(field: str, values: ArrayLike, angles: FloatArray) -> FloatArray
 
 
 def _inertia_forces(
-    rod: RodModel,
-    motion: CylinderMotion,
-    speed: FloatArray,
-    crank_acceleration: FloatArray,
+    rod: RodModel, motion: CylinderMotion, speed: FloatArray, crank_acceleration: FloatArray
 ) -> tuple[ComplexArray, FloatArray]:
     """Return M a_D, and the moment required by the rod's motion about its foot."""
     force = rod.mass * motion.rod_point(rod.center).acceleration(speed, crank_acceleration)

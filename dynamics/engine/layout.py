@@ -142,10 +142,7 @@ class EngineLayout:
         name = f"cylinder {number}: "
         if cylinder.slave_pin is None:
             check_reach(
-                f"{name}crank_radius",
-                self.crank_radius,
-                cylinder.rod.length,
-                cylinder.pin_offset,
+                f"{name}crank_radius", self.crank_radius, cylinder.rod.length, cylinder.pin_offset
             )
             return
         main = cylinder.slave_pin.main_cylinder
@@ -161,8 +158,7 @@ class EngineLayout:
                 "whose rod is on the crankpin, because rods are hinged to main rods."
             )
         apart = math.remainder(
-            math.radians(carrier.crank_angle_deg - cylinder.crank_angle_deg),
-            2.0 * math.pi,
+            math.radians(carrier.crank_angle_deg - cylinder.crank_angle_deg), 2.0 * math.pi
         )
         if abs(apart) > IN_LINE:
             raise InputError(
@@ -221,8 +217,7 @@ def check_distinct_positions(engine: EngineLayout) -> None:
     for number, cylinder in enumerate(engine.cylinders, start=1):
         for other, earlier in standing:
             apart = math.remainder(
-                math.radians(cylinder.bank_angle_deg - earlier.bank_angle_deg),
-                2.0 * math.pi,
+                math.radians(cylinder.bank_angle_deg - earlier.bank_angle_deg), 2.0 * math.pi
             )
             if abs(apart) <= IN_LINE and abs(cylinder.position - earlier.position) <= SAME_PLACE:
                 raise InputError(

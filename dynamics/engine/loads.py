@@ -6,12 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from crankbase.checks.arrays import (
-    ComplexArray,
-    FloatArray,
-    finite_vector,
-    positive_number,
-)
+from crankbase.checks.arrays import ComplexArray, FloatArray, finite_vector, positive_number
 from crankbase.drawing.diagram_style import new_axes
 from crankbase.drawing.legends import write_title
 from crankbase.errors import InputError
@@ -109,11 +104,7 @@ class LoadDiagram:
         }
 
     def plot(
-        self,
-        axes: Axes | None = None,
-        *,
-        frame: Frame | None = None,
-        mark_step_deg: float = 30.0,
+        self, axes: Axes | None = None, *, frame: Frame | None = None, mark_step_deg: float = 30.0
     ) -> Axes:
         """Draw the polar load diagram in a frame, or the magnitude of the force over the shaft angle.
 

@@ -6,11 +6,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from crankbase.checks.angles import checked_degrees
-from crankbase.checks.arrays import (
-    ComplexArray,
-    FloatArray,
-    positive_number,
-)
+from crankbase.checks.arrays import ComplexArray, FloatArray, positive_number
 from crankbase.checks.scalars import is_whole, whole_within
 from crankbase.errors import InputError
 from dynamics.cycle import even_angles

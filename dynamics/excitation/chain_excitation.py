@@ -5,12 +5,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from crankbase.checks.arrays import (
-    ComplexArray,
-    FloatArray,
-    finite_array,
-    positive_vector,
-)
+from crankbase.checks.arrays import ComplexArray, FloatArray, finite_array, positive_vector
 from crankbase.checks.scalars import is_whole
 from crankbase.errors import InputError
 from dynamics.excitation.cylinder_harmonics import CylinderHarmonics

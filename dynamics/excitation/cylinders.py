@@ -8,11 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from crankbase.checks.angles import radians_of
-from crankbase.checks.arrays import (
-    ComplexArray,
-    FloatArray,
-    read_only,
-)
+from crankbase.checks.arrays import ComplexArray, FloatArray, read_only
 from crankbase.checks.choices import check_choice
 from crankbase.checks.scalars import whole_number, whole_within
 from crankbase.drawing.diagram_style import new_axes
@@ -21,10 +17,7 @@ from crankbase.library_types import Axes, Dataset
 from crankbase.summaries import summarized
 from crankbase.tables.frames import grid
 from dynamics.engine.layout import EngineLayout
-from dynamics.excitation.cylinder_harmonics import (
-    CylinderHarmonics,
-    cylinder_harmonics,
-)
+from dynamics.excitation.cylinder_harmonics import CylinderHarmonics, cylinder_harmonics
 from dynamics.excitation.engine_load import Load, per_minute
 from dynamics.excitation.gas_sources import Pressures
 from dynamics.gas.pressure import ATMOSPHERE

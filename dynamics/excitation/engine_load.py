@@ -6,12 +6,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import ArrayLike
 
-from crankbase.checks.arrays import (
-    FloatArray,
-    finite_array,
-    nonnegative_number,
-    positive_number,
-)
+from crankbase.checks.arrays import FloatArray, finite_array, nonnegative_number, positive_number
 from crankbase.checks.choices import check_choice
 from crankbase.errors import InputError
 from crankbase.units.units import RPM

@@ -5,12 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import ArrayLike
 
-from crankbase.checks.arrays import (
-    ComplexArray,
-    finite_vector,
-    positive_number,
-    read_only,
-)
+from crankbase.checks.arrays import ComplexArray, finite_vector, positive_number, read_only
 from crankbase.errors import InputError
 from dynamics.cycle import order_step
 from dynamics.engine.firing import MOST_CYLINDERS

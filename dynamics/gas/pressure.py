@@ -9,11 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from crankbase.checks.angles import checked_degrees
-from crankbase.checks.arrays import (
-    FloatArray,
-    positive_vector,
-    read_only,
-)
+from crankbase.checks.arrays import FloatArray, positive_vector, read_only
 from crankbase.errors import InputError
 from crankbase.library_types import Axes, DataFrame
 from crankbase.summaries import summarized

@@ -6,12 +6,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import ArrayLike
 
-from crankbase.checks.arrays import (
-    FloatArray,
-    finite_vector,
-    positive_number,
-    read_only,
-)
+from crankbase.checks.arrays import FloatArray, finite_vector, positive_number, read_only
 from crankbase.checks.scalars import whole_number
 from crankbase.errors import InputError
 from crankbase.library_types import Axes, DataFrame

@@ -5,12 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from crankbase.checks.arrays import (
-    FloatArray,
-    nonnegative_number,
-    positive_number,
-    read_only,
-)
+from crankbase.checks.arrays import FloatArray, nonnegative_number, positive_number, read_only
 from crankbase.errors import InputError
 from crankbase.library_types import Axes, DataFrame
 from crankbase.summaries import summarized

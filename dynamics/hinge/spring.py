@@ -5,12 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from crankbase.checks.arrays import (
-    FloatArray,
-    finite_array,
-    nonnegative_number,
-    positive_number,
-)
+from crankbase.checks.arrays import FloatArray, finite_array, nonnegative_number, positive_number
 from crankbase.errors import InputError
 
 # The gas column counts as gone when this share of its height is left.

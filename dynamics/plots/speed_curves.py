@@ -6,15 +6,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from crankbase.checks.arrays import FloatArray
-from crankbase.drawing.curves import (
-    Band,
-    Curves,
-    Mark,
-    Series,
-    draw_bands,
-    draw_curves,
-    draw_lines,
-)
+from crankbase.drawing.curves import Band, Curves, Mark, Series, draw_bands, draw_curves, draw_lines
 from crankbase.drawing.diagram_style import COLORS, new_axes, with_gaps
 from crankbase.drawing.legends import legend_below, legend_inside, write_title
 from crankbase.library_types import Axes
@@ -73,11 +65,7 @@ def order_series(
 
 
 def draw_orders(
-    axes: Axes,
-    speeds: FloatArray,
-    orders: FloatArray,
-    amplitudes: FloatArray,
-    count: int,
+    axes: Axes, speeds: FloatArray, orders: FloatArray, amplitudes: FloatArray, count: int
 ) -> None:
     """Draw the main orders over the speed [rad/s], a line each; see `order_series`."""
     draw_lines(axes, speeds * RPM, order_series(orders, amplitudes, count))

@@ -85,12 +85,7 @@ def draw_star(
         _arrow(axes, center, complex(star.vectors.sum()) / star.largest, SUM, 2.6)
     said = star.kind if star.kind != "minor" else f"minor, {100.0 * star.share:.3g} %"
     axes.text(
-        x,
-        y + 0.5 * STAR_STEP + 0.02,
-        f"{words}\n{said}",
-        fontsize=8,
-        ha="center",
-        va="center",
+        x, y + 0.5 * STAR_STEP + 0.02, f"{words}\n{said}", fontsize=8, ha="center", va="center"
     )
 
 

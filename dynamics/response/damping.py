@@ -6,12 +6,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import ArrayLike
 
-from crankbase.checks.arrays import (
-    FloatArray,
-    nonnegative_vector,
-    one_for_each,
-    positive_number,
-)
+from crankbase.checks.arrays import FloatArray, nonnegative_vector, one_for_each, positive_number
 from crankbase.checks.scalars import whole_within
 from crankbase.errors import InputError
 from crankbase.summaries import summarized

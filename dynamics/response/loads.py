@@ -7,12 +7,7 @@ from typing import Literal, Unpack
 import numpy as np
 from numpy.typing import ArrayLike
 
-from crankbase.checks.arrays import (
-    ComplexArray,
-    FloatArray,
-    finite_array,
-    positive_vector,
-)
+from crankbase.checks.arrays import ComplexArray, FloatArray, finite_array, positive_vector
 from crankbase.checks.choices import check_choice
 from crankbase.errors import InputError
 from crankbase.library_types import Axes

@@ -105,10 +105,7 @@ class Resonance:
 
 
 def resonances(
-    response: ForcedResponse,
-    node: int | str = 0,
-    *,
-    speed_range: tuple[float, float] | None = None,
+    response: ForcedResponse, node: int | str = 0, *, speed_range: tuple[float, float] | None = None
 ) -> tuple[Resonance, ...]:
     """Find all resonances of elastic modes and orders, and their severity.
 

@@ -27,7 +27,7 @@ LEAST_RADIUS = 2e-3
 
 
 @summarized(
-    *("throw", "place", "web", "equivalent [Pa]", "strength [Pa]", "acceptability", "passed"),
+    *("throw", "place", "web", "equivalent [Pa]", "strength [Pa]", "acceptability", "passed")
 )
 @dataclass(frozen=True)
 class PlaceStrength:

@@ -177,10 +177,7 @@ class ShrinkFit:
     @property
     def _ratios(self) -> tuple[float, float]:
         """Q_A = D_S / D_A and Q_S = D_BG / D_S."""
-        return (
-            self.shrink_diameter / self.web_diameter,
-            self.journal_bore / self.shrink_diameter,
-        )
+        return (self.shrink_diameter / self.web_diameter, self.journal_bore / self.shrink_diameter)
 
 
 def _mm(length: float) -> str:

@@ -44,11 +44,7 @@ class SelectedCurve(NamedTuple):
 
 
 def select_curve(
-    chain: Chain | None,
-    quantity: Moving,
-    place: int | str,
-    motion: FloatArray,
-    torque: FloatArray,
+    chain: Chain | None, quantity: Moving, place: int | str, motion: FloatArray, torque: FloatArray
 ) -> SelectedCurve:
     """Select the motion of a node or the load of an element.
 

@@ -16,12 +16,7 @@ from dynamics.response.linear_system import LinearSystem
 from dynamics.response.order_excitation import OrderExcitation
 from dynamics.transient.curve_selection import Moving
 from dynamics.transient.cycle_motion import CycleMotion
-from dynamics.transient.order_forces import (
-    USUAL_REACH,
-    OrderForces,
-    checked_step,
-    cycle_turns,
-)
+from dynamics.transient.order_forces import USUAL_REACH, OrderForces, checked_step, cycle_turns
 from dynamics.transient.propagator import PLACES, Propagator, StateSpace
 from dynamics.transient.viscous import ViscousDamping, ViscousSystem, viscous_system
 

@@ -6,12 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from crankbase.checks.arrays import (
-    FloatArray,
-    finite_array,
-    positive_number,
-    read_only,
-)
+from crankbase.checks.arrays import FloatArray, finite_array, positive_number, read_only
 from crankbase.checks.scalars import whole_number
 from crankbase.drawing.diagram_style import new_axes
 from crankbase.drawing.legends import write_title

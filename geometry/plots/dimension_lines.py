@@ -134,12 +134,7 @@ class View:
         )
 
     def write(
-        self,
-        text: str,
-        *places: Place,
-        upright: bool = False,
-        paper: str = "white",
-        **style: Any,
+        self, text: str, *places: Place, upright: bool = False, paper: str = "white", **style: Any
     ) -> int:
         """Write at the first place (x, y, side) where the text is clear of others; return which."""
         boxes = [

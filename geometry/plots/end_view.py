@@ -84,10 +84,7 @@ def _end_distances(view: View, parts: ThrowParts) -> tuple[list[list[Linear]], l
     pin, gap = parts.pins[0], BEYOND * view.point
     start = -parts.cylinders[0].collar - gap
     text = f"$R$ {millimeters(pin.axis[1])}"
-    lanes: list[list[Linear]] = [
-        [Linear((start, 0.0), (-pin.collar - gap, pin.axis[1]), text)],
-        [],
-    ]
+    lanes: list[list[Linear]] = [[Linear((start, 0.0), (-pin.collar - gap, pin.axis[1]), text)], []]
     callouts = []
     ends = (parts.webs[0], parts.webs[-1])
     for web, who in distinct_values(
@@ -99,10 +96,7 @@ def _end_distances(view: View, parts: ThrowParts) -> tuple[list[list[Linear]], l
             callouts.append(_callout((end[0], end[1]), f"ends {foot}, {tip}{who}"))
             continue
         sign = web.direction[1]
-        for axis, v, text in (
-            (0.0, web.outline.foot, foot),
-            (web.distance, web.outline.tip, tip),
-        ):
+        for axis, v, text in ((0.0, web.outline.foot, foot), (web.distance, web.outline.tip, tip)):
             stop = (-half_width(web, v), sign * v)
             lane = lanes[0 if web is parts.webs[0] else 1]
             lane.append(Linear((start, sign * axis), stop, text + who))

@@ -12,11 +12,7 @@ with flexible webs has 1/2 pin + 1/6 web, that is k/4 in both places ("k/4").
 
 from regression.formulas.case import ThrowCase, round_inertia
 from regression.formulas.reading import AxialFormula, Reading
-from regression.formulas.remarks import (
-    Remark,
-    no_angle_remarks,
-    plain_web_remarks,
-)
+from regression.formulas.remarks import Remark, no_angle_remarks, plain_web_remarks
 
 # Below this angle the web factor of the second formula falls towards zero and, from 70.5 deg down,
 # below it.

@@ -11,11 +11,7 @@ journal's is used.
 from crankbase.units.quantity import format_quantity
 from regression.formulas.case import ThrowCase, round_inertia
 from regression.formulas.reading import AxialFormula, Reading
-from regression.formulas.remarks import (
-    Remark,
-    open_angle_factor_remarks,
-    unused_bores_remarks,
-)
+from regression.formulas.remarks import Remark, open_angle_factor_remarks, unused_bores_remarks
 
 # The web's coefficient in terms of R^3 / (E I_w) = 12 R^3 / (E B h^3): that of a frame, 8, and 42.
 CORRECTED_WEB, PRINTED_WEB = 8.0 / 12.0, 42.0 / 12.0

@@ -190,10 +190,7 @@ def throw_laws(
 
 
 def axial_laws(
-    *,
-    youngs_modulus: float = 2.1e11,
-    poisson_ratio: float = POISSON_RATIO,
-    **dimensions: ArrayLike,
+    *, youngs_modulus: float = 2.1e11, poisson_ratio: float = POISSON_RATIO, **dimensions: ArrayLike
 ) -> AxialLaw:
     """Axial compliance and influence coefficient of many throws by the law.
 
@@ -230,10 +227,7 @@ def axial_laws(
 
 
 def torsional_laws(
-    *,
-    youngs_modulus: float = 2.1e11,
-    poisson_ratio: float = POISSON_RATIO,
-    **dimensions: ArrayLike,
+    *, youngs_modulus: float = 2.1e11, poisson_ratio: float = POISSON_RATIO, **dimensions: ArrayLike
 ) -> TorsionalLaw:
     """Torsional compliance of many throws by the law; parameters and errors as `axial_laws`."""
     found = LawAnswers(_given(dimensions), youngs_modulus, poisson_ratio)
@@ -244,10 +238,7 @@ class LawAnswers:
     """Outputs for throws of some dimensions, each by the networks of its tier."""
 
     def __init__(
-        self,
-        dimensions: Mapping[str, Any],
-        youngs_modulus: float,
-        poisson_ratio: float,
+        self, dimensions: Mapping[str, Any], youngs_modulus: float, poisson_ratio: float
     ) -> None:
         check_material(youngs_modulus, poisson_ratio)
         self.ratios = ratios(dimensions)

@@ -348,12 +348,7 @@ class CompiledModel:
         )
         self._queries = {
             name: make_response_query(
-                name,
-                response,
-                self.family,
-                model.material,
-                model.constant_groups,
-                self.constraints,
+                name, response, self.family, model.material, model.constant_groups, self.constraints
             )
             for name, response in responses.items()
         }

@@ -26,11 +26,7 @@ ADDED: dict[str, dict[str, Any]] = {
     "bearings": {"stiffness": "2e9 N/m"},
     "driven": {"inertia": "20 kg m^2", "coupling_stiffness": "1e5 N m/rad"},
     "axial_damper": {"damping": "1e5 N s/m"},
-    "torsional_damper": {
-        "kind": "viscous",
-        "ring_inertia": "2 kg m^2",
-        "damping": "100 N m s/rad",
-    },
+    "torsional_damper": {"kind": "viscous", "ring_inertia": "2 kg m^2", "damping": "100 N m s/rad"},
     "propeller_forces": {
         "node": "flywheel",
         "blades": 4,

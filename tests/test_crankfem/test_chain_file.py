@@ -143,12 +143,7 @@ def test_an_axial_file_in_lists(load):
         damping = "4e4 N s/m"
         """)
     expected = Chain(
-        [50.0, 100.0],
-        [1e9],
-        {1: 3e8},
-        damping=2.0,
-        loss_factor=0.1,
-        ground_damping={0: 4e4},
+        [50.0, 100.0], [1e9], {1: 3e8}, damping=2.0, loss_factor=0.1, ground_damping={0: 4e4}
     )
     assert same(found.chain, expected)
 

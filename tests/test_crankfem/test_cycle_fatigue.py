@@ -27,11 +27,7 @@ from fem.shaft import assemble_shaft, shaft_unknowns
 from fem.stress_fields import stress_fields
 from stand_ins import COARSE_STRESSES
 
-STEEL = {
-    "tensile_strength": 8e8,
-    "manufacture": "continuous grain flow",
-    "piston": "trunk",
-}
+STEEL = {"tensile_strength": 8e8, "manufacture": "continuous grain flow", "piston": "trunk"}
 FORCES, MOMENTS = [0, 1, 2], [3, 4, 5]
 
 

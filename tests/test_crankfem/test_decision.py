@@ -62,11 +62,7 @@ def test_both_decide_together():
 
 
 @pytest.mark.parametrize(
-    "limits",
-    [
-        {"tensile_strength": 480e6, "yield_strength": 260e6},
-        {"crankshaft_stress": 20e6},
-    ],
+    "limits", [{"tensile_strength": 480e6, "yield_strength": 260e6}, {"crankshaft_stress": 20e6}]
 )
 def test_what_is_given_is_not_tried(limits):
     found = decided(KEPT, **limits)

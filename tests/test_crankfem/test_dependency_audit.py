@@ -13,9 +13,7 @@ pytestmark = pytest.mark.skipif(not FOLDER.exists(), reason="no checkout")
 FOUND = {
     "name": "jinja2",
     "version": "2.4.1",
-    "vulns": [
-        {"id": "PYSEC-2021-66", "fix_versions": ["2.11.3"], "aliases": ["CVE-2020-28493"]},
-    ],
+    "vulns": [{"id": "PYSEC-2021-66", "fix_versions": ["2.11.3"], "aliases": ["CVE-2020-28493"]}],
 }
 CLEAN = {"name": "numpy", "version": "2.4.6", "vulns": []}
 SKIPPED = {"name": "numpy", "skip_reason": "Dependency not found on PyPI"}

@@ -406,10 +406,7 @@ def test_value_outside_any_section(tmp_path, six_cylinders):
 @pytest.mark.parametrize(
     ("content", "fragment"),
     [
-        (
-            b"",
-            "has no sections; required are engine, throw, rod, piston, flywheel, thrust_bearing",
-        ),
+        (b"", "has no sections; required are engine, throw, rod, piston, flywheel, thrust_bearing"),
         (b"this is no toml\n", "is not TOML"),
         (b"[engine\n", "without its closing bracket"),
         (bytes(range(256)) * 8, "cannot be read as text"),

@@ -23,11 +23,7 @@ from regression.runs.store import ResultStore
 from regression.runs.study import read_study
 
 THROW = FILLETED
-BOX = {
-    "web_width": (0.270, 0.330),
-    "web_thickness": (0.040, 0.100),
-    "pin_length": (0.120, 0.158),
-}
+BOX = {"web_width": (0.270, 0.330), "web_thickness": (0.040, 0.100), "pin_length": (0.120, 0.158)}
 DESIGNS = {
     "full factorial": {"levels": 3},
     "fractional factorial": {"resolution": 3},

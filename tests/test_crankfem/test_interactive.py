@@ -24,19 +24,11 @@ from crankfem.analyses.throw.formula_diagrams import formulas_over_angle
 from crankfem.report.interactive import vibration as vibration_plots
 from crankfem.report.interactive.campbell import campbell, mode_shapes, shaft_modes
 from crankfem.report.interactive.curves import UNSEEN, figure_of, visible_points
-from crankfem.report.interactive.mechanism import (
-    MECHANISM,
-    developed_load,
-    polar_load,
-)
+from crankfem.report.interactive.mechanism import MECHANISM, developed_load, polar_load
 from crankfem.report.interactive.plot import write_figure
 from crankfem.report.interactive.study import parity, response_over_factors
 from crankfem.report.interactive.style import design_texts, plain_layout, rounded
-from crankfem.report.interactive.throw_view import (
-    DRAWN_DISPLACEMENT,
-    MOST_STRESSED,
-    throw_view,
-)
+from crankfem.report.interactive.throw_view import DRAWN_DISPLACEMENT, MOST_STRESSED, throw_view
 from crankfem.report.interactive.triangles import TriangleSurface, decimate_triangles, polylines
 from crankfem.report.interactive.vibration import VIBRATION, amplitudes_over_speed, axial_split
 from crankfem.report.plots import ANGLES, STUDY
@@ -474,10 +466,7 @@ def test_forces_of_a_mechanism(load, tmp_path, strict):
         crankpins=(load,),
         bearings=(load,),
         forces=SimpleNamespace(
-            shaft_angles_deg=load.angles_deg,
-            gas=values,
-            tangential=-values,
-            side=0.1 * values,
+            shaft_angles_deg=load.angles_deg, gas=values, tangential=-values, side=0.1 * values
         ),
         layout=SimpleNamespace(firing_deg=(180.0, 0.0), strokes=4),
     )

@@ -502,10 +502,7 @@ AS_STORED = [
     ("throw", "without rods: mass 1131 kg Crankshaft: moment of inertia 26.4 kg m²"),
     ("reactions", "Z = 417 kN towards the shaft axis, the gas force at peak pressure;"),
     ("reactions", "P = c Z / en = 199 kN"),
-    (
-        "reactions",
-        "pinned left 0.000 209 199 0.000 0.000 0.000 pinned right 0.000 209 -199",
-    ),
+    ("reactions", "pinned left 0.000 209 199 0.000 0.000 0.000 pinned right 0.000 209 -199"),
     ("reactions", "guided left 0.000 209 107 -11.4 0.000 0.000"),
     ("fillets", "at most 2.7 % (requested: 10 %): sufficient"),
     ("fillets", "left journal -0.913 0.807 0.774 1.18 0.0 117 66.4 pin, left web"),
@@ -610,10 +607,7 @@ CHANGED = [
         "stiffness 942.9 kN m/rad, natural frequency 3261.5 rad/s = 31145 1/min; order 14 is",
     ),
     ("torque", "resonant at 2224.7 1/min. Outside."),
-    (
-        "loads",
-        "Peak pressure, after top 14.0 deg Indicated mean pressure 1.37 MPa",
-    ),
+    ("loads", "Peak pressure, after top 14.0 deg Indicated mean pressure 1.37 MPa"),
     ("throw", "Mass of the throw 15600 kg"),
     ("reactions", "Z = 100 kN towards the shaft axis (a round value"),
     (

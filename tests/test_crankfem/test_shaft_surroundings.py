@@ -244,11 +244,7 @@ def test_cylinders_act_on_the_pins_and_with_the_damping_of_the_file(two_pins):
         cylinder_damping=None,
     )
     engine = SimpleNamespace(
-        pins=(3, 0, 1, 2),
-        damping=damping,
-        provenance={},
-        propeller_forces=None,
-        shaft_lines={},
+        pins=(3, 0, 1, 2), damping=damping, provenance={}, propeller_forces=None, shaft_lines={}
     )
     whole = SimpleNamespace(crankshaft=two_pins)
     found = shaft_response(engine, whole, forces)

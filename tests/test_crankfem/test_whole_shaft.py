@@ -11,10 +11,7 @@ import pytest
 
 from comparing import close
 from crankbase.errors import InputError
-from crankfem.analyses.shaft.chains import (
-    engine_throw_inertias,
-    engine_torsional_chain,
-)
+from crankfem.analyses.shaft.chains import engine_throw_inertias, engine_torsional_chain
 from crankfem.analyses.shaft.plots.shaft_mode_plots import plot_shaft_modes
 from crankfem.analyses.shaft.sources import compliances_in_shaft
 from crankfem.analyses.shaft.whole_difference import whole_shaft_remark
@@ -178,10 +175,7 @@ def test_an_engine_that_turns_the_other_way_vibrates_the_same(six, coupled_vibra
     mirrored = text[start:end].replace('"120 deg"', '"-120 deg"').replace('"240 deg"', '"-240 deg"')
     path = tmp_path / "mirrored.toml"
     path.write_text(text[:start] + mirrored + text[end:], encoding="utf-8")
-    runs = [
-        coupled_vibration("6chn25-34"),
-        engine_vibration(path, analysis=analysis, coupled=True),
-    ]
+    runs = [coupled_vibration("6chn25-34"), engine_vibration(path, analysis=analysis, coupled=True)]
     senses = [run.engine_file.engine.turning_sense for run in runs]
     assert senses[0] == -senses[1]
     for peaks in zip(*(_peaks(run) for run in runs), strict=True):

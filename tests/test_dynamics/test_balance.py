@@ -21,11 +21,7 @@ from dynamics.engine.firing import firing_order_of_angles
 from dynamics.engine.forces import mechanism_forces
 from dynamics.engine.layout import EngineLayout
 from dynamics.engine.motions import cylinder_motion
-from dynamics.engine.orders import (
-    acceleration_orders,
-    piston_acceleration,
-    turn_spectrum,
-)
+from dynamics.engine.orders import acceleration_orders, piston_acceleration, turn_spectrum
 from dynamics.mechanism.rods import ConnectingRod
 from dynamics.mechanism.slider_crank import SliderCrank
 
@@ -308,10 +304,7 @@ def test_change_of_a_hodograph():
         (lambda e: piston_acceleration(e, 1, 1.0, angles_deg=np.degrees([math.nan])), "angles"),
         (lambda e: balancing_masses(e, -0.1), "reciprocating_share"),
         (lambda e: hinged_rod_effects(e, 1.0), "none of which has a hinged rod"),
-        (
-            lambda _: balance(one_cylinder(1.0 - 1e-9), 1.0),
-            "orders do not fade out",
-        ),
+        (lambda _: balance(one_cylinder(1.0 - 1e-9), 1.0), "orders do not fade out"),
     ],
 )
 def test_what_is_refused(act, message):

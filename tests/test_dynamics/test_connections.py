@@ -68,8 +68,7 @@ def test_two_gears_in_a_row_multiply_and_branches_add(v, first, second):
     )
     a, b = first**2, (first * second) ** 2
     plain = Chain(
-        [v[0], v[1] + a * v[2], a * v[3] + b * v[4], b * v[5]],
-        [v[6], a * v[7], b * v[8]],
+        [v[0], v[1] + a * v[2], a * v[3] + b * v[4], b * v[5]], [v[6], a * v[7], b * v[8]]
     )
     assert geared.modes().frequencies == close(plain.modes().frequencies, rel=1e-9, abs=1e-9)
     assert geared.speed_ratios == close([1, 1, first, first, first * second, first * second])

@@ -204,7 +204,4 @@ def test_what_holds_the_line_holds_the_shaft_and_dashpots_alone_do_not():
     loose = Chain(
         [5.0, 2.0, 1.0], [3e6], connections=[(1, 2)], dashpots=[Dashpot(0, 1, 9.0)], names="abc"
     )
-    assert whole(loose).rigid_names == (
-        "rotation about the shaft axis",
-        "rotation of b, c alone",
-    )
+    assert whole(loose).rigid_names == ("rotation about the shaft axis", "rotation of b, c alone")

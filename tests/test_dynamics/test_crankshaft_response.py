@@ -29,12 +29,7 @@ from dynamics.crankshaft.pin_excitation import pins_of_cylinders, shaft_excitati
 from dynamics.crankshaft.shaft_criticals import shaft_criticals
 from dynamics.crankshaft.shaft_system import crankshaft_system
 from dynamics.crankshaft.shaft_throw import ShaftThrow
-from dynamics.crankshaft.surroundings import (
-    AxialSupport,
-    EndBody,
-    MainBearings,
-    ShaftSurroundings,
-)
+from dynamics.crankshaft.surroundings import AxialSupport, EndBody, MainBearings, ShaftSurroundings
 from dynamics.response.forced import forced_response
 from dynamics.response.order_excitation import OrderExcitation
 

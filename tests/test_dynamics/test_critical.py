@@ -7,12 +7,7 @@ from hypothesis import strategies as st
 
 from comparing import close
 from crankbase.errors import InputError
-from dynamics.critical import (
-    critical_speeds,
-    engine_orders,
-    major_orders,
-    vector_sums,
-)
+from dynamics.critical import critical_speeds, engine_orders, major_orders, vector_sums
 from references import even_firing_angles
 
 

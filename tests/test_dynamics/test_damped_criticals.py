@@ -135,12 +135,7 @@ def test_sources_of_every_kind():
     )
     modes = complex_modes(chain)
     names = set().union(*modes.sources)
-    assert names == {
-        "node 0 - damper ring",
-        "node 0 - node 1",
-        "node 1 to ground",
-        "modal damping",
-    }
+    assert names == {"node 0 - damper ring", "node 0 - node 1", "node 1 to ground", "modal damping"}
     assert modes.shapes.shape == (4, 3)
     assert np.abs(modes.shapes).max(axis=0) == close([1.0, 1.0, 1.0])
 

@@ -20,10 +20,7 @@ from dynamics.gas.cycle_values import (
 from dynamics.gas.cylinder_volume import cylinder_volume
 from dynamics.gas.gas_cycle import gas_cycle
 from dynamics.gas.indicated import indicated_work
-from dynamics.gas.sampled_cycle import (
-    motored_pressure,
-    pressure_rise_per_heat,
-)
+from dynamics.gas.sampled_cycle import motored_pressure, pressure_rise_per_heat
 from references import closed_pressure
 
 R, L, AREA = 0.07, 0.25, 0.0133
@@ -270,11 +267,7 @@ def test_pressure_passes_smoothly_through_the_cycle(cycle):
     assert found.at(angle_deg=closed) == close(expected, abs=1e-4 * found.peak_pressure)
 
 
-@given(
-    st.floats(0.1, 2.5),
-    st.sampled_from(CYCLES),
-    st.sampled_from(MECHANISMS),
-)
+@given(st.floats(0.1, 2.5), st.sampled_from(CYCLES), st.sampled_from(MECHANISMS))
 @settings(max_examples=30)
 def test_mean_pressure_is_met(mean, cycle, mechanism):
     found = gas_cycle(cycle, mechanism, AREA, mean_effective_pressure=mean * 1e6)
@@ -332,10 +325,7 @@ def test_more_heat_gives_more_peak_and_work(heat, more, cycle):
 def test_earlier_combustion_gives_more_peak_for_the_same_work():
     peaks = [
         gas_cycle(
-            replace(FOUR, combustion_start_deg=start),
-            position,
-            AREA,
-            mean_effective_pressure=1.8e6,
+            replace(FOUR, combustion_start_deg=start), position, AREA, mean_effective_pressure=1.8e6
         ).pressure.peak_pressure
         for start in (-25.0, -15.0, -5.0, 0.0)
     ]

@@ -118,11 +118,7 @@ def test_the_hinge_gives_over_a_turn_what_it_takes(speed, length, share, peak, k
     rod = ConnectingRod(length, 150.0, share * length, 5.0)
     engine = replace(ENGINE, rod=rod)
     found = hinge_moment(
-        engine,
-        lambda a: 3e5 * np.exp(np.cos(a - peak)),
-        speed,
-        kinematics=kinematics,
-        samples=360,
+        engine, lambda a: 3e5 * np.exp(np.cos(a - peak)), speed, kinematics=kinematics, samples=360
     )
     assert abs(found.closing_error) < 1e-9
     # The derivative of the stored energy is the moment: round-off of a transform of 360 values.
@@ -171,11 +167,7 @@ def test_center_of_the_rod_at_the_crosshead_moves_as_it_does():
 
 def test_load_is_the_indicated_work():
     cycle = two_stroke_cycle(
-        ENGINE,
-        15.0,
-        peak_pressure=8e6,
-        mean_effective_pressure=0.8e6,
-        intake_pressure=1.5e5,
+        ENGINE, 15.0, peak_pressure=8e6, mean_effective_pressure=0.8e6, intake_pressure=1.5e5
     )
     force = piston_gas_force(ENGINE, cycle.pressure, 1.5e5)
     found = hinge_moment(ENGINE, force, 9.3)

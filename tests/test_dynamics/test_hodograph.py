@@ -72,18 +72,9 @@ def test_shapes_without_two_axes():
     assert line.angle_deg == 90.0  # a horizontal axis is written +90 deg
     assert (line.x, line.y) == (close(200.0), close(0.0, abs=1e-13))
     circle = Hodograph(1, 0.0, 3j)
-    assert (circle.angle_deg, circle.largest_at_deg, circle.sense) == (
-        None,
-        None,
-        -1,
-    )
+    assert (circle.angle_deg, circle.largest_at_deg, circle.sense) == (None, None, -1)
     point = Hodograph(1, 0.0, 0.0)
-    assert (
-        point.angle_deg,
-        point.largest_at_deg,
-        point.sense,
-        point.major,
-    ) == (None, None, 0, 0.0)
+    assert (point.angle_deg, point.largest_at_deg, point.sense, point.major) == (None, None, 0, 0.0)
 
 
 @pytest.mark.parametrize(

@@ -597,13 +597,7 @@ CASES = {
         0,
         lambda o: {"gravity": (o.time, 1e-3 * o.gravity.work)},
     ),
-    "SpeedOverAngle": (
-        turning,
-        {},
-        1,
-        0,
-        lambda o: {"speed": (o.angle_deg, RPM * o.speed)},
-    ),
+    "SpeedOverAngle": (turning, {}, 1, 0, lambda o: {"speed": (o.angle_deg, RPM * o.speed)}),
     "HingeMoment": (
         hinge,
         {},
@@ -1019,18 +1013,9 @@ GRIDS = {
         forces,
         lambda o: {"crankpin": (("cylinder", "shaft_angle"), o.crankpin, "N")},
     ),
-    "SteadyMotion": (
-        steady,
-        lambda o: {"motion": (("shaft_angle", "node"), o.motion, "rad or m")},
-    ),
-    "TransientMotion": (
-        run,
-        lambda o: {"torque": (("time", "element"), o.torque, "N m or N")},
-    ),
-    "TurningRun": (
-        turning_run,
-        lambda o: {"strain_energy": (("time",), o.strain_energy, "J")},
-    ),
+    "SteadyMotion": (steady, lambda o: {"motion": (("shaft_angle", "node"), o.motion, "rad or m")}),
+    "TransientMotion": (run, lambda o: {"torque": (("time", "element"), o.torque, "N m or N")}),
+    "TurningRun": (turning_run, lambda o: {"strain_energy": (("time",), o.strain_energy, "J")}),
     "TurningCycle": (
         turning_cycle,
         lambda o: {"speed": (("shaft_angle", "node"), o.speed, "rad/s")},

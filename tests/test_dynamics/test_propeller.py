@@ -25,10 +25,7 @@ ANGLES = np.random.default_rng(5).uniform(0.0, 60.0, 25)
 
 def geared(ratio):
     return Chain(
-        [2.0, 30.0, 5.0, 80.0],
-        [1e6, 1e6],
-        connections=[(0, 1), (2, 3)],
-        gears=[Gear(1, 2, ratio)],
+        [2.0, 30.0, 5.0, 80.0], [1e6, 1e6], connections=[(0, 1), (2, 3)], gears=[Gear(1, 2, ratio)]
     )
 
 

@@ -16,11 +16,7 @@ from dynamics.strength.fatigue import (
 )
 from dynamics.strength.nominal import SupportedThrow, alternating, hole_stress, web_stresses
 from dynamics.strength.shrink_fit import ShrinkFit
-from dynamics.strength.surface_treatment import (
-    SurfaceTreatment,
-    factors_below,
-    strength_near_end,
-)
+from dynamics.strength.surface_treatment import SurfaceTreatment, factors_below, strength_near_end
 
 USUAL = {
     "overlap": 0.15,

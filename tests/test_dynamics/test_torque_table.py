@@ -75,10 +75,7 @@ def test_byte_order_mark_and_windows_lines_are_accepted(tmp_path):
         (CRANK + "0,1\n180,2\n350,3\n540,4\n", r"line \d: crank_angle_deg.*allowed are even steps"),
         (CRANK + "0,1\n90,2\n180,3\n", "line 7: .*allowed is one cycle of 720 deg or 360 deg"),
         (CYCLE + "0,1\n240,2\n480,3\n", "line 4: .*allowed is one cycle of 360 deg,"),
-        (
-            CYCLE + "0,1\n120,2\n240,3\n360,1.1\n",
-            "line 5: torque_Nm: given 1.1 for the closing",
-        ),
+        (CYCLE + "0,1\n120,2\n240,3\n360,1.1\n", "line 5: torque_Nm: given 1.1 for the closing"),
     ],
 )
 def test_unusable_tables_are_refused_with_file_and_line(written, text, message):

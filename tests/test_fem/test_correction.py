@@ -311,10 +311,7 @@ LENGTHS = ("crank_radius", "pin_diameter", "main_journal_length", "pin_length", 
 def drilled(lengths, pin, journal):
     of_pin = dict(zip(("diameter", "angle", "tilt", "exit_radius", "through"), pin, strict=True))
     of_journal = dict(zip(("diameter", "position", "angle", "exit_radius"), journal, strict=True))
-    holes = (
-        OilHole(part="pin", **of_pin),
-        OilHole(part="left main journal", **of_journal),
-    )
+    holes = (OilHole(part="pin", **of_pin), OilHole(part="left main journal", **of_journal))
     given = dict(zip(LENGTHS, lengths, strict=True))
     return CrankThrow(main_journal_diameter=0.2, oil_holes=holes, **given)
 

@@ -104,13 +104,7 @@ def truth(whole):
         )
         start = np.random.default_rng(0).normal(size=stiffness.shape[0])
         squares = eigsh(
-            stiffness,
-            24,
-            mass,
-            sigma=-shift,
-            OPinv=inverse,
-            v0=start,
-            return_eigenvectors=False,
+            stiffness, 24, mass, sigma=-shift, OPinv=inverse, v0=start, return_eigenvectors=False
         )
     return frequencies_of(np.sort(squares))[6:]
 

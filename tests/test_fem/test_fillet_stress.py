@@ -356,9 +356,7 @@ def test_nominal_stresses_of_unequal_webs(dimensions):
 def test_nominal_section_lies_in_the_middle_of_the_overlap(dimensions):
     """Radii of 110 and 90 mm, axes 170 mm apart: 95 mm from the shaft."""
     throw = CrankThrow(
-        **dimensions | {"web_thickness": 0.06},
-        web_pin_end=0.125,
-        web_tip_thickness=0.05,
+        **dimensions | {"web_thickness": 0.06}, web_pin_end=0.125, web_tip_thickness=0.05
     )
     web = throw.parts.webs[0]
     section = web_section(throw.parts, web)

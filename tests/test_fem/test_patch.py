@@ -122,8 +122,7 @@ def test_linear_field_is_reproduced(request, monkeypatch, gradient, kind, curved
 
 
 @pytest.mark.parametrize(
-    ("kind", "of_displacements", "of_strains"),
-    [("sharp", 1e-6, 1e-4), ("filleted", 2e-5, 2e-3)],
+    ("kind", "of_displacements", "of_strains"), [("sharp", 1e-6, 1e-4), ("filleted", 2e-5, 2e-3)]
 )
 def test_curved_elements_with_the_own_rule(request, gradient, kind, of_displacements, of_strains):
     """The error of the four-point rule is there, and far below the mesh's own of some percent.

@@ -48,10 +48,7 @@ def throws(draw):
 
 @pytest.mark.further
 @settings(
-    max_examples=3,
-    deadline=None,
-    derandomize=True,
-    suppress_health_check=[HealthCheck.too_slow],
+    max_examples=3, deadline=None, derandomize=True, suppress_health_check=[HealthCheck.too_slow]
 )
 @given(sizes=throws(), growth=st.floats(1.05, 1.15))
 def test_stiffer_and_softer(axial_compliance, sizes, growth):

@@ -16,10 +16,7 @@ from fem.material import STEEL
 from fem.symmetry import axial_class
 from geometry.gmsh_session import gmsh_session
 from geometry.imported import import_throw
-from geometry.imported_mesh import (
-    mesh_imported_throw,
-    predict_imported_unknowns,
-)
+from geometry.imported_mesh import mesh_imported_throw, predict_imported_unknowns
 from geometry.isolated import IsolatedProcess, shared_process
 from geometry.mass import mass_properties
 from geometry.mesh import MESHING_STRATEGIES, mesh_throw

@@ -25,15 +25,7 @@ from geometry.shapes import (
     straighten_elements,
     triangle_shapes_at,
 )
-from geometry.solid import (
-    CRANK_PLANE,
-    FILLET,
-    LEFT_END,
-    MAIN_JOURNAL,
-    MIDDLE_PLANE,
-    PIN,
-    WEB,
-)
+from geometry.solid import CRANK_PLANE, FILLET, LEFT_END, MAIN_JOURNAL, MIDDLE_PLANE, PIN, WEB
 from geometry.throw import CrankThrow
 
 VARIANTS = {
@@ -173,10 +165,7 @@ def test_nodes_are_numbered_without_gaps_and_edge_nodes_lie_on_their_edges(coars
 def test_bit_identical_wherever_it_runs(dimensions, coarse_mesh):
     throw = CrankThrow(**dimensions)
     spawn = multiprocessing.get_context("spawn")
-    with (
-        ProcessPoolExecutor(1, mp_context=spawn) as processes,
-        ThreadPoolExecutor(1) as threads,
-    ):
+    with ProcessPoolExecutor(1, mp_context=spawn) as processes, ThreadPoolExecutor(1) as threads:
         away = processes.submit(mesh_throw, throw, 2.0)
         meshes = [mesh_throw(throw, 2.0), threads.submit(mesh_throw, throw, 2.0).result()]
         meshes.append(away.result(timeout=120))

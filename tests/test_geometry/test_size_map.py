@@ -93,13 +93,7 @@ def test_expected_unknowns_do_not_depend_on_the_order_of_corners(coarse_mesh):
 
 
 @pytest.mark.parametrize(
-    ("part", "size"),
-    [
-        ("quarter", 0.040),
-        ("quarter", 0.018),
-        ("half", 0.025),
-        ("full", 0.040),
-    ],
+    ("part", "size"), [("quarter", 0.040), ("quarter", 0.018), ("half", 0.025), ("full", 0.040)]
 )
 def test_expected_unknowns_are_about_those_made(throw, part, size):
     """Within 40 %, for budgets and time limits go by them."""

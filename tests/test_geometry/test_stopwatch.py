@@ -89,10 +89,7 @@ def test_two_watches_are_apart(clock):
 pieces = st.recursive(
     st.tuples(st.sampled_from("abc"), st.integers(0, 9), st.integers(0, 9), st.just([])),
     lambda inner: st.tuples(
-        st.sampled_from("abc"),
-        st.integers(0, 9),
-        st.integers(0, 9),
-        st.lists(inner, max_size=3),
+        st.sampled_from("abc"), st.integers(0, 9), st.integers(0, 9), st.lists(inner, max_size=3)
     ),
     max_leaves=12,
 )

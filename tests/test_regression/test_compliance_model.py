@@ -21,11 +21,7 @@ from regression.models.response_model import ResponseModel
 
 ROOT = Path(__file__).resolve().parents[2]
 FACTORS = ("web_width", "web_thickness", "pin_length")
-BOX = {
-    "web_width": (0.270, 0.330),
-    "web_thickness": (0.038, 0.098),
-    "pin_length": (0.120, 0.158),
-}
+BOX = {"web_width": (0.270, 0.330), "web_thickness": (0.038, 0.098), "pin_length": (0.120, 0.158)}
 RUNS = np.array(list(itertools.product(*(np.linspace(*box, 3) for box in BOX.values()))))
 HELDOUT = np.array(
     [

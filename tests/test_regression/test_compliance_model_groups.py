@@ -33,11 +33,7 @@ THROW = {
     "web_thickness": 0.068,
     "fillet_radius": 0.012,
 }
-BOX = {
-    "web_width": (0.270, 0.330),
-    "web_thickness": (0.050, 0.090),
-    "pin_length": (0.120, 0.158),
-}
+BOX = {"web_width": (0.270, 0.330), "web_thickness": (0.050, 0.090), "pin_length": (0.120, 0.158)}
 FIXED = {name: value for name, value in THROW.items() if name not in BOX} | {
     "main_journal_bore": 0.0,
     "pin_bore": 0.0,
@@ -79,10 +75,7 @@ def model():
         responses={
             "axial_compliance": group_response(frame, 1.0 / (E * pin), "e_n", "m/N"),
             "torsional_compliance": group_response(
-                lambda d: frame(d) / d["crank_radius"] ** 2,
-                1.0 / (E * pin**3),
-                "e_t",
-                "rad/(N m)",
+                lambda d: frame(d) / d["crank_radius"] ** 2, 1.0 / (E * pin**3), "e_t", "rad/(N m)"
             ),
             "mass": group_response(weight, RHO * pin**3, "m", "kg", support=""),
         },

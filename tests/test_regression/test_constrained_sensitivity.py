@@ -35,11 +35,7 @@ def test_a_plane_over_a_triangle(over_triangle, slopes):
     first = [(a - b / 2) ** 2 / 18, (b - a / 2) ** 2 / 18, free]
     total = [a * a / 24, b * b / 24, free]
     both = (a * a + b * b - a * b) / 18
-    shapley = [
-        (total[0] + both - total[1]) / 2,
-        (total[1] + both - total[0]) / 2,
-        free,
-    ]
+    shapley = [(total[0] + both - total[1]) / 2, (total[1] + both - total[0]) / 2, free]
     for given, expected in ((found.first, first), (found.total, total), (found.shapley, shapley)):
         assert given == close([value / variance for value in expected], abs=0.015)
     assert sum(found.shapley) == close(1.0)

@@ -42,11 +42,7 @@ from regression.plans.designs_space import (
 )
 from regression.plans.factors import Factor
 
-BOX = {
-    "web_width": (0.270, 0.330),
-    "web_thickness": (0.038, 0.098),
-    "pin_length": (0.120, 0.158),
-}
+BOX = {"web_width": (0.270, 0.330), "web_thickness": (0.038, 0.098), "pin_length": (0.120, 0.158)}
 
 
 def unit_factors(count):
@@ -514,12 +510,7 @@ def test_rows_of_ones_own_lose_their_repeats_and_say_so():
 
 @pytest.mark.parametrize(
     ("rows_", "message"),
-    [
-        (
-            ((0.0, 0.0), (0.0, 1.5)),
-            r"^study\.file: given B = 1.5 in row 2; allowed is the factor's",
-        ),
-    ],
+    [(((0.0, 0.0), (0.0, 1.5)), r"^study\.file: given B = 1.5 in row 2; allowed is the factor's")],
 )
 def test_rows_that_do_not_fit(rows_, message):
     with pytest.raises(InputError, match=message):

@@ -13,11 +13,7 @@ from regression.fits.fits import fit_form
 from regression.fits.forms import FORMS
 
 FACTORS = ("web_width", "web_thickness", "pin_length")
-BOX = {
-    "web_width": (0.270, 0.330),
-    "web_thickness": (0.038, 0.098),
-    "pin_length": (0.120, 0.158),
-}
+BOX = {"web_width": (0.270, 0.330), "web_thickness": (0.038, 0.098), "pin_length": (0.120, 0.158)}
 LOW, HIGH = np.array(list(BOX.values())).T
 RUNS = np.array(list(itertools.product(*(np.linspace(*box, 3) for box in BOX.values()))))
 HELDOUT = qmc.scale(qmc.LatinHypercube(3, rng=5).random(12), LOW, HIGH)
@@ -138,11 +134,7 @@ def test_constant_response():
 
 
 @settings(deadline=None, max_examples=30)
-@given(
-    size=st.floats(1e-4, 1e4),
-    response_size=st.floats(1e-12, 1e12),
-    form=st.sampled_from(KINDS),
-)
+@given(size=st.floats(1e-4, 1e4), response_size=st.floats(1e-12, 1e12), form=st.sampled_from(KINDS))
 def test_unit_invariance(size, response_size, form):
     """Fitted in mm and nm/N instead of m and m/N, the same throws get the same compliance."""
     plain = fit(form)

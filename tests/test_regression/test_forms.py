@@ -7,12 +7,7 @@ import pytest
 from comparing import close
 from crankbase.errors import InputError
 from regression.fits.forms import FORMS, FittedForm, form_named, form_terms
-from regression.fits.terms import (
-    divisors,
-    levels_needed,
-    polynomial_terms,
-    term_name,
-)
+from regression.fits.terms import divisors, levels_needed, polynomial_terms, term_name
 
 COUNTS = {  # of three columns
     "linear": 4,

@@ -18,11 +18,7 @@ from regression.models.optimum import find_optimum
 from regression.models.optimum_limits import Limit, Points, worst_values
 from regression.models.response_model import ResponseModel
 
-BOX = {
-    "web_width": (0.270, 0.330),
-    "web_thickness": (0.038, 0.098),
-    "pin_length": (0.120, 0.158),
-}
+BOX = {"web_width": (0.270, 0.330), "web_thickness": (0.038, 0.098), "pin_length": (0.120, 0.158)}
 FIXED = {
     "crank_radius": 0.170,
     "main_journal_diameter": 0.220,

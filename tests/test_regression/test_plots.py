@@ -129,10 +129,7 @@ def test_a_model_over_one_factor(model):
         InputError, match="over: given 'mass'; allowed are web_width, web_thickness"
     ):
         model.plot(over="mass")
-    for swept, given in (
-        ("web_width", {"web_width": 0.31}),
-        ("gamma_deg", {"gamma_deg": 60.0}),
-    ):
+    for swept, given in (("web_width", {"web_width": 0.31}), ("gamma_deg", {"gamma_deg": 60.0})):
         with pytest.raises(InputError, match=f"{swept}: given .* with 'over={swept}'; allowed is"):
             model.plot(over=swept, **given)
 

@@ -319,10 +319,7 @@ def stored_versions(store):
     ("other", "new"),
     [
         # Two new runs at 0.310, and the held-out design moves with the range.
-        (
-            plan_of_levels(SHARP, TWO | {"web_width": (0.280, 0.310)}, held_out=1, accuracy=0.1),
-            3,
-        ),
+        (plan_of_levels(SHARP, TWO | {"web_width": (0.280, 0.310)}, held_out=1, accuracy=0.1), 3),
         # Another factor: the four corners at the old web thickness are there, four more are not.
         (
             plan_of_levels(

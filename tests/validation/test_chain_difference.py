@@ -26,10 +26,7 @@ from crankfem.analyses.vibration.bearing_sweep import (
     in_bearings,
 )
 from dynamics.crankshaft.assembly import assemble_crankshaft
-from dynamics.crankshaft.chain_difference import (
-    CAUSES,
-    frequency_difference,
-)
+from dynamics.crankshaft.chain_difference import CAUSES, frequency_difference
 from dynamics.crankshaft.mode_matches import match_modes
 from dynamics.crankshaft.shaft_modes import crankshaft_modes
 
@@ -180,11 +177,7 @@ def test_flywheel_without_inertia_about_a_diameter(case, figure):
     around, _ = shaft_surroundings(case.engine, case.analysis)
     thin = replace(around, flywheel=replace(around.flywheel, diametral_inertia=0.0))
     element = case.analysis.dynamic_superelement(HIGHEST)
-    throws = shaft_throws(
-        element,
-        case.engine.throw,
-        crank_angles_deg=case.engine.throw_angles_deg,
-    )
+    throws = shaft_throws(element, case.engine.throw, crank_angles_deg=case.engine.throw_angles_deg)
     shaft = assemble_crankshaft(throws, thin, turning_sense=case.engine.engine.turning_sense)
     modes = case.chain.chain.modes()
     (match,) = match_modes(

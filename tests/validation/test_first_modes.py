@@ -50,10 +50,7 @@ def test_summary_names_the_mode_of_the_crankshaft(run):
         "vibration": run_record(run),
         "inputs": [],
         "checks": [],
-        "throw": {
-            "error_estimate": 0.0,
-            "supports": {"pinned": {"axial_compliance": 1e-9}},
-        },
+        "throw": {"error_estimate": 0.0, "supports": {"pinned": {"axial_compliance": 1e-9}}},
     }
     (found,) = [one for one in summary(results)["figures"] if "torsional" in one["label"]]
     first = run.torsional.chosen.first_frequency

@@ -182,10 +182,7 @@ def test_engine_left_out_of_its_family(response, unit, held_out_within, engine_w
 def test_coding_of_the_study_is_well_conditioned():
     found = best("36")
     coded = code(
-        paper("36")[0],
-        found.fitted.center,
-        found.fitted.half_range,
-        found.fitted.log_factors,
+        paper("36")[0], found.fitted.center, found.fitted.half_range, found.fitted.log_factors
     )
     assert np.linalg.cond(design_matrix(found.fitted.terms, coded)) < 20.0
 

@@ -37,10 +37,7 @@ def mechanism_record(run: MechanismRun) -> Record:
         "power": run.torque.power,
         "mean_indicated_pressure": _mean_indicated_pressure(run),
         "rated": None if mechanism.power is None else power_record(mechanism.power),
-        "torque": {
-            "mean": run.torque.mean,
-            **_extremes(torque, forces.shaft_angles_deg),
-        },
+        "torque": {"mean": run.torque.mean, **_extremes(torque, forces.shaft_angles_deg)},
         "energy_error": run.torque.energy_error,
         "cylinders": [
             {
@@ -190,10 +187,7 @@ def force_columns(
     With accelerations of the pistons on the first crankpin that has hinged rods, and the load of the first
     crankpin by two rod models, if they are compared.
     """
-    columns = {
-        "shaft_angle_deg": run.forces.shaft_angles_deg,
-        "torque_Nm": run.torque.total,
-    }
+    columns = {"shaft_angle_deg": run.forces.shaft_angles_deg, "torque_Nm": run.torque.total}
     for place in range(len(run.layout.cylinders)):
         for name, values in (
             ("gas_force_N", run.forces.gas),

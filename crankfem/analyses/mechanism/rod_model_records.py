@@ -30,11 +30,7 @@ def rod_mass_records(layout: EngineLayout) -> list[Record]:
     rods = [cylinder.rod for cylinder in layout.cylinders]
     found = []
     for rod in dict.fromkeys(rods):
-        places = {
-            "at_foot": 0j,
-            "at_piston_pin": complex(rod.length),
-            "at_center": rod.center,
-        }
+        places = {"at_foot": 0j, "at_piston_pin": complex(rod.length), "at_center": rod.center}
         rows = []
         for model in map(rod.model, ROD_MODELS):
             masses = dict(zip(model.places, model.masses, strict=True))
@@ -118,10 +114,7 @@ def model_difference_record(found: ModelDifference) -> Record:
 
 def _largest(name: str, shares: FloatArray, degrees: FloatArray) -> Record:
     place = int(np.argmax(np.abs(shares)))
-    return {
-        f"largest_{name}": float(shares[place]),
-        f"largest_{name}_deg": float(degrees[place]),
-    }
+    return {f"largest_{name}": float(shares[place]), f"largest_{name}_deg": float(degrees[place])}
 
 
 def model_difference_table(record: Record) -> Table | None:

@@ -48,10 +48,7 @@ def refuse_law(engine_file: EngineFile) -> None:
     InputError
     """
     vibration = engine_file.vibration
-    for kind, own in (
-        ("axial", vibration.axial_source),
-        ("torsional", vibration.torsional_source),
-    ):
+    for kind, own in (("axial", vibration.axial_source), ("torsional", vibration.torsional_source)):
         if own.casefold() != LAW:
             continue
         try:

@@ -22,9 +22,7 @@ Remarks = tuple[str, ...]
 
 
 def shaft_surroundings(
-    engine_file: EngineFile,
-    analysis: Analyses,
-    bearings: MainBearings | None = None,
+    engine_file: EngineFile, analysis: Analyses, bearings: MainBearings | None = None
 ) -> tuple[ShaftSurroundings, tuple[str, ...]]:
     """Return the surroundings of the throws, as the engine file gives them.
 

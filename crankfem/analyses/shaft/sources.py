@@ -51,9 +51,7 @@ def compliances_in_shaft(
     throws = [own.superelement for own in crank_analyses(engine_file, analysis)]
     held = bearing_stiffness(engine_file).nominal if stiffness is None else stiffness
     return shaft_compliances(
-        throws,
-        crank_angles_deg=engine_file.throw_angles_deg,
-        bearing_stiffness=held,
+        throws, crank_angles_deg=engine_file.throw_angles_deg, bearing_stiffness=held
     )
 
 

@@ -24,11 +24,7 @@ from crankfem.files.engine.engine_file import EngineFile
 from crankfem.files.sections.excitation_sections import PropellerForcesSection
 from dynamics.chains.engine_chains import EngineChain, Kind
 from dynamics.crankshaft.assembly import assemble_crankshaft
-from dynamics.crankshaft.chain_comparison import (
-    ChainVerdict,
-    chain_verdict,
-    matching_response,
-)
+from dynamics.crankshaft.chain_comparison import ChainVerdict, chain_verdict, matching_response
 from dynamics.crankshaft.chain_difference import FlywheelTilt, FrequencyDifference
 from dynamics.crankshaft.coupled_response import CoupledResponse, coupled_response
 from dynamics.crankshaft.joined_lines import MOTION_OF
@@ -100,11 +96,7 @@ class WholeShaft:
         return None if first is None else float(self.rotation_ratios[first - self.modes.rigid])
 
     def plot(
-        self,
-        axes: "Axes | None" = None,
-        *,
-        mode: int | None = None,
-        radius: float | None = None,
+        self, axes: "Axes | None" = None, *, mode: int | None = None, radius: float | None = None
     ) -> "Axes":
         """Draw the shape of one mode; see `ShaftModes.plot`."""
         return self.modes.plot(axes, mode=mode, radius=radius)
@@ -243,10 +235,7 @@ def whole_shaft(
     throws = [
         throw
         for own, element, angle_deg in zip(
-            engine_file.crank_throws,
-            elements,
-            engine_file.throw_angles_deg,
-            strict=True,
+            engine_file.crank_throws, elements, engine_file.throw_angles_deg, strict=True
         )
         for throw in shaft_throws(element.shared_with(widest), own, crank_angles_deg=[angle_deg])
     ]

@@ -137,7 +137,7 @@ ACCURACY = 0.1
 
 
 @summarized(
-    *("throw", "place", "name", "safety", "speed [rad/s]", "shaft_angle_deg [deg]", "cylinders"),
+    *("throw", "place", "name", "safety", "speed [rad/s]", "shaft_angle_deg [deg]", "cylinders")
 )
 @dataclass(frozen=True)
 class FatiguePlace:

@@ -144,11 +144,7 @@ def factor_table(record: Record) -> Table:
             *(Column(symbol, decimals=3) for symbol in SYMBOLS.values()),
         ],
         [
-            [
-                "all" if ways.count(way) == 1 else ", ".join(webs),
-                *([way] if both else []),
-                *values,
-            ]
+            ["all" if ways.count(way) == 1 else ", ".join(webs), *([way] if both else []), *values]
             for (way, values), webs in rows.items()
         ],
     )

@@ -45,10 +45,7 @@ class ExportedDesigns:
 
 
 def export_designs(
-    planned: PlannedStudy,
-    folder: Path,
-    kind: str,
-    progress: Callable[[int, int], None],
+    planned: PlannedStudy, folder: Path, kind: str, progress: Callable[[int, int], None]
 ) -> ExportedDesigns:
     """Write a table of a study's designs, and a mesh or a solid of each.
 

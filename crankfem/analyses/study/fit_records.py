@@ -256,10 +256,7 @@ def coefficient_units(found: ResponseFits, fit: Fit, factor_units: Mapping[str, 
         return {"coefficient_units": own, "coded_unit": own}
     terms = [[columns[place] for place in term] for term in form.natural_coefficients()]
     units = [f"({own})/({' '.join(filter(None, term))})" if any(term) else own for term in terms]
-    return {
-        "coefficient_units": dict(zip(fit.coefficients, units, strict=True)),
-        "coded_unit": own,
-    }
+    return {"coefficient_units": dict(zip(fit.coefficients, units, strict=True)), "coded_unit": own}
 
 
 def warnings_of(fit: Fit) -> list[str]:

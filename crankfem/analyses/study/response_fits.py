@@ -36,13 +36,7 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 
 # What a table of the forms says of each.
-ERRORS = (
-    "r_squared",
-    "q_squared",
-    "largest_error",
-    "largest_heldout_error",
-    "mean_heldout_error",
-)
+ERRORS = ("r_squared", "q_squared", "largest_error", "largest_heldout_error", "mean_heldout_error")
 
 
 @summarized(

@@ -401,10 +401,7 @@ def _dampers(run: EngineVibration, cases: FiringCases) -> DocumentPart:
 
 def _limits(cases: FiringCases) -> DocumentPart:
     return DocumentPart(
-        "limits",
-        "Limits",
-        (),
-        (DocumentTable("limits", stress_tables.limit_source_table(cases)),),
+        "limits", "Limits", (), (DocumentTable("limits", stress_tables.limit_source_table(cases)),)
     )
 
 

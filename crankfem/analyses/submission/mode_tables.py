@@ -234,10 +234,7 @@ def vector_table(run: EngineVibration) -> Table:
         "Vector sums by order and mode, and their share of the largest possible sum",
         columns,
         [
-            [
-                order,
-                *(cell for own in stars for cell in (own[place].resultant, own[place].share)),
-            ]
+            [order, *(cell for own in stars for cell in (own[place].resultant, own[place].share))]
             for place, order in enumerate(orders_of(run).tolist())
         ],
         note="Amplitudes of the cylinders relative to the first mass; highlighted orders are major: all "

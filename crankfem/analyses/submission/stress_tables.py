@@ -8,13 +8,7 @@ import numpy as np
 from crankbase.checks.arrays import FloatArray
 from crankbase.tables.table import Cell, Column, Table
 from crankbase.units.number_formats import UNBOUNDED
-from crankfem.analyses.submission.firing_cases import (
-    MEANING,
-    STRESS,
-    TORQUE,
-    FiringCases,
-    limit_of,
-)
+from crankfem.analyses.submission.firing_cases import MEANING, STRESS, TORQUE, FiringCases, limit_of
 from crankfem.analyses.vibration.firing_check import Reached, permitted_at
 from crankfem.analyses.vibration.run import EngineVibration
 from dynamics.assessment.verdict import Verdict
@@ -283,11 +277,7 @@ def limit_source_table(cases: FiringCases) -> Table:
     }
     return Table(
         "Limits and their sources",
-        [
-            Column("limit", words=True),
-            Column("source", words=True),
-            Column("remark", words=True),
-        ],
+        [Column("limit", words=True), Column("source", words=True), Column("remark", words=True)],
         list(rows.values()),
     )
 

@@ -27,10 +27,7 @@ _AXIAL = {
     f"{INFLUENCE}_guided": ("influence_guided", "m/N"),
     "tilt_stiffness_ratio": ("ratio", ""),
 }
-_TORSIONAL = {
-    TORSIONAL: ("pinned", "rad/(N m)"),
-    f"{TORSIONAL}_guided": ("guided", "rad/(N m)"),
-}
+_TORSIONAL = {TORSIONAL: ("pinned", "rad/(N m)"), f"{TORSIONAL}_guided": ("guided", "rad/(N m)")}
 
 
 def law_answers(

@@ -88,10 +88,7 @@ def _cause(found: PeakCause) -> Record:
         *("order", "contribution", "amplitude", "state", "kind", "mode", "mode_share"),
         *("magnifier", "detuning"),
     )
-    return {
-        "sentence": found.reasons,
-        "orders": [attributes(one, *names) for one in found.parts],
-    }
+    return {"sentence": found.reasons, "orders": [attributes(one, *names) for one in found.parts]}
 
 
 def _range(found: BarredRange) -> Record:

@@ -264,8 +264,7 @@ def bearing_sweep(
             else engine_verdict(
                 engine_file,
                 limit_findings(
-                    engine_file,
-                    *(one.answers or _answers(engine_file, one, analysis, harmonics)),
+                    engine_file, *(one.answers or _answers(engine_file, one, analysis, harmonics))
                 ),
             )
             for place, one in enumerate(each)

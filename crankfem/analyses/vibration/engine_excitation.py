@@ -14,10 +14,7 @@ from crankfem.analyses.vibration.modes import SourceResult
 from crankfem.files.engine.engine_file import EngineFile
 from crankfem.files.engine.mechanism_file import MechanismFile
 from crankfem.files.engine.mechanism_load import full_load_only, pressure_maps
-from crankfem.files.sections.excitation_sections import (
-    gas_map_load,
-    motored_for_misfire,
-)
+from crankfem.files.sections.excitation_sections import gas_map_load, motored_for_misfire
 from dynamics.chains.engine_chains import EngineChain, Kind
 from dynamics.critical import engine_orders
 from dynamics.excitation.axial_comparison import AxialForceComparison, compare_axial_forces

@@ -74,9 +74,7 @@ class Limited(Protocol):
         """Nominal torsional stress; None in the axial direction."""
 
 
-def engine_limits(
-    engine_file: EngineFile,
-) -> tuple[dict[str, VibrationLimit], tuple[str, ...]]:
+def engine_limits(engine_file: EngineFile) -> tuple[dict[str, VibrationLimit], tuple[str, ...]]:
     """Return the limits on an engine's vibration.
 
     Parameters

@@ -27,12 +27,7 @@ TOLD = (0.25, 0.5, 0.75)
 
 
 @summarized(
-    "law",
-    "speeds [rad/s]",
-    "power [W]",
-    "mean_pressure [Pa]",
-    "peak_pressure [Pa]",
-    "sentence",
+    "law", "speeds [rad/s]", "power [W]", "mean_pressure [Pa]", "peak_pressure [Pa]", "sentence"
 )
 @dataclass(frozen=True, eq=False)
 class EngineLoad:

@@ -172,9 +172,7 @@ class Misfiring:
 
 
 def misfiring_or_reason(
-    chains: EngineChains,
-    mechanism: MechanismFile,
-    harmonics: CylinderHarmonics,
+    chains: EngineChains, mechanism: MechanismFile, harmonics: CylinderHarmonics
 ) -> tuple[Misfiring | None, str]:
     """Calculate the vibration while cylinders misfire; without a section [misfire] each one in turn.
 

@@ -20,12 +20,7 @@ from crankfem.analyses.shaft.chains import (
     engine_torsional_chain,
 )
 from crankfem.analyses.shaft.motion import MOTION
-from crankfem.analyses.shaft.sources import (
-    GIVEN,
-    Sources,
-    axial_sources,
-    torsional_sources,
-)
+from crankfem.analyses.shaft.sources import GIVEN, Sources, axial_sources, torsional_sources
 from crankfem.analyses.shaft.throw_analyses import Analyses, crank_analyses
 from crankfem.analyses.titles import short_name
 from crankfem.analyses.vibration.engine_limits import assessment_end_speeds
@@ -191,12 +186,7 @@ class Vibration:
     unusable: tuple[str, ...]
     criticals: tuple[WeightedCritical, ...]
 
-    def plot(
-        self,
-        axes: "Axes | None" = None,
-        *,
-        count: int = SHAPES_SHOWN,
-    ) -> "Axes":
+    def plot(self, axes: "Axes | None" = None, *, count: int = SHAPES_SHOWN) -> "Axes":
         """Draw the mode shapes of the chosen chain.
 
         Parameters

@@ -144,11 +144,7 @@ class EngineVibration:
         return None if self.assessment is None else self.assessment.verdict.checks[0]
 
     def plot(
-        self,
-        axes: "Axes | None" = None,
-        *,
-        kind: Kind = "torsional",
-        show: Shown = "campbell",
+        self, axes: "Axes | None" = None, *, kind: Kind = "torsional", show: Shown = "campbell"
     ) -> "Axes":
         """Draw one diagram of one kind of vibration.
 
@@ -222,11 +218,7 @@ class EngineVibration:
         ]
         kinds, numbers, frequencies = zip(*rows, strict=True)
         return table(
-            {
-                "kind": (kinds, ""),
-                "mode": (numbers, "1"),
-                "frequency": (frequencies, "Hz"),
-            }
+            {"kind": (kinds, ""), "mode": (numbers, "1"), "frequency": (frequencies, "Hz")}
         )
 
     def _draw_campbell(

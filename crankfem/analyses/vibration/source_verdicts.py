@@ -7,11 +7,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from crankfem.analyses.vibration.engine_limits import (
-    engine_limits,
-    engine_verdict,
-    limit_findings,
-)
+from crankfem.analyses.vibration.engine_limits import engine_limits, engine_verdict, limit_findings
 from crankfem.analyses.vibration.forced import ForcedVibration
 from crankfem.analyses.vibration.modes import Vibration
 from crankfem.files.engine.engine_file import EngineFile

@@ -423,10 +423,7 @@ def whole_critical_table(record: Record, kind: str) -> Table:
     found = record["criticals"][kind]
     largest = sorted(
         found["peaks"],
-        key=lambda one: (
-            one["share"] < 1.0,
-            -math.inf if one["value"] is None else -one["value"],
-        ),
+        key=lambda one: (one["share"] < 1.0, -math.inf if one["value"] is None else -one["value"]),
     )
     shown = sorted(largest[:ROWS_SHOWN], key=lambda one: one["speed_rpm"])
     left = found["left_out"] + len(largest) - len(shown)

@@ -16,8 +16,7 @@ def class_(
     output: Annotated[
         str,
         typer.Option(
-            metavar="FOLDER",
-            help="Folder for the document, its tables as CSV and its diagrams.",
+            metavar="FOLDER", help="Folder for the document, its tables as CSV and its diagrams."
         ),
     ],
     strict: StrictOption = False,

@@ -29,8 +29,7 @@ def fit(
         ),
     ] = None,
     form: Annotated[
-        str | None,
-        typer.Option(help="Form to use for every response in place of the chosen ones."),
+        str | None, typer.Option(help="Form to use for every response in place of the chosen ones.")
     ] = None,
     response: Annotated[
         str | None,

@@ -144,10 +144,7 @@ def _all_engines(asked: _Request) -> None:
     spreads = spread_of_engines(
         [(name, *load_throw(name)) for name in shipped_names("engine")],
         functools.partial(
-            engine_spread,
-            gamma_deg=asked.gamma,
-            variant=asked.variant,
-            constants=asked.constants,
+            engine_spread, gamma_deg=asked.gamma, variant=asked.variant, constants=asked.constants
         ),
         lambda place, count, name: console.print_note(
             f"finite elements: {name} ({place} of {count})", asked.out.quiet

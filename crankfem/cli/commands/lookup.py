@@ -8,12 +8,7 @@ import typer
 from crankbase.errors import InputError
 from crankbase.wrong_files import not_a_file
 from crankfem.cli.commands import completion
-from crankfem.cli.commands.options import (
-    GammaOption,
-    ModelArgument,
-    Output,
-    with_output,
-)
+from crankfem.cli.commands.options import GammaOption, ModelArgument, Output, with_output
 from crankfem.cli.console import print_json, print_line
 
 if TYPE_CHECKING:

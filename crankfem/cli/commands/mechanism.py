@@ -8,12 +8,7 @@ import typer
 from crankbase.checks.choices import check_choice
 from crankbase.errors import InputError
 from crankfem.cli import console
-from crankfem.cli.commands.options import (
-    EngineArgument,
-    Output,
-    SpeedOption,
-    with_output,
-)
+from crankfem.cli.commands.options import EngineArgument, Output, SpeedOption, with_output
 from crankfem.cli.console import print_json
 from dynamics.mechanism.rod_model_names import ROD_MODELS, RodModelName
 

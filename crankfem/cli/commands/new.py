@@ -45,8 +45,7 @@ def new(
         ),
     ] = None,
     strokes: Annotated[
-        int | None,
-        typer.Option(help="Its strokes per cycle, 2 or 4.", show_default=str(STROKES)),
+        int | None, typer.Option(help="Its strokes per cycle, 2 or 4.", show_default=str(STROKES))
     ] = None,
     listed: Annotated[bool, typer.Option("--list", help="List what is shipped.")] = False,
     *,

@@ -70,8 +70,7 @@ GammaOption = Annotated[
 JsonOption = Annotated[
     bool,
     typer.Option(
-        "--json",
-        help="Print only machine-readable results, in SI units, on standard output.",
+        "--json", help="Print only machine-readable results, in SI units, on standard output."
     ),
 ]
 QuietOption = Annotated[

@@ -7,12 +7,7 @@ from typing import Annotated, Any, cast
 import typer
 
 from crankbase.errors import InputError
-from crankfem.cli.commands.options import (
-    Output,
-    ThrowArgument,
-    ThrowOption,
-    with_output,
-)
+from crankfem.cli.commands.options import Output, ThrowArgument, ThrowOption, with_output
 from crankfem.cli.console import print_json, print_line
 from fem.wished_accuracy import COMPLIANCE_ACCURACY, STRESS_ACCURACY
 

@@ -50,12 +50,7 @@ def reaction_record(
         } | {"inside": bool(answer.inside)}
     if not found:
         raise InputError(next(iter(refused.values())))
-    return {
-        "pin_force": force,
-        "radial_force": -force[1],
-        "supports": found,
-        "refused": refused,
-    }
+    return {"pin_force": force, "radial_force": -force[1], "supports": found, "refused": refused}
 
 
 def print_reactions(record: Record, units: OutputUnits) -> None:

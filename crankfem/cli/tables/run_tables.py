@@ -67,10 +67,7 @@ def _limits(checks: list[dict[str, Any]], units: OutputUnits) -> Table:
     return Table.of_records(
         "Limits, each at its worst location and running speed",
         worst_of_each(checks),
-        (
-            Column("limit", words=True),
-            lambda one: one["limit"].removesuffix(f" of {one['place']}"),
-        ),
+        (Column("limit", words=True), lambda one: one["limit"].removesuffix(f" of {one['place']}")),
         (Column("where", words=True), "place"),
         (Column("at", "1/min", decimals=1), lambda one: one["speed_rpm"] / RPM),
         (Column("reached"), lambda one: units.text(reached_and_permitted(one)[0])),

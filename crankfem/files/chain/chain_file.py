@@ -22,10 +22,7 @@ from fem.material import STEEL, Material
 SMALLEST, LARGEST = 1e-20, 1e20
 SIZES = ("inertia", "stiffness", "ground", "damping", "ground_damping", "distributed_inertia")
 
-KINDS: dict[str, type[Section]] = {
-    "torsional": TorsionalChainSection,
-    "axial": AxialChainSection,
-}
+KINDS: dict[str, type[Section]] = {"torsional": TorsionalChainSection, "axial": AxialChainSection}
 
 
 @summarized("name", "kind", "path", "chain.inertia", "chain.stiffness")

@@ -209,9 +209,7 @@ def check_thrust_bearing(thrust: ThrustBearing, throws: int) -> None:
 
 
 def check_strength(
-    strength: StrengthSection | None,
-    throws: Sequence[CrankThrow],
-    gas: Gas | GasMap | None,
+    strength: StrengthSection | None, throws: Sequence[CrankThrow], gas: Gas | GasMap | None
 ) -> None:
     """Refuse strength without forces, or for throws that the rule does not cover.
 

@@ -63,12 +63,7 @@ from crankfem.files.sections.load_section import LoadSection
 from crankfem.files.sections.mechanism_sections import Gas, HingedRods, Piston, Rod
 from crankfem.files.sections.strength_section import StrengthSection
 from crankfem.files.sections.study_section import StudySection
-from crankfem.files.sections.vibration_sections import (
-    Bearings,
-    Damping,
-    Driven,
-    ShaftLineFiles,
-)
+from crankfem.files.sections.vibration_sections import Bearings, Damping, Driven, ShaftLineFiles
 from crankfem.files.study.study_file import study_plan
 from dynamics.chains.chain import Chain
 from fem.material import STEEL, Material
@@ -306,12 +301,7 @@ load, gas_map, misfire, propeller_forces, limits, ranges, strength, torque_table
         if throws and "throw" not in made:
             made["throw"] = throws[free_end_throw_name(throws, made.get("shaft", self.shaft))]
         return replace(
-            self,
-            **made,
-            study=study,
-            records=records,
-            provenance=provenance,
-            throws_by_name=throws,
+            self, **made, study=study, records=records, provenance=provenance, throws_by_name=throws
         )
 
     def _study_of(

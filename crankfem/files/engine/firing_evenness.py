@@ -7,12 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from crankfem.files.sections.engine_sections import Engine
-from dynamics.engine.firing import (
-    EVEN,
-    even_firing_order,
-    least_uneven_order,
-    repeating_intervals,
-)
+from dynamics.engine.firing import EVEN, even_firing_order, least_uneven_order, repeating_intervals
 
 # Intervals that differ so many times more than those of another order look like a slip.
 MUCH = 2.0

@@ -26,12 +26,7 @@ from crankfem.files.engine.throw_file import ThrowFile, load_throw_file
 from crankfem.files.engine.usual_sizes import engine_warnings
 from crankfem.files.reading.data_files import InputFiles
 from crankfem.files.reading.toml_file import InputRecord, TomlFile
-from crankfem.files.sections.crank_throws import (
-    PLAIN,
-    read_throws,
-    throw_names,
-    throws_along_shaft,
-)
+from crankfem.files.sections.crank_throws import PLAIN, read_throws, throw_names, throws_along_shaft
 from crankfem.files.sections.cylinder_pressures import cylinder_pressures
 from crankfem.files.sections.engine_sections import Engine, Flywheel, FreeEnd, ShaftLayout
 from crankfem.files.sections.load_section import LoadSection

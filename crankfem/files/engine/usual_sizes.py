@@ -79,11 +79,7 @@ OF_THROW = {
     "pin_bore": "pin_bore",
 }
 OF_WEB = {"thickness": "web_thickness", "width": "web_width"}
-OF_PIN = {
-    "crank_radius": "crank_radius",
-    "diameter": "pin_diameter",
-    "length": "pin_length",
-}
+OF_PIN = {"crank_radius": "crank_radius", "diameter": "pin_diameter", "length": "pin_length"}
 
 
 def throw_warnings(throws: Mapping[str, CrankThrow]) -> Iterator[str]:

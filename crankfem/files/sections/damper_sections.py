@@ -37,11 +37,7 @@ class TorsionalDamperSection(InputModel):
         default=None,
     )
     loss_factor: float | None = quantity_field(
-        "loss factor of the rubber, for kind rubber",
-        "",
-        minimum=0.0,
-        maximum=2.0,
-        default=None,
+        "loss factor of the rubber, for kind rubber", "", minimum=0.0, maximum=2.0, default=None
     )
 
     @model_validator(mode="after")
@@ -105,12 +101,7 @@ class TorsionalDamperPart(InputModel):
     damping: float = _part_quantity("viscous damping", "N m s/rad")
     stiffness: float | None = _part_quantity("dynamic stiffness of the rubber", "N m/rad", None)
     loss_factor: float = quantity_field(
-        "loss factor, hysteretic damping",
-        "",
-        minimum=0.0,
-        maximum=2.0,
-        default=0.0,
-        feature=True,
+        "loss factor, hysteretic damping", "", minimum=0.0, maximum=2.0, default=0.0, feature=True
     )
 
     def damper(self, field: str) -> TorsionalDamper:

@@ -49,8 +49,7 @@ class GasMap(InputModel):
         description="quantity of which load is a share: torque (or mean effective pressure), or power",
     )
     law: Literal["propeller", "constant"] | None = Field(
-        None,
-        description="load over the speed; none if each speed has its own diagram",
+        None, description="load over the speed; none if each speed has its own diagram"
     )
     rated_load: float = quantity_field(
         "load at the rated speed (propeller), or at all speeds (constant)",

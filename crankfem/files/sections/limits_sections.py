@@ -12,11 +12,7 @@ from crankbase.errors import InputError
 from crankbase.model import InputModel, part_field, quantity_field
 from crankbase.units.quantity import format_quantity
 from dynamics.assessment.barred_ranges import BarredRangeRule
-from dynamics.assessment.limit_rules import (
-    CRANKSHAFT_RULES,
-    SHAFT_FEATURES,
-    propulsion_shaft_limit,
-)
+from dynamics.assessment.limit_rules import CRANKSHAFT_RULES, SHAFT_FEATURES, propulsion_shaft_limit
 from dynamics.assessment.limit_rules import Kind as EngineKind
 from dynamics.assessment.limits import VibrationLimit, given_limit
 from dynamics.assessment.spreads import Kind, Spread

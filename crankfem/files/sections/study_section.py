@@ -47,11 +47,7 @@ class StudySection(InputModel):
         default=StudyPlan.held_out,
     )
     seed: int = quantity_field(
-        "seed of all random draws",
-        "",
-        minimum=0,
-        maximum=2**31 - 1,
-        default=StudyPlan.seed,
+        "seed of all random draws", "", minimum=0, maximum=2**31 - 1, default=StudyPlan.seed
     )
     accuracy: float = quantity_field(
         "relative accuracy of each design's axial compliance",

@@ -105,11 +105,7 @@ def figure_of(curves: Curves, title: str) -> Figure:
     drawn: list[Band | Mark] = [*curves.bands, *curves.marks]
     for one in drawn:
         # The first of several shapes stands in the legend, from where it switches all.
-        legend = {
-            "name": one.name,
-            "legendgroup": one.name,
-            "showlegend": one.name not in named,
-        }
+        legend = {"name": one.name, "legendgroup": one.name, "showlegend": one.name not in named}
         named.add(one.name)
         shapes.append(
             _upright(one, **legend)

@@ -31,9 +31,7 @@ def draw_gas_force(axes: "Axes", points: Sequence[HingeMoment]) -> None:
 
 
 def draw_moments(
-    axes: "Axes",
-    points: Sequence[HingeMoment],
-    given: Sequence[tuple[FloatArray, float] | None],
+    axes: "Axes", points: Sequence[HingeMoment], given: Sequence[tuple[FloatArray, float] | None]
 ) -> None:
     """Draw the hinge moment for constant speed at operating points, and that of the guides.
 
