@@ -25,6 +25,7 @@ from crankfem.analyses.vibration.run_up import RunUp
 from crankfem.analyses.vibration.whole_verdict import whole_criticals
 from crankfem.files.engine.firing_evenness import firing_evenness, firing_sentence
 from dynamics.chains.engine_chains import CRANKSHAFT_MODE
+from dynamics.crankshaft.coupled_response import CoupledResponse
 from dynamics.excitation.axial_comparison import AxialForceComparison
 from dynamics.response.damped_criticals import DampedCritical
 from dynamics.response.series import OrderSeries
@@ -78,9 +79,11 @@ def _whole_criticals(run: EngineVibration, highest: float) -> Record:
                 "left_out": left_out,
                 "peaks": [
                     {
-                        **attributes(one, "order", "place", "value", "mode", "frequency"),
-                        **attributes(one, "damping_ratio", "share"),
-                        "speed_rpm": one.speed * RPM,
+                        **attributes(one, "order", "place"),
+                        "value": one.amplitude,
+                        **_mode_at_resonance(one, run.comparison.coupled),
+                        "share": one.severity,
+                        "speed_rpm": one.speed_rpm,
                         "in_running_range": one.speed <= highest * (1.0 + 1e-9),
                         "unit": "m" if kind == "axial" else "N m",
                     }
@@ -90,6 +93,17 @@ def _whole_criticals(run: EngineVibration, highest: float) -> Record:
             for kind, (criticals, left_out) in found.items()
         }
     )
+
+
+def _mode_at_resonance(critical: DampedCritical, coupled: CoupledResponse | None) -> Record:
+    """Return number, undamped frequency [Hz] and damping ratio of the mode that makes a peak, if one does."""
+    if coupled is None or not critical.in_band:
+        return {"mode": 0, "frequency": None, "damping_ratio": None}
+    return {
+        "mode": critical.mode,
+        "frequency": coupled.total.system.elastic_frequencies[critical.mode - 1],
+        "damping_ratio": critical.damping_ratio,
+    }
 
 
 def _axial_force(run: EngineVibration) -> Record | None:
