@@ -15,7 +15,7 @@ from crankfem.report.text_filters import (
     sentence,
     with_three_digits,
 )
-from dynamics.assessment.limit_sentences import limit_at
+from dynamics.assessment.wording import limit_at
 
 Record = Mapping[str, Any]
 RESONANT = ("at resonance", "near resonance")

@@ -18,9 +18,13 @@ from crankfem.files.engine.engine_file import load_engine
 from crankfem.files.reading.data_files import input_path
 from dynamics.crankshaft.assembly import assemble_crankshaft
 from dynamics.crankshaft.coupled_response import coupled_response
-from dynamics.crankshaft.shaft_system import crankshaft_system
-from dynamics.crankshaft.shaft_throw import ShaftThrow
-from dynamics.crankshaft.surroundings import AxialSupport, MainBearings, ShaftSurroundings
+from dynamics.crankshaft.shaft_modes import crankshaft_system
+from dynamics.crankshaft.surroundings import (
+    AxialSupport,
+    MainBearings,
+    ShaftSurroundings,
+    ShaftThrow,
+)
 
 ALL = """
 [damping]

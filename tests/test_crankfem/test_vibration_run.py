@@ -28,7 +28,7 @@ from crankfem.files.engine.engine_file import load_engine
 from crankfem.files.engine.mechanism_file import load_mechanism, mechanism_of
 from crankfem.files.reading.data_files import input_path
 from crankfem.report.interactive.vibration import VIBRATION
-from dynamics.assessment.limit_sentences import shown_range
+from dynamics.assessment.wording import shown_range
 from dynamics.excitation.chain_excitation import axial_excitation
 from dynamics.response.forced import forced_response
 from dynamics.response.order_excitation import OrderExcitation

@@ -26,10 +26,13 @@ from crankfem.analyses.vibration.records import run_record
 from crankfem.analyses.vibration.run import engine_vibration
 from crankfem.files.engine.mechanism_file import load_mechanism
 from dynamics.chains.chain import Chain
-from dynamics.crankshaft.chain_comparison import ResponseMatch, chain_verdict
-from dynamics.crankshaft.chain_difference import FlywheelTilt
-from dynamics.crankshaft.mode_matches import ModeMatch
-from dynamics.crankshaft.shaft_system import crankshaft_system
+from dynamics.crankshaft.chain_comparison import (
+    FlywheelTilt,
+    ModeMatch,
+    ResponseMatch,
+    chain_verdict,
+)
+from dynamics.crankshaft.shaft_modes import crankshaft_system
 from dynamics.crankshaft.surroundings import MainBearings
 from dynamics.excitation.cylinder_harmonics import cylinder_harmonics
 from dynamics.excitation.cylinders import forces_at_speeds

@@ -6,14 +6,15 @@ from hypothesis import strategies as st
 from comparing import close
 from crankbase.errors import InputError
 from dynamics.assessment.separation import critical_ranges, separation_margin
-from dynamics.assessment.spreads import Spread, scaled_chain
 from dynamics.assessment.uncertainty import (
+    Spread,
     chain_samples,
     frequency_bounds,
     frequency_samples,
     frequency_sensitivities,
     function_samples,
     sampled_factors,
+    scaled_chain,
 )
 from dynamics.chains.chain import Chain
 from dynamics.chains.connections import Dashpot, Gear

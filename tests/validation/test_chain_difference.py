@@ -26,8 +26,7 @@ from crankfem.analyses.vibration.bearing_sweep import (
     in_bearings,
 )
 from dynamics.crankshaft.assembly import assemble_crankshaft
-from dynamics.crankshaft.chain_difference import CAUSES, frequency_difference
-from dynamics.crankshaft.mode_matches import match_modes
+from dynamics.crankshaft.chain_comparison import CAUSES, frequency_difference, match_modes
 from dynamics.crankshaft.shaft_modes import crankshaft_modes
 
 pytestmark = pytest.mark.further

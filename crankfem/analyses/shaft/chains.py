@@ -13,8 +13,13 @@ from dynamics.chains.attachments import DrivenMachine
 from dynamics.chains.dampers import TorsionalDamper
 from dynamics.chains.engine_chains import EngineChain, Kind, axial_chain, torsional_chain
 from dynamics.chains.throw_inertias import throw_inertias
-from dynamics.response.damping import UNIT, DampedChain, damped
-from dynamics.response.linear_system import DEFAULT_MAGNIFIER, MAGNIFIER_SOURCE
+from dynamics.response.linear_system import (
+    DEFAULT_MAGNIFIER,
+    MAGNIFIER_SOURCE,
+    UNIT,
+    DampedChain,
+    damped,
+)
 
 Array = NDArray[np.float64]
 ASSUMED = "assumed"

@@ -30,7 +30,7 @@ from crankfem.analyses.throw.law_record import LAW
 from crankfem.files.engine.engine_file import EngineFile
 from crankfem.files.engine.throw_file import load_throw
 from crankfem.files.reading.data_files import data_folder
-from dynamics.assessment.spreads import Spread
+from dynamics.assessment.uncertainty import Spread
 from fem.material import Material
 from fem.shaft import ShaftCompliances
 from geometry.throw import CrankThrow

@@ -6,7 +6,7 @@ from crankbase.checks.arrays import FloatArray
 from crankfem.analyses.shaft.chains import ASSUMED, magnifier_of
 from crankfem.files.engine.engine_file import EngineFile
 from dynamics.chains.engine_chains import Kind
-from dynamics.crankshaft.shaft_system import CrankshaftSystem
+from dynamics.crankshaft.shaft_modes import CrankshaftSystem
 from dynamics.response.linear_system import DEFAULT_MAGNIFIER
 
 # Share of critical damping that belongs to the assumed magnifier.

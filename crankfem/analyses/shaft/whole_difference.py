@@ -10,8 +10,12 @@ from crankbase.units.units import RPM
 from crankfem.analyses.shaft.motion import MOTION
 from crankfem.analyses.shaft.whole_shaft import ShaftComparison, WholeShaft
 from dynamics.chains.engine_chains import EngineChain
-from dynamics.crankshaft.chain_comparison import FREQUENCY_LIMIT, RESPONSE_LIMIT, ChainVerdict
-from dynamics.crankshaft.chain_difference import frequency_difference
+from dynamics.crankshaft.chain_comparison import (
+    FREQUENCY_LIMIT,
+    RESPONSE_LIMIT,
+    ChainVerdict,
+    frequency_difference,
+)
 
 
 def with_differences(

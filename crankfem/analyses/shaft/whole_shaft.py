@@ -23,22 +23,29 @@ from crankfem.files.chain.shaft_lines import PLANT
 from crankfem.files.engine.engine_file import EngineFile
 from crankfem.files.sections.excitation_sections import PropellerForcesSection
 from dynamics.chains.engine_chains import EngineChain, Kind
-from dynamics.crankshaft.assembly import assemble_crankshaft
-from dynamics.crankshaft.chain_comparison import ChainVerdict, chain_verdict, matching_response
-from dynamics.crankshaft.chain_difference import FlywheelTilt, FrequencyDifference
+from dynamics.crankshaft.assembly import MOTION_OF, assemble_crankshaft
+from dynamics.crankshaft.chain_comparison import (
+    ChainVerdict,
+    FlywheelTilt,
+    FrequencyDifference,
+    chain_verdict,
+    matching_modes,
+    matching_response,
+)
 from dynamics.crankshaft.coupled_response import CoupledResponse, coupled_response
-from dynamics.crankshaft.joined_lines import MOTION_OF
-from dynamics.crankshaft.mode_matches import matching_modes
-from dynamics.crankshaft.shaft_modes import ShaftModes, rotation_ratio
-from dynamics.crankshaft.shaft_system import CrankshaftSystem, crankshaft_system
-from dynamics.crankshaft.shaft_throw import ShaftThrow
-from dynamics.crankshaft.surroundings import MainBearings
+from dynamics.crankshaft.shaft_modes import (
+    CrankshaftSystem,
+    ShaftModes,
+    crankshaft_system,
+    rotation_ratio,
+)
+from dynamics.crankshaft.surroundings import MainBearings, ShaftThrow
 from dynamics.excitation.combined_excitation import combined_excitation
 from dynamics.excitation.cylinders import CylinderForces
 from dynamics.excitation.propeller import propeller_excitation
 from dynamics.response.forced import ForcedResponse
+from dynamics.response.loads import checked_power_balance
 from dynamics.response.order_excitation import OrderExcitation
-from dynamics.response.power import checked_power_balance
 from fem.craig_bampton import DynamicSuperelement
 from geometry.throw import CrankThrow
 

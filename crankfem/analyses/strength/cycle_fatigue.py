@@ -28,11 +28,12 @@ from crankfem.analyses.vibration.firing_check import Cylinders, named
 from crankfem.analyses.vibration.run import EngineVibration
 from crankfem.files.engine.mechanism_file import MechanismFile, mechanism_of
 from crankfem.files.sections.strength_section import StrengthSection
-from dynamics.strength.fatigue import MANUFACTURE, fatigue_strength
-from dynamics.strength.findley import (
+from dynamics.strength.fatigue import (
     FINDLEY_SOURCE,
+    MANUFACTURE,
     CriticalPlane,
     critical_plane,
+    fatigue_strength,
     findley_bound,
     findley_factor,
     findley_limit,

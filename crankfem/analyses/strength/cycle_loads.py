@@ -26,8 +26,7 @@ from crankfem.files.engine.mechanism_file import MechanismFile, mechanism_of
 from dynamics.engine.forces import mechanism_forces
 from dynamics.gas.pressure import ATMOSPHERE
 from dynamics.response.order_excitation import at_angles
-from dynamics.response.series import OrderSeries
-from dynamics.response.synthesis import common_order
+from dynamics.response.series import OrderSeries, common_order
 from dynamics.strength.nominal import SupportedThrow
 from dynamics.torque.cycle_samples import DEFAULT_SAMPLES, samples_and_gas
 from fem.shaft import shaft_unknowns, sharing_sections, solve_shaft

@@ -27,18 +27,16 @@ from crankfem.analyses.vibration.modes import Vibration
 from crankfem.analyses.vibration.source_verdicts import Again, source_verdicts
 from crankfem.files.chain.shaft_lines import PLANT
 from crankfem.files.engine.engine_file import EngineFile
-from dynamics.assessment.decided import Decision, Trial, decide
 from dynamics.assessment.limits import VibrationLimit
 from dynamics.assessment.response_curves import with_resonances
 from dynamics.assessment.separation import USUAL_MARGIN, CriticalRange, critical_ranges
-from dynamics.assessment.spreads import Spread
-from dynamics.assessment.uncertainty import Samples, chain_samples, frequency_bounds
-from dynamics.assessment.verdict import Verdict
+from dynamics.assessment.uncertainty import Samples, Spread, chain_samples, frequency_bounds
+from dynamics.assessment.verdict import Decision, Trial, Verdict, decide
 from dynamics.chains.chain import Chain
 from dynamics.critical import engine_orders
 from dynamics.excitation.cylinder_harmonics import CylinderHarmonics
 from dynamics.response.forced import forced_response
-from dynamics.response.synthesis import synthesis
+from dynamics.response.series import synthesis
 from dynamics.running_limits import within
 from fem.shaft import ShaftCompliances
 from regression.models.compliance_model import ComplianceModel

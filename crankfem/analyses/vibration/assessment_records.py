@@ -4,7 +4,7 @@ from crankbase.units.units import RPM
 from crankfem.analyses.record import Record, attributes, plain
 from crankfem.analyses.vibration.assessment import Assessment, Uncertainty
 from crankfem.analyses.vibration.misfiring_records import worst_record
-from dynamics.assessment.barred_range import BarredRange
+from dynamics.assessment.barred_ranges import BarredRange
 from dynamics.assessment.limits import worst_use
 from dynamics.assessment.verdict import SAME, LimitCheck, Verdict
 from dynamics.response.peak_cause import PeakCause

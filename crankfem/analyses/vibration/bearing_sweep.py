@@ -28,15 +28,13 @@ from crankfem.analyses.vibration.forced import ForcedVibration, forced_vibration
 from crankfem.analyses.vibration.modes import Vibration, axial_vibration, torsional_vibration
 from crankfem.analyses.vibration.resonances import resonances_of
 from crankfem.files.engine.engine_file import EngineFile
-from dynamics.assessment.decided import Trial
-from dynamics.assessment.verdict import Status, Verdict
+from dynamics.assessment.verdict import Status, Trial, Verdict
 from dynamics.chains.chain import Chain
 from dynamics.chains.engine_chains import EngineChain
-from dynamics.crankshaft.assembly import AssembledShaft
-from dynamics.crankshaft.mode_matches import DIVIDED, followed_modes, mode_likeness
+from dynamics.crankshaft.assembly import CLASSES, AssembledShaft
+from dynamics.crankshaft.chain_comparison import DIVIDED, followed_modes, mode_likeness
 from dynamics.crankshaft.shaft_modes import ShaftModes, crankshaft_modes
-from dynamics.crankshaft.shaft_throw import UX, UY
-from dynamics.crankshaft.stations import CLASSES
+from dynamics.crankshaft.surroundings import UX, UY
 from dynamics.critical import critical_speeds
 from dynamics.excitation.cylinder_harmonics import CylinderHarmonics
 from dynamics.running_limits import at_most

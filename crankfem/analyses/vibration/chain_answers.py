@@ -14,8 +14,8 @@ from dynamics.chains.engine_chains import EngineChain
 from dynamics.excitation.chain_excitation import torque_excitation
 from dynamics.excitation.cylinders import CylinderForces
 from dynamics.response.complex_modes import ComplexModes, complex_modes
-from dynamics.response.damping import DampedChain
 from dynamics.response.forced import ForcedResponse, forced_response
+from dynamics.response.linear_system import DampedChain
 from dynamics.response.loads import ElementLoads, alternating_stress, element_loads, section_modulus
 from dynamics.response.order_excitation import OrderExcitation
 from dynamics.response.peak_cause import PeakCause, peak_cause

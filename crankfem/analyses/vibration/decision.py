@@ -15,9 +15,8 @@ from crankfem.analyses.vibration.engine_limits import (
 )
 from crankfem.files.engine.engine_file import EngineFile
 from crankfem.files.sections.limits_sections import LimitsInput
-from dynamics.assessment.decided import Decision, Trial, changes, decide
 from dynamics.assessment.limit_rules import BASE_STRENGTH, BASE_YIELD, CRANKSHAFT_STRENGTHS
-from dynamics.assessment.verdict import Status
+from dynamics.assessment.verdict import Decision, Status, Trial, changes, decide
 
 # Magnifiers that are tried beside the one assumed, as shares of it: 25 and 60 of 40. An order of magnitude.
 MAGNIFIER_SHARES = (0.625, 1.5)

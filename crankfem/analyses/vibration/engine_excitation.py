@@ -25,11 +25,10 @@ from dynamics.excitation.cylinders import CylinderForces, forces_at_speeds
 from dynamics.excitation.gas_sources import constant_weight
 from dynamics.excitation.propeller import propeller_excitation
 from dynamics.excitation.torsion_to_axial import axial_excitation_of_torsion, torsion_influence
-from dynamics.response.damping import DampedChain
 from dynamics.response.forced import ForcedResponse
-from dynamics.response.linear_system import DEFAULT_MAGNIFIER
+from dynamics.response.linear_system import DEFAULT_MAGNIFIER, DampedChain
 from dynamics.response.order_excitation import OrderExcitation
-from dynamics.response.speed_grid import refined_speeds
+from dynamics.response.resonance import refined_speeds
 from dynamics.running_limits import within
 from fem.shaft import ShaftCompliances
 

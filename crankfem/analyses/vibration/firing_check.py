@@ -11,9 +11,9 @@ from crankbase.summaries import summarized
 from crankbase.tables.frames import Row
 from crankbase.units.number_formats import format_usage
 from crankbase.units.quantity import format_quantity
-from dynamics.assessment.largest_amplitude import largest_amplitude
-from dynamics.assessment.limit_sentences import limit_at, use_in_words
 from dynamics.assessment.limits import VibrationLimit
+from dynamics.assessment.response_curves import largest_amplitude
+from dynamics.assessment.wording import limit_at, use_in_words
 from dynamics.response.peak_cause import PeakCause
 from dynamics.response.series import OrderSeries
 

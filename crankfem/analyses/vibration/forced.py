@@ -42,7 +42,7 @@ from crankfem.analyses.vibration.resonances import resonances_of
 from crankfem.files.engine.engine_file import EngineFile
 from dynamics.assessment.barred_ranges import limit_end_speed
 from dynamics.assessment.limits import usage
-from dynamics.assessment.worst_speeds import refined_maxima
+from dynamics.assessment.response_curves import refined_maxima
 from dynamics.chains.engine_chains import EngineChain
 from dynamics.excitation.axial_comparison import AxialForceComparison
 from dynamics.excitation.cylinder_harmonics import CylinderHarmonics
@@ -50,11 +50,10 @@ from dynamics.excitation.cylinders import CylinderForces
 from dynamics.plots.quantities import Quantity
 from dynamics.response.complex_modes import ComplexModes, complex_modes
 from dynamics.response.damped_criticals import LEAST_PEAK, DampedCritical
-from dynamics.response.damping import DampedChain
 from dynamics.response.forced import ForcedResponse
-from dynamics.response.loads import ElementLoads
+from dynamics.response.linear_system import DampedChain
+from dynamics.response.loads import ElementLoads, PowerBalance, checked_power_balance
 from dynamics.response.order_excitation import OrderExcitation
-from dynamics.response.power import PowerBalance, checked_power_balance
 from dynamics.response.series import OrderSeries
 from dynamics.running_limits import at_most, within
 from fem.shaft import ShaftCompliances

@@ -33,9 +33,8 @@ from crankfem.analyses.vibration.firing_check import (
 )
 from crankfem.files.engine.engine_file import EngineFile
 from crankfem.files.engine.mechanism_file import MechanismFile
-from dynamics.assessment.largest_amplitude import speeds_above
-from dynamics.assessment.limit_sentences import shown_range
-from dynamics.assessment.worst_speeds import NEARLY_LARGEST, refined_maxima
+from dynamics.assessment.response_curves import NEARLY_LARGEST, refined_maxima, speeds_above
+from dynamics.assessment.wording import shown_range
 from dynamics.excitation.cylinder_harmonics import CylinderHarmonics
 from dynamics.excitation.cylinders import CylinderForces, forces_at_speeds
 from dynamics.response.series import OrderSeries

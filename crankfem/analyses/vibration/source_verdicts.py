@@ -11,9 +11,8 @@ from crankfem.analyses.vibration.engine_limits import engine_limits, engine_verd
 from crankfem.analyses.vibration.forced import ForcedVibration
 from crankfem.analyses.vibration.modes import Vibration
 from crankfem.files.engine.engine_file import EngineFile
-from dynamics.assessment.decided import Trial
-from dynamics.assessment.spreads import Spread, scaled_chain
-from dynamics.assessment.verdict import Verdict
+from dynamics.assessment.uncertainty import Spread, scaled_chain
+from dynamics.assessment.verdict import Trial, Verdict
 
 # Largest step from one factor to the next: a resonance then moves by 7 %, which no running range is
 # as narrow as. One step either way for finite elements and good equations.

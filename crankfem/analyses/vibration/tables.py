@@ -11,7 +11,7 @@ from crankbase.units.number_formats import UNBOUNDED
 from crankbase.units.units import RPM
 from crankfem.analyses.record import Record
 from crankfem.analyses.shaft.motion import MOTION
-from dynamics.assessment.limit_sentences import limit_at
+from dynamics.assessment.wording import limit_at
 from dynamics.response.damped_criticals import LEAST_PEAK
 
 # What a table shows; files hold everything.

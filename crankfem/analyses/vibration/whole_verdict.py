@@ -17,13 +17,12 @@ from crankfem.analyses.vibration.engine_limits import (
     engine_verdict,
 )
 from crankfem.files.engine.engine_file import EngineFile
-from dynamics.assessment.decided import Decision, decide
-from dynamics.assessment.limit_sentences import limit_at, use_in_words
 from dynamics.assessment.limits import AmplitudeCurve
 from dynamics.assessment.response_curves import curves_of
-from dynamics.assessment.verdict import LimitCheck, Verdict
+from dynamics.assessment.verdict import Decision, LimitCheck, Verdict, decide
+from dynamics.assessment.wording import limit_at, use_in_words
 from dynamics.chains.engine_chains import FLYWHEEL, FREE_END, EngineChain
-from dynamics.crankshaft.shaft_criticals import ShaftCritical, shaft_criticals
+from dynamics.crankshaft.coupled_response import ShaftCritical, shaft_criticals
 from dynamics.response.loads import ElementLoads
 from dynamics.response.series import OrderSeries
 

@@ -20,7 +20,7 @@ from dynamics.engine.orders import (
     order_part,
     piston_acceleration,
 )
-from dynamics.plots.hodographs import DASHES, FORCE_LABELS, POINTS, draw_hodographs
+from dynamics.plots.load_diagrams import DASHES, FORCE_LABELS, POINTS, draw_hodographs
 
 MOST_IN_A_ROW = 4
 

@@ -11,9 +11,16 @@ from crankbase.checks.arrays import FloatArray
 from crankbase.drawing.diagram_style import figure
 from crankfem.analyses.titles import add_title
 from dynamics.harmonics import Harmonics
-from dynamics.plots.harmonic_bars import draw_harmonics, draw_samples
-from dynamics.plots.harmonic_curves import draw_one_harmonic, draw_single_harmonics
-from dynamics.plots.stars import KIND_COLORS, STAR_STEP, draw_star, finish_stars
+from dynamics.plots.harmonics import (
+    KIND_COLORS,
+    STAR_STEP,
+    draw_harmonics,
+    draw_one_harmonic,
+    draw_samples,
+    draw_single_harmonics,
+    draw_star,
+    finish_stars,
+)
 from dynamics.torque.star import Star, same_stars, star_diagram
 from dynamics.torque.torque import EngineTorque
 from dynamics.torque_table import TorqueTable

@@ -13,9 +13,8 @@ from crankbase.errors import InputError
 from crankfem.analyses.titles import add_title
 from crankfem.analyses.vibration.run import EngineVibration
 from crankfem.analyses.vibration.run_up import RunUp
-from dynamics.plots.over_time import draw_speed
-from dynamics.plots.speed_curves import draw_named_curves
-from dynamics.transient.curve_selection import Moving
+from dynamics.plots.curves import draw_named_curves, draw_speed
+from dynamics.transient.motions import Moving
 from dynamics.transient.run import TransientMotion
 from dynamics.transient.turning_run import TurningRun
 
