@@ -467,6 +467,12 @@ def test_misfiring_is_held_against_the_continuous_limit_unless_the_file_says_oth
     by = "for passing, which serves while a cylinder misfires by limits.passing_while_misfiring"
     assert by in passed.sentence
     assert "permitted continuously" in passed.sentence
+    # Where normal firing keeps the limit at no speed, misfiring alone exceeds nothing.
+    nowhere = engine_vibration(
+        engine.changed(limits=limits | {"coupling_torque": 1.0}), analysis=coarse
+    ).misfiring
+    assert all(one.new is None for one in nowhere.checks if one.quantity == check.quantity)
+    assert "alone" not in nowhere.sentence
 
 
 @pytest.mark.slow

@@ -341,8 +341,9 @@ def _new(
         return None
     answers = {own: added.chains.answers(added.forces(at, own)) for own in ((), case)}
     series = {own: added.series(file, *found)[key] for own, found in answers.items()}
-    normal = at_place(series[()], reached.place).synthesis.amplitude[0, 0]
-    if reached.used - normal / reached.permitted < NEWS:
+    normal = at_place(series[()], reached.place).synthesis.amplitude[0, 0] / reached.permitted
+    # Misfiring alone exceeds nothing where normal firing does, as where that keeps the limit at no speed.
+    if normal > 1.0 or reached.used - normal < NEWS:
         return None
     lengthened, twisted = answers[case]
     answer = lengthened if key.startswith("axial") else twisted
