@@ -10,10 +10,9 @@ import pytest
 from comparing import close
 from crankbase.errors import InputError
 from crankfem.analyses.shaft.chains import damped_engine_chain, engine_torsional_chain
-from crankfem.analyses.vibration.chain_answers import nominal_section_modulus
 from crankfem.analyses.vibration.engine_excitation import engine_harmonics
 from crankfem.analyses.vibration.engine_limits import engine_verdict, limit_findings
-from crankfem.analyses.vibration.forced import forced_vibrations
+from crankfem.analyses.vibration.forced import forced_vibrations, nominal_section_modulus
 from crankfem.analyses.vibration.misfiring import _ranges
 from crankfem.analyses.vibration.records import (
     forced_columns,

@@ -11,8 +11,7 @@ from crankbase.checks.arrays import FloatArray
 from crankbase.summaries import summarized
 from crankbase.tables.frames import table
 from crankbase.units.number_formats import compact
-from crankfem.analyses.shaft.bearings import BearingStiffness, bearing_stiffness
-from crankfem.analyses.shaft.chains import damped_engine_chain
+from crankfem.analyses.shaft.chains import BearingStiffness, bearing_stiffness, damped_engine_chain
 from crankfem.analyses.shaft.sources import compliances_in_shaft
 from crankfem.analyses.shaft.throw_analyses import Analyses
 from crankfem.analyses.shaft.whole_shaft import WholeShaft, not_comparable
@@ -24,9 +23,8 @@ from crankfem.analyses.vibration.engine_limits import (
     engine_verdict,
     limit_findings,
 )
-from crankfem.analyses.vibration.forced import ForcedVibration, forced_vibrations
+from crankfem.analyses.vibration.forced import ForcedVibration, forced_vibrations, resonances_of
 from crankfem.analyses.vibration.modes import Vibration, axial_vibration, torsional_vibration
-from crankfem.analyses.vibration.resonances import resonances_of
 from crankfem.files.engine.engine_file import EngineFile
 from dynamics.assessment.verdict import Status, Trial, Verdict
 from dynamics.chains.chain import Chain
