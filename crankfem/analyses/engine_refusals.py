@@ -11,7 +11,7 @@ from crankfem.analyses.vibration.refusals import refuse_vibration
 from crankfem.files.engine.engine_file import EngineFile
 from crankfem.files.engine.mechanism_file import mechanism_of
 from crankfem.files.reading.toml_file import TomlFile
-from dynamics.torque_table import read_torque_table
+from dynamics.harmonics import read_torque_table
 
 
 def refuse_what_cannot_run(engine_file: EngineFile, content: TomlFile | None = None) -> None:

@@ -19,8 +19,9 @@ from crankbase.tables.frames import grid
 from crankbase.units.units import RPM
 from dynamics.crankshaft.assembly import PIN_MOTIONS
 from dynamics.crankshaft.shaft_modes import CrankshaftSystem
-from dynamics.excitation.combined_excitation import combined_excitation
+from dynamics.excitation.chain_excitation import combined_excitation
 from dynamics.excitation.cylinders import CylinderForces
+from dynamics.indices import within
 from dynamics.plots.quantities import (
     SPEED_LABEL,
     in_unit,
@@ -33,7 +34,6 @@ from dynamics.response.forced import ForcedResponse, forced_response
 from dynamics.response.linear_system import DEFAULT_MAGNIFIER
 from dynamics.response.order_excitation import OrderExcitation
 from dynamics.response.series import OrderSeries, synthesis
-from dynamics.running_limits import within
 
 
 def shaft_excitation(

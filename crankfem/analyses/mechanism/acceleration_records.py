@@ -11,7 +11,7 @@ from crankbase.tables.table import Column, Table
 from crankfem.analyses.mechanism.load_tables import ROUND_OFF
 from crankfem.analyses.record import Record
 from dynamics.engine.layout import EngineLayout
-from dynamics.engine.orders import acceleration_orders, order_part, piston_acceleration
+from dynamics.engine.motions import acceleration_orders, order_part, piston_acceleration
 
 HIGHEST_ORDER = 8
 # Orders that tables of balance go by; what they leave is told by its largest value.

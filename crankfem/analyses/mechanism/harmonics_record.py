@@ -10,9 +10,8 @@ from crankbase.tables.output_units import SI, OutputUnits
 from crankbase.tables.table import Column, Table
 from crankbase.tables.table_units import table_unit
 from crankfem.analyses.record import Record, attributes
-from dynamics.harmonics import Harmonics
+from dynamics.harmonics import Harmonics, TorqueTable
 from dynamics.torque.star import Star, leading_stars, same_stars, star_diagram
-from dynamics.torque_table import TorqueTable
 
 COLUMNS = ("orders", "cosine", "sine", "amplitude", "phase_deg")
 # How far the samples are from the sum up to an order, and how a table calls it.

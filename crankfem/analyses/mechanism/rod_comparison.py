@@ -8,9 +8,9 @@ from crankbase.checks.arrays import FloatArray
 from crankbase.summaries import summarized
 from crankfem.analyses.mechanism.load_tables import ROUND_OFF
 from crankfem.analyses.mechanism.mechanism_run import MechanismRun
+from dynamics.engine import ROD_MODELS, RodModelName
 from dynamics.engine.forces import MechanismForces, mechanism_forces
 from dynamics.engine.loads import LoadDiagram, crankpin_loads
-from dynamics.mechanism.rod_model_names import ROD_MODELS, RodModelName
 
 
 @dataclass(frozen=True)

@@ -10,8 +10,8 @@ from crankbase.tables.table import Column, Table, format_names
 from crankfem.analyses.mechanism.load_tables import ROUND_OFF
 from crankfem.analyses.mechanism.rod_comparison import ModelDifference
 from crankfem.analyses.record import Record, attributes
+from dynamics.engine import ROD_MODELS
 from dynamics.engine.layout import EngineLayout
-from dynamics.mechanism.rod_model_names import ROD_MODELS
 
 # A row of the table for every so many degrees of shaft angle, as the dots of the polar diagram.
 ROW_STEP = 30.0

@@ -9,10 +9,15 @@ from crankbase.errors import InputError
 from crankfem.files.chain.shaft_lines import PLANT, plant_chain
 from crankfem.files.engine.engine_file import EngineFile
 from crankfem.files.engine.mechanism_file import layout_of
-from dynamics.chains.attachments import DrivenMachine
 from dynamics.chains.dampers import TorsionalDamper
-from dynamics.chains.engine_chains import EngineChain, Kind, axial_chain, torsional_chain
-from dynamics.chains.throw_inertias import throw_inertias
+from dynamics.chains.engine_chains import (
+    EngineChain,
+    Kind,
+    axial_chain,
+    throw_inertias,
+    torsional_chain,
+)
+from dynamics.chains.shaft_line import DrivenMachine
 from dynamics.response.linear_system import (
     DEFAULT_MAGNIFIER,
     MAGNIFIER_SOURCE,

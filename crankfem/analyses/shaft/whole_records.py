@@ -8,7 +8,7 @@ from crankfem.analyses.record import Record, attributes, plain
 from crankfem.analyses.shaft.whole_shaft import ShaftComparison, WholeShaft
 from dynamics.crankshaft.chain_comparison import ChainVerdict
 from dynamics.crankshaft.coupled_response import CoupledResponse
-from dynamics.running_limits import within
+from dynamics.indices import within
 
 MODES_SHOWN = 12
 SHARES = ("axial", "torsional", "bending")

@@ -36,7 +36,7 @@ from dynamics.crankshaft.chain_comparison import DIVIDED, followed_modes, mode_l
 from dynamics.crankshaft.shaft_modes import ShaftModes, crankshaft_modes
 from dynamics.crankshaft.surroundings import UX, UY
 from dynamics.critical import critical_speeds
-from dynamics.excitation.cylinder_harmonics import CylinderHarmonics
+from dynamics.excitation.cylinders import CylinderHarmonics
 from fem.shaft import ShaftCompliances
 from regression.models.compliance_model import ComplianceModel
 

@@ -17,10 +17,9 @@ from crankfem.files.engine.mechanism_load import (
 )
 from crankfem.files.engine.rated_power import EnginePower, indicated_power
 from crankfem.files.sections.excitation_sections import gas_map_load, gas_map_pressure
-from dynamics.excitation.engine_load import load_at
-from dynamics.excitation.pressure_map import PressureMap
+from dynamics.excitation.pressure_map import PressureMap, load_at
 from dynamics.gas.pressure import GasPressure
-from dynamics.running_limits import within
+from dynamics.indices import within
 
 # Shares of the rated speed at which the load is told, beside lowest, rated and highest speed.
 TOLD = (0.25, 0.5, 0.75)

@@ -44,9 +44,9 @@ from dynamics.assessment.barred_ranges import limit_end_speed
 from dynamics.assessment.limits import usage
 from dynamics.assessment.response_curves import refined_maxima
 from dynamics.chains.engine_chains import EngineChain
-from dynamics.excitation.axial_comparison import AxialForceComparison
-from dynamics.excitation.cylinder_harmonics import CylinderHarmonics
-from dynamics.excitation.cylinders import CylinderForces
+from dynamics.excitation.axial_forces import AxialForceComparison
+from dynamics.excitation.cylinders import CylinderForces, CylinderHarmonics
+from dynamics.indices import at_most, within
 from dynamics.plots.quantities import Quantity
 from dynamics.response.complex_modes import ComplexModes, complex_modes
 from dynamics.response.damped_criticals import LEAST_PEAK, DampedCritical
@@ -55,7 +55,6 @@ from dynamics.response.linear_system import DampedChain
 from dynamics.response.loads import ElementLoads, PowerBalance, checked_power_balance
 from dynamics.response.order_excitation import OrderExcitation
 from dynamics.response.series import OrderSeries
-from dynamics.running_limits import at_most, within
 from fem.shaft import ShaftCompliances
 
 if TYPE_CHECKING:

@@ -35,10 +35,9 @@ from crankfem.files.engine.engine_file import EngineFile
 from crankfem.files.engine.mechanism_file import MechanismFile
 from dynamics.assessment.response_curves import NEARLY_LARGEST, refined_maxima, speeds_above
 from dynamics.assessment.wording import shown_range
-from dynamics.excitation.cylinder_harmonics import CylinderHarmonics
-from dynamics.excitation.cylinders import CylinderForces, forces_at_speeds
+from dynamics.excitation.cylinders import CylinderForces, CylinderHarmonics, forces_at_speeds
+from dynamics.indices import within
 from dynamics.response.series import OrderSeries
-from dynamics.running_limits import within
 
 # What adds up of the forces of cylinders.
 SUMMED = ("tangential", "radial", "mean_tangential", "mean_radial")

@@ -25,7 +25,7 @@ from crankfem.analyses.vibration.run_up import RunUp
 from crankfem.analyses.vibration.whole_verdict import whole_criticals
 from crankfem.files.engine.firing_evenness import firing_evenness, firing_sentence
 from dynamics.chains.engine_chains import CRANKSHAFT_MODE
-from dynamics.excitation.axial_comparison import AxialForceComparison
+from dynamics.excitation.axial_forces import AxialForceComparison
 from dynamics.response.damped_criticals import DampedCritical
 from dynamics.response.series import OrderSeries
 

@@ -11,10 +11,9 @@ from crankbase.checks.arrays import FloatArray
 from crankbase.drawing.diagram_style import COLORS, figure
 from crankbase.drawing.legends import write_title
 from crankfem.analyses.titles import add_title
-from dynamics.balance.balance import Balance
-from dynamics.balance.hinged_rods import hinged_rod_effects
+from dynamics.balance.balance import Balance, hinged_rod_effects
 from dynamics.engine.layout import EngineLayout
-from dynamics.engine.orders import (
+from dynamics.engine.motions import (
     acceleration_orders,
     checked_cylinder,
     order_part,

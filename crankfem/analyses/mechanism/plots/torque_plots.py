@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from crankbase.checks.arrays import FloatArray
 from crankbase.drawing.diagram_style import figure
 from crankfem.analyses.titles import add_title
-from dynamics.harmonics import Harmonics
+from dynamics.harmonics import Harmonics, TorqueTable
 from dynamics.plots.harmonics import (
     KIND_COLORS,
     STAR_STEP,
@@ -23,7 +23,6 @@ from dynamics.plots.harmonics import (
 )
 from dynamics.torque.star import Star, same_stars, star_diagram
 from dynamics.torque.torque import EngineTorque
-from dynamics.torque_table import TorqueTable
 
 STARS_A_ROW = 4
 PANELS_A_ROW, MOST_PANELS = 3, 24
