@@ -8,10 +8,13 @@ import numpy as np
 import pytest
 
 from comparing import close
-from crankfem.analyses.shaft.chains import engine_axial_chain
-from crankfem.analyses.shaft.shaft_surroundings import shaft_surroundings
-from crankfem.analyses.shaft.whole_damping import damping_remarks, modal_damping
-from crankfem.analyses.shaft.whole_shaft import not_comparable, shaft_response
+from crankfem.analyses.shaft.chains import engine_axial_chain, shaft_surroundings
+from crankfem.analyses.shaft.whole_shaft import (
+    damping_remarks,
+    modal_damping,
+    not_comparable,
+    shaft_response,
+)
 from crankfem.analyses.vibration.engine_limits import engine_limits, even_firing_interval
 from crankfem.analyses.vibration.modes import axial_weights
 from crankfem.files.engine.engine_file import load_engine

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from crankbase.errors import InputError
-from crankfem.analyses.vibration.plots.transient_plots import (
+from crankfem.analyses.vibration.plots import (
     plot_transient,
     plot_transient_over_speed,
 )

@@ -5,8 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from crankfem.analyses.shaft.whole_difference import whole_shaft_remark
-from crankfem.analyses.shaft.whole_shaft import ShaftComparison, not_comparable
+from crankfem.analyses.shaft.whole_shaft import ShaftComparison, not_comparable, whole_shaft_remark
 from crankfem.analyses.vibration.assessment import Assessment
 from crankfem.analyses.vibration.bearing_sweep import BearingSweep
 from crankfem.analyses.vibration.engine_limits import (
