@@ -56,12 +56,12 @@ from dynamics.engine.layout import EngineLayout as EngineLayout
 from dynamics.harmonics import Harmonics as Harmonics
 from dynamics.harmonics import harmonics as harmonics
 from dynamics.mechanism.rods import ConnectingRod as ConnectingRod
-from dynamics.response.damping import damped as damped
 from dynamics.response.forced import ForcedResponse as ForcedResponse
 from dynamics.response.forced import forced_response as forced_response
+from dynamics.response.linear_system import damped as damped
+from dynamics.response.loads import PowerBalance as PowerBalance
+from dynamics.response.loads import power_balance as power_balance
 from dynamics.response.order_excitation import OrderExcitation as OrderExcitation
-from dynamics.response.power import PowerBalance as PowerBalance
-from dynamics.response.power import power_balance as power_balance
 from dynamics.response.resonance import Resonance as Resonance
 from dynamics.response.resonance import resonances as resonances
 from dynamics.torque.torque import EngineTorque as EngineTorque

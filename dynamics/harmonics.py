@@ -14,8 +14,7 @@ from crankbase.library_types import Axes, DataFrame
 from crankbase.summaries import summarized
 from crankbase.tables.frames import table
 from dynamics.cycle import check_even_cycle, cycle_degrees, order_step
-from dynamics.plots.harmonic_bars import draw_harmonics
-from dynamics.plots.harmonic_curves import draw_single_harmonics
+from dynamics.plots.harmonics import draw_harmonics, draw_single_harmonics
 
 Shown = Literal["amplitudes", "curves"]
 SHOWN: tuple[Shown, ...] = get_args(Shown)

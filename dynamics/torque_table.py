@@ -11,7 +11,7 @@ from crankbase.summaries import summarized
 from crankbase.tables.frames import table
 from dynamics.cycle import covers_cycle, cycle_degrees, first_uneven, has_closing_sample
 from dynamics.harmonics import Harmonics, harmonics
-from dynamics.plots.harmonic_bars import draw_samples
+from dynamics.plots.harmonics import draw_samples
 from dynamics.sample_table import TableKind, possible_cycles, read_sample_rows
 
 CYCLE_ANGLE = "cycle_angle_deg"

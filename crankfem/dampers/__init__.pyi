@@ -1,9 +1,9 @@
 """Public names of this topic and their homes."""
 
+from dynamics.assessment.damper_sizing import SizedDamper as SizedDamper
 from dynamics.assessment.damper_sizing import size_axial_damper as size_axial_damper
 from dynamics.assessment.damper_sizing import size_rubber_damper as size_rubber_damper
 from dynamics.assessment.damper_sizing import size_viscous_damper as size_viscous_damper
-from dynamics.assessment.sized_damper import SizedDamper as SizedDamper
 from dynamics.chains.absorber_optima import AbsorberOptimum as AbsorberOptimum
 from dynamics.chains.absorber_optima import main_inertia as main_inertia
 from dynamics.chains.absorber_optima import rubber_damper_for as rubber_damper_for

@@ -25,7 +25,7 @@ from dynamics.balance.moving_masses import (
 from dynamics.engine.layout import EngineLayout, check_distinct_positions
 from dynamics.engine.motions import parts_motion
 from dynamics.engine.orders import checked_orders
-from dynamics.plots.hodographs import FORCE_LABELS, MOMENT_LABELS, draw_hodographs
+from dynamics.plots.load_diagrams import FORCE_LABELS, MOMENT_LABELS, draw_hodographs
 
 BalanceModel = Literal["rigid", "two-mass"]
 # Forces below this share of the sum of all masses times R w^2 are round-off.

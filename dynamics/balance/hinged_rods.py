@@ -13,7 +13,7 @@ from dynamics.balance.hodograph import Hodograph, hodograph_sum
 from dynamics.balance.moving_masses import moving_masses, reciprocating_forces
 from dynamics.engine.layout import EngineLayout
 from dynamics.engine.orders import checked_cylinder, checked_orders
-from dynamics.plots.hodographs import FORCE_LABELS, draw_hodographs
+from dynamics.plots.load_diagrams import FORCE_LABELS, draw_hodographs
 
 
 @dataclass(frozen=True)

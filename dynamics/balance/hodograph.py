@@ -18,7 +18,7 @@ from crankbase.library_types import Axes, DataFrame
 from crankbase.summaries import summarized
 from crankbase.tables.frames import table
 from dynamics.engine.orders import checked_orders
-from dynamics.plots.hodographs import FORCE_LABELS, MOMENT_LABELS, draw_hodographs
+from dynamics.plots.load_diagrams import FORCE_LABELS, MOMENT_LABELS, draw_hodographs
 
 # An ellipse whose axes differ by less than this share is a circle; one so flat is a line.
 ROUND_OFF = 1e-12

@@ -12,8 +12,8 @@ from crankbase.drawing.legends import write_title
 from crankbase.library_types import Axes, DataFrame, Dataset
 from crankbase.summaries import summarized
 from crankbase.tables.frames import grid, table
-from dynamics.plots.coordinates import name_axis
 from dynamics.plots.mode_shapes import draw_chain_shapes, shape_labels
+from dynamics.plots.quantities import name_axis
 
 # A displacement below this share of both next to it is zero.
 ZERO_DISPLACEMENT = 1e-11

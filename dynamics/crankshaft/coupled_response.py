@@ -1,4 +1,4 @@
-"""Coupled forced vibration of a whole crankshaft, with separate effects of tangential and radial forces."""
+"""Coupled forced vibration of a whole crankshaft, by tangential and radial forces, and its criticals."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from crankbase.checks.arrays import ComplexArray, FloatArray
+from crankbase.checks.scalars import is_whole_within
 from crankbase.drawing.curves import Curves, Series, draw_curves
 from crankbase.drawing.diagram_style import BLUE, ORANGE, new_axes, with_gaps
 from crankbase.drawing.legends import legend_inside, write_title
@@ -16,17 +17,107 @@ from crankbase.library_types import Axes, Dataset
 from crankbase.summaries import summarized
 from crankbase.tables.frames import grid
 from crankbase.units.units import RPM
-from dynamics.crankshaft.pin_excitation import shaft_excitation
-from dynamics.crankshaft.shaft_system import CrankshaftSystem
+from dynamics.crankshaft.assembly import PIN_MOTIONS
+from dynamics.crankshaft.shaft_modes import CrankshaftSystem
 from dynamics.excitation.combined_excitation import combined_excitation
 from dynamics.excitation.cylinders import CylinderForces
-from dynamics.plots.coordinates import infinite_where_unbounded, name_axis, orders_and_speeds
-from dynamics.plots.quantities import SPEED_LABEL, in_unit
+from dynamics.plots.quantities import (
+    SPEED_LABEL,
+    in_unit,
+    infinite_where_unbounded,
+    name_axis,
+    orders_and_speeds,
+)
+from dynamics.response.damped_criticals import BAND
 from dynamics.response.forced import ForcedResponse, forced_response
 from dynamics.response.linear_system import DEFAULT_MAGNIFIER
 from dynamics.response.order_excitation import OrderExcitation
-from dynamics.response.series import OrderSeries
-from dynamics.response.synthesis import synthesis
+from dynamics.response.series import OrderSeries, synthesis
+from dynamics.running_limits import within
+
+
+def shaft_excitation(
+    crankshaft: CrankshaftSystem,
+    forces: CylinderForces,
+    *,
+    pins: Sequence[int] | None = None,
+    tangential: bool = True,
+    radial: bool = True,
+) -> OrderExcitation:
+    """Return the cylinders' forces as excitation of a whole crankshaft.
+
+    Parameters
+    ----------
+    crankshaft : CrankshaftSystem
+    forces : CylinderForces
+        Orders (K,), speeds (S,), tangential and radial phasors (K, S, c) of c cylinders.
+    pins : sequence of c int, optional
+        Pin of each cylinder from 0, counted along the shaft; by default that of its throw, if each throw
+        has one.
+    tangential, radial : bool
+        Whether these forces act; with one of them alone, the response shows its effect.
+
+    Returns
+    -------
+    OrderExcitation
+        On the points of the system.
+
+    Raises
+    ------
+    InputError
+        If there is not one pin for each cylinder, or a pin does not exist.
+
+    Notes
+    -----
+    Forces of several cylinders on one pin act at its middle and add up: rods side by side load it off the
+    middle, and their opposite moments on the pin are neglected. Each force is uniform over the pin.
+    """
+    places = pins_of_cylinders(crankshaft.shaft.pin_throws, forces.throws, pins)
+    first = 6 * crankshaft.shaft.section_count
+    acting = np.zeros((*forces.tangential.shape[:2], len(crankshaft.names)), dtype=np.complex128)
+    kinds = {"tangential": tangential, "radial": radial}
+    for direction in (name for name, acts in kinds.items() if acts):
+        rows = first + 3 * np.array(places) + PIN_MOTIONS.index(direction)
+        for cylinder, row in enumerate(rows.tolist()):
+            acting[:, :, row] += getattr(forces, direction)[:, :, cylinder]
+    return OrderExcitation(forces.orders, forces.speeds, acting)
+
+
+def pins_of_cylinders(
+    pin_throws: Sequence[int], throws: Sequence[int], pins: Sequence[int] | None = None
+) -> tuple[int, ...]:
+    """Return the pin of each cylinder, checked.
+
+    Parameters
+    ----------
+    pin_throws : sequence of p int
+        Throw of each pin.
+    throws : sequence of c int
+        Throw of each cylinder.
+    pins : sequence of c int, optional
+        As for `shaft_excitation`.
+
+    Raises
+    ------
+    InputError
+        As `shaft_excitation`.
+    """
+    if pins is None:
+        if len(set(pin_throws)) != len(pin_throws):
+            raise InputError(
+                "pins: given none for throws of several pins; allowed is the pin of each cylinder, because "
+                "its throw does not define it."
+            )
+        pins = [
+            pin_throws.index(throw) if throw in pin_throws else len(pin_throws) for throw in throws
+        ]
+    count = len(pin_throws)
+    if len(pins) != len(throws) or not all(is_whole_within(pin, 0, count - 1) for pin in pins):
+        raise InputError(
+            f"pins: given {list(pins)}; allowed is a whole number from 0 to {count - 1} for each of the "
+            f"{len(throws)} cylinders, because its rod sits on one of {count} pins."
+        )
+    return tuple(int(pin) for pin in pins)
 
 
 @summarized("orders", "speeds [rad/s]")
@@ -367,3 +458,143 @@ def split_curves(
         x_label=SPEED_LABEL,
         y_label=label,
     )
+
+
+# Maxima of one order at several places within this share of the speed are one critical speed.
+TOGETHER = 0.03
+# Maxima below this share of the largest one of their place are left out.
+LEAST_PEAK = 0.05
+
+
+@summarized("order", "speed [rad/s]", "place", "value", "frequency [Hz]", "damping_ratio")
+@dataclass(frozen=True)
+class ShaftCritical:
+    """A speed at which an order alone makes a quantity largest.
+
+    Attributes
+    ----------
+    order : float
+        In cycles per revolution.
+    speed : float
+        [rad/s]
+    place : str
+        Where it is largest.
+    value : float
+        There, of this order alone [m or N m]; inf where unbounded.
+    mode : int
+        Number of the elastic mode of the whole crankshaft at resonance, 1 the lowest; 0 for none.
+    frequency : float or None
+        Natural frequency of the mode [Hz]; None for none.
+    damping_ratio : float or None
+        Of the mode, share of critical damping; None for none.
+    share : float
+        Of a place's largest maximum, at the place where that is most.
+    """
+
+    order: float
+    speed: float
+    place: str
+    value: float
+    mode: int
+    frequency: float | None
+    damping_ratio: float | None
+    share: float = 1.0
+
+
+def shaft_criticals(
+    coupled: CoupledResponse, series: OrderSeries, speed_range: tuple[float, float]
+) -> tuple[tuple[ShaftCritical, ...], int]:
+    """Find the critical speeds of a whole crankshaft in a quantity at several places.
+
+    Parameters
+    ----------
+    coupled : CoupledResponse
+    series : OrderSeries
+        Motions or torques of it, at its orders and speeds.
+    speed_range : tuple of two floats
+        [rad/s]
+
+    Returns
+    -------
+    criticals : tuple of ShaftCritical
+        In ascending speed, each at the place with the largest value.
+    left_out : int
+        Number of maxima that are below `LEAST_PEAK` of the largest one at every place.
+
+    Notes
+    -----
+    Between the speeds of the series a maximum lies where a parabola through 1 / value^2 has its least,
+    which is exact near a resonance. The mode is that with the largest amplitude among those whose magnifier
+    is at least half of its largest there.
+    """
+    sizes = np.where(series.unbounded[:, :, np.newaxis], np.inf, np.abs(series.values))
+    top = (sizes[:, 1:-1] > sizes[:, :-2]) & (sizes[:, 1:-1] >= sizes[:, 2:])
+    orders, centers, places = np.nonzero(top)
+    beside = (centers[:, np.newaxis] + np.arange(3)).T
+    with np.errstate(divide="ignore", invalid="ignore"):
+        speeds, values = _vertex(series.speeds[beside], sizes[orders, beside, places])
+    inside = within(speeds, *speed_range)
+    found = np.column_stack((orders, centers + 1, places))[inside]
+    speeds, values = speeds[inside], values[inside]
+    largest = np.zeros(len(series.names))
+    finite = np.isfinite(values)
+    np.maximum.at(largest, found[finite, 2], values[finite])
+    shares = np.minimum(values / np.where(largest > 0.0, largest, 1.0)[found[:, 2]], 1.0)
+    told: dict[int, float] = {}
+    # What is worth a row first, the largest value first.
+    for row in np.lexsort((-values, shares < LEAST_PEAK)).tolist():
+        same = [
+            one
+            for one in told
+            if found[one, 0] == found[row, 0]
+            and abs(speeds[one] - speeds[row]) <= TOGETHER * speeds[row]
+        ]
+        told[(same or [row])[0]] = max(shares[row], told.get((same or [row])[0], 0.0))
+    kept = {row: share for row, share in told.items() if share >= LEAST_PEAK}
+    criticals = [
+        ShaftCritical(
+            float(series.orders[found[row, 0]]),
+            float(speeds[row]),
+            series.names[found[row, 2]],
+            float(values[row]),
+            *_mode(coupled, found[row, 0], found[row, 1], float(speeds[row])),
+            float(share),
+        )
+        for row, share in kept.items()
+    ]
+    return tuple(sorted(criticals, key=lambda one: one.speed)), len(told) - len(kept)
+
+
+def _vertex(speeds: FloatArray, sizes: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Return speed and size (m,) of maxima from three neighboring values (3, m), the middle one largest."""
+    inverse = 1.0 / sizes**2
+    before, after = speeds[0] - speeds[1], speeds[2] - speeds[1]
+    left, right = (inverse[0] - inverse[1]) / before, (inverse[2] - inverse[1]) / after
+    bend = (right - left) / (after - before)
+    slope = left - bend * before
+    shift = np.clip(np.where(bend > 0.0, -slope / (2.0 * bend), 0.0), before, after)
+    lowest = inverse[1] + shift * (slope + bend * shift)
+    known = np.isfinite(sizes[1]) & np.isfinite(shift) & (lowest > 0.0)
+    return (
+        speeds[1] + np.where(known, shift, 0.0),
+        np.where(known, 1.0 / np.sqrt(np.where(known, lowest, 1.0)), sizes[1]),
+    )
+
+
+def _mode(
+    coupled: CoupledResponse, order: int, index: int, speed: float
+) -> tuple[int, float | None, float | None]:
+    """Return number, frequency [Hz] and damping ratio of the mode at resonance."""
+    system = coupled.tangential.system
+    rigid, ratios = system.rigid.shape[1], system.damping_ratios()
+    natural = system.natural[rigid:]
+    moved = np.abs(np.sum([one.unknowns[order, index, rigid:] for one in coupled.parts], axis=0))
+    share = float(coupled.orders[order]) * speed / natural
+    with np.errstate(divide="ignore"):
+        magnifiers = 1.0 / np.abs(1.0 - share**2 + 2j * ratios * share)
+        highest = 0.5 / (ratios * np.sqrt(np.maximum(1.0 - ratios**2, 0.0)))
+    own = (magnifiers >= BAND * highest) & (ratios < np.sqrt(0.5))
+    if not np.any(own[: coupled.crankshaft.kept]):
+        return 0, None, None
+    best = int(np.argmax(np.where(own, moved, -1.0)[: coupled.crankshaft.kept]))
+    return best + 1, float(natural[best] / (2.0 * np.pi)), float(ratios[best])

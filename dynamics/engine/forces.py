@@ -20,9 +20,8 @@ from dynamics.engine.layout import EngineLayout
 from dynamics.engine.motions import CylinderMotion, parts_motion
 from dynamics.mechanism.rod_model_names import RodModelName
 from dynamics.mechanism.rods import RodModel
-from dynamics.plots.angle_curves import FROM_FIRING, draw_over_angle
-from dynamics.plots.coordinates import angle_axis, number_axis
-from dynamics.plots.quantities import KILO
+from dynamics.plots.curves import FROM_FIRING, draw_over_angle
+from dynamics.plots.quantities import KILO, angle_axis, number_axis
 
 
 @summarized("speed [rad/s]", "model", "gas [N]", "torque [N m]")

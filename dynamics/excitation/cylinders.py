@@ -22,9 +22,8 @@ from dynamics.excitation.engine_load import Load, per_minute
 from dynamics.excitation.gas_sources import Pressures
 from dynamics.gas.pressure import ATMOSPHERE
 from dynamics.mechanism.rod_model_names import RodModelName
-from dynamics.plots.coordinates import number_axis, orders_and_speeds
-from dynamics.plots.quantities import KILO
-from dynamics.plots.speed_curves import MAIN_ORDERS, draw_orders, set_speed_axis
+from dynamics.plots.curves import MAIN_ORDERS, draw_orders, set_speed_axis
+from dynamics.plots.quantities import KILO, number_axis, orders_and_speeds
 from dynamics.response.order_excitation import at_angles, checked_speed_index, checked_speeds
 from dynamics.torque.cycle_samples import DEFAULT_SAMPLES
 

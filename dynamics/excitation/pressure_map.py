@@ -34,7 +34,7 @@ from dynamics.excitation.grid_weights import (
 )
 from dynamics.excitation.sampled_phasors import order_indices, phasors_of_samples
 from dynamics.gas.pressure import GasPressure, gas_pressure
-from dynamics.plots.angle_curves import FROM_FIRING, draw_over_angle
+from dynamics.plots.curves import FROM_FIRING, draw_over_angle
 from dynamics.plots.quantities import MEGA
 from dynamics.response.order_excitation import checked_speeds
 

@@ -15,7 +15,7 @@ from crankbase.library_types import Axes, DataFrame
 from crankbase.summaries import summarized
 from crankbase.tables.frames import table
 from dynamics.cycle import checked_strokes, cycle_degrees, first_not_increasing, is_even_cycle
-from dynamics.plots.angle_curves import FROM_FIRING, draw_over_angle
+from dynamics.plots.curves import FROM_FIRING, draw_over_angle
 from dynamics.plots.quantities import MEGA
 
 if TYPE_CHECKING:

@@ -17,7 +17,7 @@ from dynamics.cycle import even_angles
 from dynamics.hinge.crosshead import CrossheadEngine, GasForce
 from dynamics.hinge.periodic import TURN, antiderivative, periodic_spline, turn_integral
 from dynamics.hinge.reduced_crank import Kinematics, ReducedCrank, reduced_crank
-from dynamics.plots.angle_curves import FROM_TOP, draw_over_angle
+from dynamics.plots.curves import FROM_TOP, draw_over_angle
 from dynamics.plots.quantities import KILO
 
 SAMPLES = 1440

@@ -33,7 +33,7 @@ from dynamics.hinge.polar_curves import (
     smallest_hollow,
 )
 from dynamics.hinge.spring import LEAST_COLUMN, GasSpring
-from dynamics.plots.angle_curves import FROM_TOP, draw_over_angle
+from dynamics.plots.curves import FROM_TOP, draw_over_angle
 from dynamics.plots.quantities import KILO, MILLI
 
 if TYPE_CHECKING:

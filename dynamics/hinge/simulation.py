@@ -17,7 +17,7 @@ from dynamics.hinge.moment import HingeMoment
 from dynamics.hinge.periodic import TURN, periodic_spline
 from dynamics.hinge.profile import HingeProfile
 from dynamics.hinge.reduced_crank import ReducedCrank
-from dynamics.plots.angle_curves import FROM_TOP, draw_over_angle
+from dynamics.plots.curves import FROM_TOP, draw_over_angle
 from dynamics.turning.speed_over_angle import SpeedOverAngle, speed_over_angle
 from dynamics.turning.steady_energy import energy_for_mean_speed, mean_speed, slowest_mean_speed
 

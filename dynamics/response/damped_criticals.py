@@ -15,9 +15,9 @@ from crankbase.units.units import RPM
 from dynamics.response.complex_modes import ComplexModes, complex_modes
 from dynamics.response.forced import ForcedResponse
 from dynamics.response.harmonic import harmonic_response
-from dynamics.response.over_speed import OverSpeed
-from dynamics.response.place_rows import load_rows, motion_rows
-from dynamics.response.speed_grid import LEAST_RATIO, refined_speeds
+from dynamics.response.loads import load_rows, motion_rows
+from dynamics.response.order_excitation import OverSpeed
+from dynamics.response.resonance import LEAST_RATIO, refined_speeds
 from dynamics.running_limits import within
 
 # Maxima below this share of the largest one are round-off of orders that nothing excites.

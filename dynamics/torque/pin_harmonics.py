@@ -18,7 +18,7 @@ from dynamics.engine.layout import EngineLayout
 from dynamics.gas.pressure import ATMOSPHERE
 from dynamics.harmonics import Harmonics
 from dynamics.mechanism.rod_model_names import RodModelName
-from dynamics.plots.harmonic_bars import draw_harmonics
+from dynamics.plots.harmonics import draw_harmonics
 from dynamics.plots.quantities import KILO
 from dynamics.torque.cycle_samples import (
     DEFAULT_SAMPLES,

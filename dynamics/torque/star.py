@@ -27,7 +27,7 @@ from dynamics.cycle import checked_strokes, order_step
 from dynamics.engine.forces import spread_array
 from dynamics.engine.layout import EngineLayout
 from dynamics.indices import grouped
-from dynamics.plots.stars import draw_star, finish_stars
+from dynamics.plots.harmonics import draw_star, finish_stars
 
 Kind = Literal["major", "minor", "balanced"]
 # Two directions are one within this angle [rad].

@@ -23,9 +23,8 @@ from dynamics.gas.indicated import indicated_work
 from dynamics.gas.pressure import ATMOSPHERE
 from dynamics.harmonics import Harmonics, harmonics
 from dynamics.mechanism.rod_model_names import RodModelName
-from dynamics.plots.angle_curves import draw_over_angle
-from dynamics.plots.coordinates import angle_axis, number_axis
-from dynamics.plots.quantities import KILO
+from dynamics.plots.curves import draw_over_angle
+from dynamics.plots.quantities import KILO, angle_axis, number_axis
 from dynamics.torque.cycle_samples import (
     DEFAULT_SAMPLES,
     forces_by_cause,

@@ -27,7 +27,7 @@ from crankbase.units.units import RPM
 from dynamics.engine.layout import EngineLayout
 from dynamics.gas.pressure import ATMOSPHERE
 from dynamics.mechanism.rod_model_names import RodModelName
-from dynamics.plots.angle_curves import draw_over_time
+from dynamics.plots.curves import draw_over_time
 from dynamics.plots.quantities import KILO
 from dynamics.running_limits import MOST_MOMENTS, MOST_TURNS, run_time, too_many_turns, work_counter
 from dynamics.turning.piston_gas import Gas

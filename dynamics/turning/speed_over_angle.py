@@ -15,7 +15,7 @@ from crankbase.library_types import Axes, DataFrame
 from crankbase.summaries import summarized
 from crankbase.tables.frames import table
 from crankbase.units.units import RPM
-from dynamics.plots.angle_curves import draw_over_angle
+from dynamics.plots.curves import draw_over_angle
 from dynamics.running_limits import turns_followed, work_counter
 from dynamics.turning.function_checks import checked_inertia, checked_moment
 

@@ -7,8 +7,8 @@ import pytest
 from comparing import close
 from crankbase.errors import InputError
 from crankfem.analyses.mechanism import balance_records
-from crankfem.analyses.mechanism.acceleration_records import acceleration_record
-from crankfem.analyses.mechanism.plots.balance_plots import (
+from crankfem.analyses.mechanism.mechanism_records import acceleration_record
+from crankfem.analyses.mechanism.plots import (
     plot_accelerations,
     plot_balance,
     plot_hinged_rods,

@@ -29,9 +29,8 @@ from crankfem.files.reading.data_files import input_path
 from dynamics.chains.chain import Chain
 from dynamics.chains.connections import Dashpot
 from dynamics.response.forced import forced_response
-from dynamics.response.loads import element_loads
+from dynamics.response.loads import element_loads, power_balance
 from dynamics.response.order_excitation import OrderExcitation
-from dynamics.response.power import power_balance
 
 SPEEDS = np.array([60.0, 80.0, 130.0])
 ORDERS = np.array([1.0, 2.5])

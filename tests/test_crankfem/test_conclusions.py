@@ -9,8 +9,7 @@ import pytest
 from rich.console import Console
 
 from comparing import close
-from crankfem.analyses.vibration.mode_table import mode_table
-from crankfem.analyses.vibration.tables import factor_range, misfiring_table
+from crankfem.analyses.vibration.tables import factor_range, misfiring_table, mode_table
 from crankfem.cli import console
 from crankfem.cli.commands.run import _print
 from crankfem.cli.tables.run_tables import print_verdict

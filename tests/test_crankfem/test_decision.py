@@ -3,8 +3,7 @@
 import numpy as np
 import pytest
 
-from crankfem.analyses.vibration.assessment import Assessment
-from crankfem.analyses.vibration.decision import engine_decision
+from crankfem.analyses.vibration.assessment import Assessment, engine_decision
 from crankfem.analyses.vibration.engine_limits import engine_limits, engine_verdict
 from crankfem.files.engine.engine_file import load_engine
 from dynamics.assessment.limits import AmplitudeCurve

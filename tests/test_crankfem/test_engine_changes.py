@@ -7,7 +7,7 @@ import pytest
 from comparing import close
 from crankbase.errors import InputError
 from crankfem.analyses.assumptions import assumed_values
-from crankfem.analyses.engine_refusals import refuse_what_cannot_run
+from crankfem.analyses.file_check import refuse_what_cannot_run
 from crankfem.analyses.shaft.chains import engine_throw_inertias
 from crankfem.analyses.vibration.engine_limits import engine_limits, rule_of
 from crankfem.analyses.vibration.run import engine_vibration

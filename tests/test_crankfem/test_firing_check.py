@@ -4,7 +4,7 @@ import math
 
 import pytest
 
-from crankfem.analyses.vibration.firing_check import FiringCheck, Reached
+from crankfem.analyses.vibration.misfiring import FiringCheck, Reached
 from dynamics.assessment.limits import given_limit
 
 STRESS = given_limit("torsional stress", 20e6, "Pa", applies_to="crankshaft", source="maker")

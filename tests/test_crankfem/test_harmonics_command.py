@@ -7,7 +7,7 @@ import pytest
 import crankfem as cf
 from comparing import close
 from crankbase.tables.table_units import table_unit
-from crankfem.analyses.mechanism.plots.torque_plots import picture_torque_table, table_files
+from crankfem.analyses.mechanism.plots import picture_torque_table, table_files
 
 TABLE = "yamz5340_torque_one_throw.csv"
 

@@ -7,9 +7,14 @@ import pytest
 
 from comparing import close
 from crankbase.errors import InputError
-from crankfem.analyses.shaft.law_source import law_values, refuse_law
-from crankfem.analyses.shaft.source_errors import source_spread
-from crankfem.analyses.shaft.sources import axial_sources, compliances_in_shaft, torsional_sources
+from crankfem.analyses.shaft.sources import (
+    axial_sources,
+    compliances_in_shaft,
+    law_values,
+    refuse_law,
+    source_spread,
+    torsional_sources,
+)
 from crankfem.analyses.throw.law_record import (
     LAW_BANDS,
     law_answers,

@@ -5,7 +5,7 @@ import pytest
 
 from comparing import close
 from crankbase.errors import InputError
-from crankfem.analyses.mechanism.plots.load_plots import plot_polar_loads
+from crankfem.analyses.mechanism.plots import plot_polar_loads
 from dynamics.engine.loads import LoadDiagram
 from dynamics.plots.load_diagrams import on_paper, square_round
 

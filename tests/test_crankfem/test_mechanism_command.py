@@ -15,8 +15,8 @@ from crankfem.analyses.mechanism.balance_records import (
 )
 from crankfem.analyses.mechanism.mechanism_records import mechanism_record
 from crankfem.analyses.mechanism.mechanism_run import run_mechanism
-from crankfem.analyses.mechanism.rod_comparison import compare_rod_models
-from crankfem.analyses.mechanism.rod_model_records import (
+from crankfem.analyses.mechanism.rod_models import (
+    compare_rod_models,
     model_difference_sentence,
     model_difference_table,
 )

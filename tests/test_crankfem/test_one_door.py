@@ -9,13 +9,16 @@ from hypothesis import HealthCheck, given, settings
 
 from crankbase.errors import InputError
 from crankfem.analyses.file_check import check_file
-from crankfem.analyses.shaft.shaft_surroundings import shaft_surroundings
+from crankfem.analyses.shaft.chains import shaft_surroundings
 from crankfem.analyses.strength.cycle_loads import supported_throws
 from crankfem.analyses.strength.element_factors import shrink_fit, throw_webs
 from crankfem.analyses.vibration import run as vibration_run
-from crankfem.analyses.vibration.engine_excitation import engine_harmonics, forces_over_speeds
+from crankfem.analyses.vibration.engine_excitation import (
+    engine_harmonics,
+    engine_load,
+    forces_over_speeds,
+)
 from crankfem.analyses.vibration.engine_limits import compared_quantities, rule_of
-from crankfem.analyses.vibration.engine_load import engine_load
 from crankfem.jobs.run_inputs import read_inputs
 from strategies.engine_changes import WHOLE, changed_engines
 

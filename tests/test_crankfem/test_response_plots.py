@@ -5,10 +5,10 @@ import pytest
 
 from crankbase.drawing.diagram_style import figure
 from crankbase.errors import InputError
-from crankfem.analyses.vibration.plots.response_plots import plot_response_campbell
+from crankfem.analyses.vibration.plots import plot_response_campbell
 from dynamics.chains.chain import Chain
-from dynamics.response.damping import damped
 from dynamics.response.forced import forced_response
+from dynamics.response.linear_system import damped
 from dynamics.response.order_excitation import OrderExcitation
 from dynamics.response.resonance import resonances
 

@@ -8,19 +8,26 @@ import numpy as np
 import pytest
 
 from comparing import close
-from crankfem.analyses.shaft.chains import engine_axial_chain
-from crankfem.analyses.shaft.shaft_surroundings import shaft_surroundings
-from crankfem.analyses.shaft.whole_damping import damping_remarks, modal_damping
-from crankfem.analyses.shaft.whole_shaft import not_comparable, shaft_response
+from crankfem.analyses.shaft.chains import engine_axial_chain, shaft_surroundings
+from crankfem.analyses.shaft.whole_shaft import (
+    damping_remarks,
+    modal_damping,
+    not_comparable,
+    shaft_response,
+)
 from crankfem.analyses.vibration.engine_limits import engine_limits, even_firing_interval
 from crankfem.analyses.vibration.modes import axial_weights
 from crankfem.files.engine.engine_file import load_engine
 from crankfem.files.reading.data_files import input_path
 from dynamics.crankshaft.assembly import assemble_crankshaft
 from dynamics.crankshaft.coupled_response import coupled_response
-from dynamics.crankshaft.shaft_system import crankshaft_system
-from dynamics.crankshaft.shaft_throw import ShaftThrow
-from dynamics.crankshaft.surroundings import AxialSupport, MainBearings, ShaftSurroundings
+from dynamics.crankshaft.shaft_modes import crankshaft_system
+from dynamics.crankshaft.surroundings import (
+    AxialSupport,
+    MainBearings,
+    ShaftSurroundings,
+    ShaftThrow,
+)
 
 ALL = """
 [damping]

@@ -5,9 +5,12 @@ from pathlib import Path
 
 import pytest
 
-from crankfem.analyses.vibration.mode_table import mode_table
-from crankfem.analyses.vibration.speed_table import speed_table
-from crankfem.analyses.vibration.tables import resonance_table, source_table
+from crankfem.analyses.vibration.tables import (
+    mode_table,
+    resonance_table,
+    source_table,
+    speed_table,
+)
 
 STORED = Path(__file__).with_name("report_results.json")
 

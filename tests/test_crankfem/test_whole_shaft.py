@@ -12,24 +12,27 @@ import pytest
 from comparing import close
 from crankbase.errors import InputError
 from crankfem.analyses.shaft.chains import engine_throw_inertias, engine_torsional_chain
-from crankfem.analyses.shaft.plots.shaft_mode_plots import plot_shaft_modes
 from crankfem.analyses.shaft.sources import compliances_in_shaft
-from crankfem.analyses.shaft.whole_difference import whole_shaft_remark
 from crankfem.analyses.shaft.whole_records import whole_record
 from crankfem.analyses.shaft.whole_shaft import (
     ShaftComparison,
     highest_exciting_frequency,
     shaft_response,
     whole_shaft,
+    whole_shaft_remark,
 )
+from crankfem.analyses.vibration.plots import plot_shaft_modes
 from crankfem.analyses.vibration.records import run_record
 from crankfem.analyses.vibration.run import engine_vibration
 from crankfem.files.engine.mechanism_file import load_mechanism
 from dynamics.chains.chain import Chain
-from dynamics.crankshaft.chain_comparison import ResponseMatch, chain_verdict
-from dynamics.crankshaft.chain_difference import FlywheelTilt
-from dynamics.crankshaft.mode_matches import ModeMatch
-from dynamics.crankshaft.shaft_system import crankshaft_system
+from dynamics.crankshaft.chain_comparison import (
+    FlywheelTilt,
+    ModeMatch,
+    ResponseMatch,
+    chain_verdict,
+)
+from dynamics.crankshaft.shaft_modes import crankshaft_system
 from dynamics.crankshaft.surroundings import MainBearings
 from dynamics.excitation.cylinder_harmonics import cylinder_harmonics
 from dynamics.excitation.cylinders import forces_at_speeds

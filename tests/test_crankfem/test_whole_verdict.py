@@ -15,8 +15,8 @@ from crankfem.analyses.vibration.whole_verdict import (
     whole_verdict,
 )
 from crankfem.files.engine.engine_file import load_engine
-from dynamics.assessment.decided import decide
 from dynamics.assessment.limits import AmplitudeCurve
+from dynamics.assessment.verdict import decide
 from dynamics.crankshaft.chain_comparison import ResponseMatch
 from dynamics.response.series import OrderSeries
 

@@ -14,15 +14,15 @@ from scipy.linalg import eigh
 from comparing import close
 from crankbase.errors import InputError
 from dynamics.crankshaft.assembly import assemble_crankshaft
-from dynamics.crankshaft.shaft_modes import crankshaft_modes, rotation_ratio
-from dynamics.crankshaft.shaft_system import crankshaft_system
-from dynamics.crankshaft.shaft_throw import ShaftThrow, rotation
+from dynamics.crankshaft.shaft_modes import crankshaft_modes, crankshaft_system, rotation_ratio
 from dynamics.crankshaft.surroundings import (
     AxialSupport,
     EndBody,
     MainBearings,
     ShaftSurroundings,
+    ShaftThrow,
     TorsionalRing,
+    rotation,
 )
 
 E, NU, RHO = 210e9, 0.3, 7850.0

@@ -21,15 +21,24 @@ from dynamics.crankshaft.chain_comparison import (
     ModeMatch,
     ResponseMatch,
     chain_verdict,
+    followed_modes,
+    matching_modes,
     matching_response,
 )
-from dynamics.crankshaft.coupled_response import coupled_response
-from dynamics.crankshaft.mode_matches import followed_modes, matching_modes
-from dynamics.crankshaft.pin_excitation import pins_of_cylinders, shaft_excitation
-from dynamics.crankshaft.shaft_criticals import shaft_criticals
-from dynamics.crankshaft.shaft_system import crankshaft_system
-from dynamics.crankshaft.shaft_throw import ShaftThrow
-from dynamics.crankshaft.surroundings import AxialSupport, EndBody, MainBearings, ShaftSurroundings
+from dynamics.crankshaft.coupled_response import (
+    coupled_response,
+    pins_of_cylinders,
+    shaft_criticals,
+    shaft_excitation,
+)
+from dynamics.crankshaft.shaft_modes import crankshaft_system
+from dynamics.crankshaft.surroundings import (
+    AxialSupport,
+    EndBody,
+    MainBearings,
+    ShaftSurroundings,
+    ShaftThrow,
+)
 from dynamics.response.forced import forced_response
 from dynamics.response.order_excitation import OrderExcitation
 

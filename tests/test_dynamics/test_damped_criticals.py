@@ -12,11 +12,10 @@ from dynamics.chains.connections import Gear
 from dynamics.chains.dampers import RubberDamper, ViscousDamper
 from dynamics.response.complex_modes import complex_modes
 from dynamics.response.damped_criticals import damped_criticals
-from dynamics.response.damping import damped
 from dynamics.response.forced import forced_response
-from dynamics.response.linear_system import chain_system
+from dynamics.response.linear_system import chain_system, damped
 from dynamics.response.order_excitation import OrderExcitation
-from dynamics.response.speed_grid import refined_speeds
+from dynamics.response.resonance import refined_speeds
 
 SPEEDS = np.linspace(40.0, 200.0, 30)
 ROW = Chain([1.0, 1.0, 4.0], [4e4, 4e4])

@@ -5,11 +5,12 @@ import pytest
 
 from comparing import close
 from crankbase.errors import InputError
-from dynamics.assessment.damper_search import TrialSize, without_close_sizes
 from dynamics.assessment.damper_sizing import (
+    TrialSize,
     size_axial_damper,
     size_rubber_damper,
     size_viscous_damper,
+    without_close_sizes,
 )
 from dynamics.assessment.limits import given_limit
 from dynamics.assessment.response_curves import (

@@ -2,7 +2,7 @@
 
 import pytest
 
-from dynamics.assessment.decided import Trial, changes, decide
+from dynamics.assessment.verdict import Trial, changes, decide
 
 STEEL = ("limits.tensile_strength", "tensile strength")
 BEARING = ("bearings.stiffness", "lateral stiffness")

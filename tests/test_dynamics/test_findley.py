@@ -7,7 +7,7 @@ import pytest
 
 from comparing import close
 from crankbase.errors import InputError
-from dynamics.strength.findley import (
+from dynamics.strength.fatigue import (
     critical_plane,
     enclosing_radius,
     findley_bound,

@@ -7,11 +7,15 @@ from comparing import close
 from crankbase.errors import InputError
 from dynamics.chains.chain import Chain
 from dynamics.harmonics import harmonics
-from dynamics.response.damping import damped
 from dynamics.response.forced import forced_response
-from dynamics.response.loads import alternating_stress, element_loads, section_modulus
+from dynamics.response.linear_system import damped
+from dynamics.response.loads import (
+    alternating_stress,
+    element_loads,
+    power_balance,
+    section_modulus,
+)
 from dynamics.response.order_excitation import OrderExcitation, phasors_of
-from dynamics.response.power import power_balance
 from dynamics.response.resonance import resonances
 
 TWO = Chain([1.0, 1.0], [2e4], names=["pulley", "flywheel"])  # 200 rad/s

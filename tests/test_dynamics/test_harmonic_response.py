@@ -15,9 +15,8 @@ from dynamics.chains.connections import Dashpot, Gear
 from dynamics.response.forced import forced_response
 from dynamics.response.harmonic import harmonic_response
 from dynamics.response.linear_system import chain_system
-from dynamics.response.loads import element_loads
+from dynamics.response.loads import element_loads, power_balance
 from dynamics.response.order_excitation import OrderExcitation
-from dynamics.response.power import power_balance
 
 
 def any_chain(seed):

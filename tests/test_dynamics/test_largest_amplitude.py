@@ -7,9 +7,9 @@ import pytest
 
 from comparing import close
 from dynamics.assessment.barred_ranges import BarredRangeRule
-from dynamics.assessment.largest_amplitude import largest_amplitude, speeds_above
 from dynamics.assessment.limit_rules import crankshaft_limit
 from dynamics.assessment.limits import AmplitudeCurve, given_limit, worst_use
+from dynamics.assessment.response_curves import largest_amplitude, speeds_above
 from dynamics.assessment.verdict import judge
 from dynamics.plots.quantities import quantity_display
 from dynamics.response.series import OrderSeries

@@ -4,7 +4,7 @@ import pytest
 
 from comparing import close
 from crankbase.errors import InputError
-from dynamics.assessment.major_criticals import major_criticals
+from dynamics.assessment.separation import major_criticals
 from dynamics.critical import critical_speeds
 
 

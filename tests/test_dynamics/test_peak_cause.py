@@ -6,8 +6,8 @@ import pytest
 from comparing import close
 from crankbase.errors import InputError
 from dynamics.chains.chain import Chain
-from dynamics.response.damping import damped
 from dynamics.response.forced import forced_response
+from dynamics.response.linear_system import damped
 from dynamics.response.loads import alternating_stress, element_loads
 from dynamics.response.order_excitation import OrderExcitation
 from dynamics.response.peak_cause import peak_cause

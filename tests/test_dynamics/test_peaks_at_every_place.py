@@ -8,9 +8,8 @@ from comparing import close
 from dynamics.chains.chain import Chain
 from dynamics.chains.connections import Gear
 from dynamics.response.damped_criticals import LEAST_PEAK, NEARLY, damped_criticals
-from dynamics.response.damping import damped
 from dynamics.response.forced import forced_response
-from dynamics.response.linear_system import chain_system
+from dynamics.response.linear_system import chain_system, damped
 from dynamics.response.order_excitation import OrderExcitation
 
 LOW, HIGH = 40.0, 200.0

@@ -17,13 +17,11 @@ from comparing import close
 from crankbase.errors import InputError, MissingLibraryError
 from crankbase.tables.frames import table_of
 from dynamics.assessment.barred_ranges import BarredRangeRule
-from dynamics.assessment.decided import Trial, decide
+from dynamics.assessment.damper_sizing import SizedDamper
 from dynamics.assessment.limits import AmplitudeCurve, given_limit
 from dynamics.assessment.separation import CriticalRange
-from dynamics.assessment.sized_damper import SizedDamper
-from dynamics.assessment.spreads import Spread
-from dynamics.assessment.uncertainty import Samples
-from dynamics.assessment.verdict import judge
+from dynamics.assessment.uncertainty import Samples, Spread
+from dynamics.assessment.verdict import Trial, decide, judge
 from dynamics.balance.balance import balance
 from dynamics.balance.hinged_rods import HingedRodEffects
 from dynamics.balance.hodograph import Hodograph
@@ -31,8 +29,7 @@ from dynamics.chains.chain import Chain
 from dynamics.chains.dampers import ViscousDamper
 from dynamics.crankshaft.chain_comparison import ChainVerdict, ModeMatch, ResponseMatch
 from dynamics.crankshaft.coupled_response import CoupledResponse
-from dynamics.crankshaft.shaft_modes import ShaftModes
-from dynamics.crankshaft.shaft_system import CrankshaftSystem
+from dynamics.crankshaft.shaft_modes import CrankshaftSystem, ShaftModes
 from dynamics.critical import critical_speeds
 from dynamics.engine.cylinder import EngineCylinder
 from dynamics.engine.forces import mechanism_forces
@@ -51,25 +48,21 @@ from dynamics.hinge.profile import hinge_profile
 from dynamics.hinge.simulation import SteadyHingeTurn
 from dynamics.hinge.spring import GasSpring
 from dynamics.mechanism.rods import ConnectingRod
-from dynamics.plots.stars import KIND_COLORS
-from dynamics.response.campbell_diagram import campbell_diagram
+from dynamics.plots.harmonics import KIND_COLORS
 from dynamics.response.complex_modes import complex_modes
-from dynamics.response.damping import damped
 from dynamics.response.forced import forced_response
-from dynamics.response.loads import element_loads
+from dynamics.response.linear_system import damped
+from dynamics.response.loads import element_loads, power_balance
 from dynamics.response.order_excitation import OrderExcitation
 from dynamics.response.peak_cause import peak_cause
-from dynamics.response.power import power_balance
-from dynamics.response.resonance import resonances
+from dynamics.response.resonance import campbell_diagram, resonances
 from dynamics.torque.pin_harmonics import pin_force_harmonics
 from dynamics.torque.star import Star
 from dynamics.torque.torque import engine_torque
 from dynamics.torque_table import TorqueTable
-from dynamics.transient.run import TransientMotion
-from dynamics.transient.speed_curve import SpeedCurve
-from dynamics.transient.steady import SteadyMotion
-from dynamics.transient.turning_cycle import TurningCycle
-from dynamics.transient.turning_run import TurningRun
+from dynamics.transient.applied_forces import SpeedCurve
+from dynamics.transient.run import SteadyMotion, TransientMotion
+from dynamics.transient.turning_run import TurningCycle, TurningRun
 from dynamics.turning.free_turning import FreeTurning, WorkShare
 from dynamics.turning.speed_over_angle import SpeedOverAngle
 

@@ -6,11 +6,10 @@ import pytest
 from comparing import close
 from crankbase.errors import InputError
 from dynamics.chains.chain import Chain
-from dynamics.response.damping import damped
 from dynamics.response.forced import forced_response
+from dynamics.response.linear_system import damped
 from dynamics.response.order_excitation import OrderExcitation
-from dynamics.response.resonance import resonances
-from dynamics.response.speed_grid import refined_speeds
+from dynamics.response.resonance import refined_speeds, resonances
 
 # Six cylinders and a flywheel, firing 1-5-3-6-2-4.
 ENGINE = Chain([0.05] * 6 + [2.0], [1.2e6] * 6)

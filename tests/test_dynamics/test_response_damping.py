@@ -7,8 +7,8 @@ from comparing import close
 from crankbase.errors import InputError
 from dynamics.chains.chain import Chain
 from dynamics.chains.connections import Dashpot
-from dynamics.response.damping import EngineMagnifier, damped
 from dynamics.response.forced import forced_response
+from dynamics.response.linear_system import EngineMagnifier, damped
 from dynamics.response.order_excitation import OrderExcitation
 
 ONE = Chain([1.0], [], ground=[1e4])  # 100 rad/s

@@ -6,7 +6,7 @@ import pytest
 from comparing import close
 from crankbase.errors import InputError
 from dynamics.response.order_excitation import at_angles
-from dynamics.response.synthesis import PEAK_ERROR_BOUND, common_order, extreme_angles, synthesis
+from dynamics.response.series import PEAK_ERROR_BOUND, common_order, extreme_angles, synthesis
 
 ONE = np.array([100.0])
 

@@ -5,18 +5,25 @@ import pytest
 
 from comparing import close
 from crankbase.errors import InputError
-from dynamics.strength.concentration import FACTORS, ConcentrationFactors, coefficient_differences
-from dynamics.strength.crank_web import RANGES, CrankWeb
+from dynamics.strength.concentration import (
+    FACTORS,
+    RANGES,
+    ConcentrationFactors,
+    CrankWeb,
+    coefficient_differences,
+)
 from dynamics.strength.fatigue import (
     PlaceStrength,
+    SurfaceTreatment,
     added_bending,
+    factors_below,
     fatigue_strength,
     fillet_equivalent,
     hole_equivalent,
+    strength_near_end,
 )
 from dynamics.strength.nominal import SupportedThrow, alternating, hole_stress, web_stresses
 from dynamics.strength.shrink_fit import ShrinkFit
-from dynamics.strength.surface_treatment import SurfaceTreatment, factors_below, strength_near_end
 
 USUAL = {
     "overlap": 0.15,

@@ -21,13 +21,10 @@ from dynamics.gas.pressure import gas_pressure
 from dynamics.mechanism.rods import ConnectingRod
 from dynamics.response.forced import forced_response
 from dynamics.response.order_excitation import OrderExcitation
-from dynamics.transient.applied_forces import LoadStep
-from dynamics.transient.run import transient_motion
-from dynamics.transient.speed_curve import SpeedCurve
-from dynamics.transient.steady import steady_motion
+from dynamics.transient.applied_forces import LoadStep, SpeedCurve
+from dynamics.transient.run import steady_motion, transient_motion
 from dynamics.transient.turning_chain import turning_chain
-from dynamics.transient.turning_cycle import steady_cycle
-from dynamics.transient.turning_run import turn_under_gas
+from dynamics.transient.turning_run import steady_cycle, turn_under_gas
 
 FREE = {"inertia": [1.0, 2.0, 3.0], "stiffness": [1e4, 2e4]}
 SPEED = 30.0

@@ -15,12 +15,10 @@ from dynamics.chains.chain import Chain
 from dynamics.chains.connections import Dashpot, Gear
 from dynamics.response.forced import forced_response
 from dynamics.response.order_excitation import OrderExcitation
-from dynamics.transient.applied_forces import LoadStep
-from dynamics.transient.envelope import envelope_over
-from dynamics.transient.run import transient_motion
-from dynamics.transient.speed_curve import SpeedCurve
-from dynamics.transient.steady import steady_motion
-from dynamics.transient.viscous import viscous_system
+from dynamics.transient.applied_forces import LoadStep, SpeedCurve
+from dynamics.transient.motions import envelope_over
+from dynamics.transient.propagator import viscous_system
+from dynamics.transient.run import steady_motion, transient_motion
 
 EXACT = 1e-9
 ORDERS = np.array([0.5, 1.0, 2.5, 4.0])

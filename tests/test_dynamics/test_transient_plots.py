@@ -4,15 +4,15 @@ import numpy as np
 import pytest
 
 from crankbase.errors import InputError
-from crankfem.analyses.vibration.plots.transient_plots import (
+from crankfem.analyses.vibration.plots import (
     plot_transient,
     plot_transient_over_speed,
 )
 from dynamics.chains.chain import Chain
 from dynamics.response.linear_system import chain_system
 from dynamics.response.order_excitation import OrderExcitation
+from dynamics.transient.applied_forces import SpeedCurve
 from dynamics.transient.run import transient_motion
-from dynamics.transient.speed_curve import SpeedCurve
 
 
 def run(system):

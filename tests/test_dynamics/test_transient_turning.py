@@ -23,10 +23,8 @@ from dynamics.excitation.cylinders import cylinder_forces
 from dynamics.gas.pressure import gas_pressure
 from dynamics.mechanism.rods import ConnectingRod
 from dynamics.response.forced import forced_response
-from dynamics.transient.throw_curves import throw_inertia_curves
-from dynamics.transient.turning_chain import turning_chain
-from dynamics.transient.turning_cycle import steady_cycle
-from dynamics.transient.turning_run import turn_under_gas
+from dynamics.transient.turning_chain import throw_inertia_curves, turning_chain
+from dynamics.transient.turning_run import steady_cycle, turn_under_gas
 from dynamics.turning.free_turning import turn_freely
 
 SPEED, HIGHEST = 30.0, 4
@@ -270,7 +268,7 @@ def test_bad_input_is_refused_in_one_sentence(message):
 
 def test_a_cycle_that_takes_too_many_evaluations_is_given_up(monkeypatch):
     chain, _ = turning(gas=pressure(), damping=30.0)
-    monkeypatch.setattr("dynamics.transient.turning_cycle.MOST_EVALUATIONS", 500)
+    monkeypatch.setattr("dynamics.transient.turning_run.MOST_EVALUATIONS", 500)
     with pytest.raises(
         InputError, match=r"given 1e-06 rad/s; allowed is .* limit of 500 .* periods"
     ):

@@ -8,9 +8,9 @@ from comparing import close
 from crankbase.errors import InputError
 from dynamics.assessment.barred_ranges import BarredRangeRule
 from dynamics.assessment.limit_rules import crankshaft_limit
-from dynamics.assessment.limit_sentences import limit_at
 from dynamics.assessment.limits import AmplitudeCurve, constant_curve, given_limit
 from dynamics.assessment.verdict import judge
+from dynamics.assessment.wording import limit_at
 
 SPEEDS = np.linspace(10.0, 115.0, 2101)
 RUNNING = (30.0, 100.0)

@@ -13,8 +13,8 @@ from dynamics.engine.layout import EngineLayout
 from dynamics.mechanism.rods import ConnectingRod
 from dynamics.response import harmonic
 from dynamics.response.forced import forced_response
+from dynamics.response.loads import checked_power_balance
 from dynamics.response.order_excitation import OrderExcitation
-from dynamics.response.power import checked_power_balance
 from dynamics.torque.torque import check_energy, engine_torque
 
 CHAIN = Chain(inertia=[1.0, 2.0, 5.0], stiffness=[1e5, 3e5], damping=[20.0, 30.0])

@@ -28,12 +28,10 @@ from dynamics.excitation.torsion_to_axial import axial_excitation_of_torsion
 from dynamics.gas.pressure import gas_pressure
 from dynamics.harmonics import harmonics
 from dynamics.mechanism.rods import ConnectingRod
-from dynamics.response.damping import damped
 from dynamics.response.forced import forced_response
-from dynamics.response.linear_system import chain_system
-from dynamics.response.loads import element_loads
+from dynamics.response.linear_system import chain_system, damped
+from dynamics.response.loads import element_loads, power_balance
 from dynamics.response.order_excitation import OrderExcitation
-from dynamics.response.power import power_balance
 
 ROW = Chain([1.0, 2.0, 3.0], [1e4, 2e4])
 FOUR_STROKE = np.radians(np.arange(0.0, 720.0, 2.0))

@@ -9,14 +9,13 @@ import numpy as np
 from comparing import close
 from dynamics.assessment.limit_rules import crankshaft_limit
 from dynamics.assessment.limits import usage
-from dynamics.assessment.response_curves import curves_of
-from dynamics.assessment.worst_speeds import refined_maxima
+from dynamics.assessment.response_curves import curves_of, refined_maxima
 from dynamics.chains.chain import Chain
-from dynamics.response.damping import damped
 from dynamics.response.forced import forced_response
+from dynamics.response.linear_system import damped
 from dynamics.response.loads import alternating_stress, element_loads
 from dynamics.response.order_excitation import OrderExcitation
-from dynamics.response.speed_grid import refined_speeds
+from dynamics.response.resonance import refined_speeds
 
 CHAIN = damped(Chain([0.4, 1.2, 1.2, 25.0], [4e5, 4e5, 5e5]), magnifier=40.0)
 ORDERS = np.array([6.0, 7.0, 7.5, 8.0])

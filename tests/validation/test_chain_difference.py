@@ -16,8 +16,7 @@ from scipy.linalg import eigh
 
 import crankfem as cf
 from comparing import close
-from crankfem.analyses.shaft.bearings import bearing_stiffness
-from crankfem.analyses.shaft.shaft_surroundings import shaft_surroundings
+from crankfem.analyses.shaft.chains import bearing_stiffness, shaft_surroundings
 from crankfem.analyses.shaft.whole_shaft import shaft_throws, whole_shaft
 from crankfem.analyses.vibration.bearing_sweep import (
     bearing_sweep,
@@ -26,8 +25,7 @@ from crankfem.analyses.vibration.bearing_sweep import (
     in_bearings,
 )
 from dynamics.crankshaft.assembly import assemble_crankshaft
-from dynamics.crankshaft.chain_difference import CAUSES, frequency_difference
-from dynamics.crankshaft.mode_matches import match_modes
+from dynamics.crankshaft.chain_comparison import CAUSES, frequency_difference, match_modes
 from dynamics.crankshaft.shaft_modes import crankshaft_modes
 
 pytestmark = pytest.mark.further

@@ -5,8 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from crankfem.analyses.shaft.whole_difference import whole_shaft_remark
-from crankfem.analyses.shaft.whole_shaft import ShaftComparison, not_comparable
+from crankfem.analyses.shaft.whole_shaft import ShaftComparison, not_comparable, whole_shaft_remark
 from crankfem.analyses.vibration.assessment import Assessment
 from crankfem.analyses.vibration.bearing_sweep import BearingSweep
 from crankfem.analyses.vibration.engine_limits import (
@@ -17,13 +16,12 @@ from crankfem.analyses.vibration.engine_limits import (
     engine_verdict,
 )
 from crankfem.files.engine.engine_file import EngineFile
-from dynamics.assessment.decided import Decision, decide
-from dynamics.assessment.limit_sentences import limit_at, use_in_words
 from dynamics.assessment.limits import AmplitudeCurve
 from dynamics.assessment.response_curves import curves_of
-from dynamics.assessment.verdict import LimitCheck, Verdict
+from dynamics.assessment.verdict import Decision, LimitCheck, Verdict, decide
+from dynamics.assessment.wording import limit_at, use_in_words
 from dynamics.chains.engine_chains import FLYWHEEL, FREE_END, EngineChain
-from dynamics.crankshaft.shaft_criticals import ShaftCritical, shaft_criticals
+from dynamics.crankshaft.coupled_response import ShaftCritical, shaft_criticals
 from dynamics.response.loads import ElementLoads
 from dynamics.response.series import OrderSeries
 

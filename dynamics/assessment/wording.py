@@ -1,4 +1,4 @@
-"""Sentences on the use of limits and the speeds concerned."""
+"""Sentences of limits, verdicts and findings, made from their fields."""
 
 import numpy as np
 

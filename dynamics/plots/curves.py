@@ -1,18 +1,216 @@
-"""Curves over the speed: the orders of a vibration with their sum, and plain curves."""
+"""Curves over an angle, over time and over the speed."""
 
 from collections.abc import Mapping, Sequence
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from crankbase.checks.arrays import FloatArray
+from crankbase.checks.arrays import FloatArray, finite_array
 from crankbase.drawing.curves import Band, Curves, Mark, Series, draw_bands, draw_curves, draw_lines
-from crankbase.drawing.diagram_style import COLORS, new_axes, with_gaps
-from crankbase.drawing.legends import legend_below, legend_inside, write_title
+from crankbase.drawing.diagram_style import BLUE, COLORS, GRAY, ORANGE, new_axes, with_gaps
+from crankbase.drawing.legends import legend_above, legend_below, legend_inside, write_title
+from crankbase.errors import InputError
 from crankbase.library_types import Axes
 from crankbase.units.units import RPM
 from dynamics.plots.quantities import SPEED_LABEL, QuantityDisplay
 from dynamics.running_limits import within
+
+# Ticks stand this far apart over a turn, over a cycle of two, and over longer spans [deg].
+TICKS = ((360.0, 60.0), (720.0, 90.0))
+LINE = 1.4
+# Room for the round-off of an angle.
+SAME = 1.0 + 1e-9
+FROM_TOP = "crank angle from the top [deg]"
+FROM_FIRING = "crank angle from the firing top [deg]"
+
+
+def draw_over_angle(
+    axes: Axes | None,
+    angles: FloatArray,
+    curves: Mapping[str, FloatArray],
+    label: str,
+    *,
+    title: str = "",
+    angle_label: str = "shaft angle [deg]",
+    cyclic: bool = True,
+    colors: Sequence[Any] = COLORS,
+) -> Axes:
+    """Draw curves over an angle, with gaps where values are not finite.
+
+    Parameters
+    ----------
+    axes : matplotlib.axes.Axes or None
+        Those of a new figure if None.
+    angles : ndarray of shape (m,)
+        Ascending [rad].
+    curves : mapping of str to ndarray of shape (m,)
+        In the unit of the axis.
+    label, angle_label : str
+        Of the axes, with their units.
+    title : str, optional
+    cyclic : bool, optional
+        Whether the even angles are a cycle without its closing sample, which is added.
+    colors : sequence of colors, optional
+        Of the curves in turn.
+
+    Returns
+    -------
+    matplotlib.axes.Axes
+    """
+    degrees = np.degrees(angles)
+    if cyclic:
+        degrees = np.append(degrees, 2.0 * degrees[-1] - degrees[-2])
+        curves = {name: np.append(values, values[0]) for name, values in curves.items()}
+    axes = new_axes(axes)
+    _draw_curves(axes, degrees, curves, label, title, colors)
+    first, last = float(degrees[0]), float(degrees[-1])
+    step = next((step for longest, step in TICKS if last - first <= SAME * longest), None)
+    if step is not None and last - first > step:
+        axes.set_xticks(np.arange(np.floor(first / step) * step, last + step, step))
+    if last > first:
+        axes.set_xlim(first, last)
+    axes.set_xlabel(angle_label)
+    return axes
+
+
+def draw_over_time(
+    axes: Axes | None,
+    time: FloatArray,
+    curves: Mapping[str, FloatArray],
+    label: str,
+    *,
+    title: str = "",
+) -> Axes:
+    """Draw curves over the time [s], with gaps where values are not finite. See `draw_over_angle`."""
+    axes = new_axes(axes)
+    _draw_curves(axes, time, curves, label, title, COLORS)
+    if time[-1] > time[0]:
+        axes.set_xlim(time[0], time[-1])
+    axes.set_xlabel("time [s]")
+    return axes
+
+
+def _draw_curves(
+    axes: Axes,
+    along: FloatArray,
+    curves: Mapping[str, FloatArray],
+    label: str,
+    title: str,
+    colors: Sequence[Any],
+) -> None:
+    for place, (name, values) in enumerate(curves.items()):
+        color = colors[place % len(colors)]
+        axes.plot(along, with_gaps(values), color=color, linewidth=LINE, label=name)
+    axes.set_ylabel(label)
+    if title:
+        write_title(axes, title)
+    if len(curves) > 1:
+        legend_inside(axes)
+
+
+# Columns of the band between extremes: more cannot be told apart in print.
+COLUMNS = 600
+
+
+class RunCurve(NamedTuple):
+    """The motion or load of one element or node over time.
+
+    Parameters
+    ----------
+    values : ndarray of shape (m,)
+        At all times, in the unit of the axis.
+    envelope_time, amplitude : ndarray of shape (w,)
+        Times [s] and amplitudes of the windows, the latter in the unit of the axis.
+    turns : int
+        Of the shaft in each window.
+    factor : float
+        Factor from SI to the unit of the axis.
+    label : str
+        Of the axis, with its unit.
+    name : str
+        Of the element or node.
+    """
+
+    values: FloatArray
+    envelope_time: FloatArray
+    amplitude: FloatArray
+    turns: int
+    factor: float
+    label: str
+    name: str
+
+
+def plot_run(
+    axes: Axes | None,
+    time: FloatArray,
+    speed: FloatArray,
+    curve: RunCurve,
+    steady: tuple[ArrayLike, ArrayLike] | None,
+) -> Axes:
+    """Draw the motion or load of one element or node over time, on new axes by default.
+
+    Parameters
+    ----------
+    axes : matplotlib.axes.Axes or None
+    time, speed : ndarray of shape (m,)
+        [s, rad/s]
+    curve : RunCurve
+    steady : (speeds [rad/s], amplitudes in SI) or None
+        At constant speeds, ascending, drawn where the run passes these speeds.
+
+    Raises
+    ------
+    InputError
+        If steady is not a pair, its speeds do not ascend, or there is not an amplitude for each.
+    """
+    known = None if steady is None else _checked_steady(steady)
+    axes = new_axes(axes)
+    # The extremes in columns, few enough for a small file.
+    columns = min(COLUMNS, time.size)
+    starts = np.unique(np.linspace(0, time.size, columns, endpoint=False).astype(int))
+    low, high = np.minimum.reduceat(curve.values, starts), np.maximum.reduceat(curve.values, starts)
+    label = "extremes"
+    axes.fill_between(time[starts], low, high, color=BLUE, alpha=0.3, linewidth=0.0, label=label)
+    label = f"amplitude over {'each turn' if curve.turns == 1 else f'{curve.turns} turns'}"
+    axes.plot(curve.envelope_time, curve.amplitude, color=BLUE, linewidth=1.6, label=label)
+    if known is not None:
+        # Not a number outside of what is known: a gap.
+        steadily = curve.factor * np.interp(speed, *known, left=np.nan, right=np.nan)
+        label = "steady amplitude at this speed"
+        axes.plot(time, steadily, color=ORANGE, linestyle="--", linewidth=1.3, label=label)
+    axes.set_xlim(time[0], time[-1])
+    axes.set_xlabel("time [s]")
+    axes.set_ylabel(curve.label)
+    write_title(axes, curve.name, 9)
+    legend_above(axes)
+    return axes
+
+
+def draw_speed(axes: Axes, time: FloatArray, speed: FloatArray) -> None:
+    """Draw the speed [rad/s] over the time [s]."""
+    places = np.linspace(0, time.size - 1, COLUMNS).astype(int)
+    axes.plot(time[places], speed[places] * RPM, color=GRAY, linewidth=1.6)
+    axes.set_ylabel("speed [1/min]")
+    axes.set_xlabel("time [s]")
+    axes.set_xlim(time[0], time[-1])
+
+
+def _checked_steady(steady: tuple[ArrayLike, ArrayLike]) -> tuple[FloatArray, FloatArray]:
+    """Return ascending speeds [rad/s] and the steady amplitudes at them."""
+    if not isinstance(steady, tuple | list) or len(steady) != 2:
+        raise InputError(
+            f"steady: given {steady!r}; allowed is a pair of speeds and amplitudes, because these are drawn "
+            "over the speeds of the run."
+        )
+    known, amplitude = (finite_array("steady", values) for values in steady)
+    if known.ndim != 1 or known.shape != amplitude.shape or np.any(np.diff(known) <= 0.0):
+        raise InputError(
+            f"steady: given arrays of shapes {known.shape} and {amplitude.shape}; allowed are ascending "
+            "speeds and an amplitude for each, because they are drawn over the speeds of the run."
+        )
+    return known, amplitude
+
 
 BARRED, OUTSIDE = "#f6dcd9", "#ececec"
 # Orders that get a line of their own in a diagram over speed.
