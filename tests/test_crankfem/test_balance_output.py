@@ -15,12 +15,10 @@ from crankfem.analyses.mechanism.plots import (
 )
 from crankfem.cli import console
 from crankfem.cli.tables import mechanism_tables
-from dynamics.balance.balance import balance
-from dynamics.balance.hinged_rods import hinged_rod_effects
+from dynamics.balance.balance import balance, hinged_rod_effects
 from dynamics.balance.moving_masses import balancing_masses
-from dynamics.engine.cylinder import EngineCylinder, SlavePin
-from dynamics.engine.layout import EngineLayout
-from dynamics.mechanism.rods import ConnectingRod
+from dynamics.engine.layout import EngineCylinder, EngineLayout, SlavePin
+from dynamics.engine.rods import ConnectingRod
 
 SPEED = 1000.0 * math.pi / 30.0
 

@@ -17,11 +17,10 @@ from crankfem.files.sections.excitation_sections import (
     motored_for_misfire,
 )
 from crankfem.files.sections.mechanism_sections import Gas
-from dynamics.engine.cylinder import EngineCylinder
-from dynamics.engine.layout import EngineLayout
+from dynamics.engine.layout import EngineCylinder, EngineLayout
+from dynamics.engine.rods import ConnectingRod
 from dynamics.excitation.cylinders import cylinder_forces
-from dynamics.gas.pressure_table import read_pressure_table
-from dynamics.mechanism.rods import ConnectingRod
+from dynamics.gas.pressure import read_pressure_table
 
 RATED = 2000.0 * math.pi / 30.0
 

@@ -11,7 +11,7 @@ from crankbase.errors import InputError
 from crankfem.analyses.hinge.hinge_run import run_hinge
 from crankfem.files.hinge.hinge_file import load_hinge
 from crankfem.files.reading.data_files import input_path
-from dynamics.hinge.spring import GasSpring
+from dynamics.hinge.profile import GasSpring
 
 SHIPPED = "crosshead-30-100"
 

@@ -6,7 +6,7 @@ from crankbase.checks.arrays import finite_array, positive_number
 from crankbase.checks.scalars import whole_number
 from crankbase.errors import InputError
 from dynamics.indices import values_at_nodes
-from dynamics.turning.function_checks import checked_inertia
+from dynamics.turning.speed_over_angle import checked_inertia
 from fem.material import STEEL
 from fem.modes import free_modes
 from fem.supports import Neighbors

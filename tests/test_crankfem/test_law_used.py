@@ -31,8 +31,8 @@ from fem.angle_law import AngleLaw
 from fem.material import STEEL
 from fem.supports import Neighbors
 from geometry.throw import CrankThrow
-from regression.end_reactions import NEEDED, ThrowLengths, end_reactions
 from regression.law.throw_law import axial_law, torsional_law
+from regression.response_kinds import NEEDED, ThrowLengths, end_reactions
 
 PLAIN = {
     "crank_radius": 0.170,

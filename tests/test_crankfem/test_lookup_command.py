@@ -21,11 +21,11 @@ from crankfem.files.engine.engine_file import load_engine
 from crankfem.files.engine.throw_file import load_throw
 from crankfem.files.reading.data_files import input_path
 from dynamics.chains.engine_chains import axial_chain
-from regression.end_reactions import GUIDED_MOMENTS
+from regression import optimum as optimum_module
 from regression.fits.fits import fit_form
-from regression.models import optimum as optimum_module
 from regression.models.compliance_model import ComplianceModel
 from regression.models.response_model import ResponseModel
+from regression.response_kinds import GUIDED_MOMENTS
 
 ENGINE = "6chn25-34"
 THROW = load_throw(input_path(ENGINE))[0]

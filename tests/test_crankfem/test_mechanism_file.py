@@ -19,8 +19,7 @@ from crankfem.files.engine.mechanism_file import (
 )
 from crankfem.files.reading.data_files import input_path
 from dynamics.cycle import cycle_radians
-from dynamics.engine.forces import mechanism_forces
-from dynamics.engine.gas_forces import gas_forces
+from dynamics.engine.forces import gas_forces, mechanism_forces
 from dynamics.gas.pressure import ATMOSPHERE
 from geometry.crankshaft import throw_masses
 from geometry.mass import MassProperties, unbalance

@@ -34,8 +34,7 @@ from dynamics.crankshaft.chain_comparison import (
 )
 from dynamics.crankshaft.shaft_modes import crankshaft_system
 from dynamics.crankshaft.surroundings import MainBearings
-from dynamics.excitation.cylinder_harmonics import cylinder_harmonics
-from dynamics.excitation.cylinders import forces_at_speeds
+from dynamics.excitation.cylinders import cylinder_harmonics, forces_at_speeds
 
 ORDERS = np.arange(1, 25) * 0.5
 

@@ -3,7 +3,7 @@ import pytest
 
 from comparing import close
 from crankbase.errors import InputError
-from dynamics.excitation.axial_cycle import axial_force_over_cycle
+from dynamics.excitation.axial_forces import axial_force_over_cycle
 
 
 def test_two_throws_by_hand():

@@ -12,18 +12,19 @@ import pytest
 
 from comparing import close
 from crankbase.errors import InputError
-from dynamics.balance.balance import balance
-from dynamics.balance.hinged_rods import hinged_rod_effects, hodograph_change
-from dynamics.balance.hodograph import Hodograph
-from dynamics.balance.moving_masses import balancing_masses, moving_masses
-from dynamics.engine.cylinder import EngineCylinder, RotatingMass, SlavePin
+from dynamics.balance.balance import balance, hinged_rod_effects, hodograph_change
+from dynamics.balance.moving_masses import Hodograph, balancing_masses, moving_masses
 from dynamics.engine.firing import firing_order_of_angles
 from dynamics.engine.forces import mechanism_forces
-from dynamics.engine.layout import EngineLayout
-from dynamics.engine.motions import cylinder_motion
-from dynamics.engine.orders import acceleration_orders, piston_acceleration, turn_spectrum
-from dynamics.mechanism.rods import ConnectingRod
-from dynamics.mechanism.slider_crank import SliderCrank
+from dynamics.engine.layout import EngineCylinder, EngineLayout, RotatingMass, SlavePin
+from dynamics.engine.motions import (
+    acceleration_orders,
+    cylinder_motion,
+    piston_acceleration,
+    turn_spectrum,
+)
+from dynamics.engine.rods import ConnectingRod
+from dynamics.engine.slider_crank import SliderCrank
 
 ROUND_OFF = 1e-13
 SPEED = 150.0

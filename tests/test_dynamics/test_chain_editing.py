@@ -3,8 +3,7 @@ import pytest
 
 from comparing import close
 from crankbase.errors import InputError
-from dynamics.chains.chain import Chain
-from dynamics.chains.connections import Dashpot, Gear
+from dynamics.chains.chain import Chain, Dashpot, Gear
 from dynamics.chains.editing import (
     add_node,
     find_node,

@@ -7,8 +7,7 @@ from hypothesis import strategies as st
 
 from comparing import close
 from crankbase.errors import InputError
-from dynamics.chains.chain import Chain
-from dynamics.chains.connections import Dashpot, Gear
+from dynamics.chains.chain import Chain, Dashpot, Gear
 from dynamics.response.harmonic import harmonic_response
 from dynamics.response.linear_system import chain_system
 

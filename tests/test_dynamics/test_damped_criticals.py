@@ -7,8 +7,7 @@ import crankfem as cf
 from comparing import close
 from crankbase.errors import InputError
 from crankbase.tables.frames import table_of
-from dynamics.chains.chain import Chain
-from dynamics.chains.connections import Gear
+from dynamics.chains.chain import Chain, Gear
 from dynamics.chains.dampers import RubberDamper, ViscousDamper
 from dynamics.response.complex_modes import complex_modes
 from dynamics.response.damped_criticals import damped_criticals

@@ -7,18 +7,19 @@ from hypothesis import strategies as st
 
 from comparing import close
 from crankbase.errors import InputError
-from dynamics.chains.attachments import DrivenMachine
 from dynamics.chains.chain import Chain
 from dynamics.chains.dampers import AxialDamper, RubberDamper, ViscousDamper
 from dynamics.chains.editing import add_node, with_names
-from dynamics.chains.engine_chains import axial_chain, torsional_chain
-from dynamics.chains.shaft_elements import shaft_cylinder
-from dynamics.chains.shaft_line import ShaftLine
-from dynamics.chains.throw_inertias import throw_inertia, throw_inertias
-from dynamics.engine.cylinder import EngineCylinder, SlavePin
-from dynamics.engine.layout import EngineLayout
+from dynamics.chains.engine_chains import (
+    axial_chain,
+    throw_inertia,
+    throw_inertias,
+    torsional_chain,
+)
+from dynamics.chains.shaft_line import DrivenMachine, ShaftLine, shaft_cylinder
+from dynamics.engine.layout import EngineCylinder, EngineLayout, SlavePin
 from dynamics.engine.motions import reduced_inertia
-from dynamics.mechanism.rods import ConnectingRod
+from dynamics.engine.rods import ConnectingRod
 
 
 def test_axial_chain_shares_each_throw_between_its_sections():

@@ -8,14 +8,11 @@ import pytest
 from comparing import close
 from crankbase.errors import InputError
 from dynamics.cycle import cycle_radians
-from dynamics.engine.cylinder import EngineCylinder, SlavePin
-from dynamics.engine.forces import mechanism_forces
-from dynamics.engine.gas_forces import gas_forces
-from dynamics.engine.layout import EngineLayout
+from dynamics.engine.forces import gas_forces, mechanism_forces
+from dynamics.engine.layout import EngineCylinder, EngineLayout, SlavePin
 from dynamics.engine.motions import cylinder_motion
-from dynamics.mechanism.rods import ConnectingRod
-from dynamics.torque.pin_harmonics import pin_force_harmonics
-from dynamics.torque.torque import engine_torque
+from dynamics.engine.rods import ConnectingRod
+from dynamics.torque.torque import engine_torque, pin_force_harmonics
 from references import finite_sums
 
 ROD = ConnectingRod(0.25, 2.0, 0.08, 0.02, 0.004)

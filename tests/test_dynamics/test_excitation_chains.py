@@ -8,24 +8,20 @@ import pytest
 from comparing import close
 from crankbase.errors import InputError
 from dynamics.chains.engine_chains import axial_chain, torsional_chain
-from dynamics.engine.cylinder import EngineCylinder
-from dynamics.engine.layout import EngineLayout
-from dynamics.excitation.axial_comparison import compare_axial_forces
+from dynamics.engine.layout import EngineCylinder, EngineLayout
+from dynamics.engine.rods import ConnectingRod
+from dynamics.excitation.axial_forces import compare_axial_forces
 from dynamics.excitation.chain_excitation import (
     axial_excitation,
-    axial_throw_forces,
-    node_torques,
-    torque_excitation,
-)
-from dynamics.excitation.combined_excitation import combined_excitation
-from dynamics.excitation.cylinder_harmonics import cylinder_harmonics
-from dynamics.excitation.cylinders import forces_at_speeds
-from dynamics.excitation.torsion_to_axial import (
     axial_excitation_of_torsion,
+    axial_throw_forces,
+    combined_excitation,
+    node_torques,
     tangential_towards_flywheel,
+    torque_excitation,
     torsion_influence,
 )
-from dynamics.mechanism.rods import ConnectingRod
+from dynamics.excitation.cylinders import cylinder_harmonics, forces_at_speeds
 from dynamics.response.forced import forced_response
 from dynamics.response.order_excitation import OrderExcitation
 

@@ -8,22 +8,17 @@ import pytest
 from comparing import close
 from crankbase.errors import InputError
 from dynamics.cycle import cycle_radians
-from dynamics.engine.cylinder import EngineCylinder, SlavePin
-from dynamics.engine.forces import mechanism_forces, rod_models
-from dynamics.engine.gas_forces import gas_forces
-from dynamics.engine.layout import EngineLayout
+from dynamics.engine.forces import gas_forces, mechanism_forces, rod_models
+from dynamics.engine.layout import EngineCylinder, EngineLayout, SlavePin
 from dynamics.engine.motions import reduced_inertia
-from dynamics.excitation.cylinder_harmonics import cylinder_harmonics
-from dynamics.excitation.cylinders import cylinder_forces
-from dynamics.excitation.engine_load import propeller_load
-from dynamics.excitation.motored_pressure import motored_from_compression
+from dynamics.engine.rods import ConnectingRod
+from dynamics.excitation.cylinders import cylinder_forces, cylinder_harmonics
+from dynamics.excitation.pressure_map import propeller_load
 from dynamics.gas.cycle_values import usual_gas_cycle
-from dynamics.gas.cylinder_volume import cylinder_volume
+from dynamics.gas.cylinder_volume import cylinder_volume, motored_from_compression
 from dynamics.gas.gas_cycle import gas_cycle
 from dynamics.gas.pressure import gas_pressure
-from dynamics.mechanism.rods import ConnectingRod
-from dynamics.torque.pin_harmonics import pin_force_harmonics
-from dynamics.torque.torque import engine_torque
+from dynamics.torque.torque import engine_torque, pin_force_harmonics
 
 ROD = ConnectingRod(0.25, 2.0, 0.08, 0.02, 0.004)
 SLAVE_ROD = ConnectingRod(0.18, 1.2, 0.07, 0.008)

@@ -5,7 +5,11 @@ from hypothesis import strategies as st
 
 from comparing import close
 from crankbase.errors import InputError
-from dynamics.gas.indicated import indicated_mean_effective_pressure, indicated_work, periodic_slope
+from dynamics.gas.cylinder_volume import (
+    indicated_mean_effective_pressure,
+    indicated_work,
+    periodic_slope,
+)
 
 R, L, AREA = 0.07, 0.25, 0.0133
 

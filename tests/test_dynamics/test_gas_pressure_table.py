@@ -3,7 +3,7 @@ import pytest
 
 from comparing import close
 from crankbase.errors import InputError
-from dynamics.gas.pressure_table import read_pressure_table
+from dynamics.gas.pressure import read_pressure_table
 
 BAR = "crank_angle_deg,absolute_pressure_bar"
 

@@ -10,8 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from crankbase.errors import InputError
-from dynamics.chains.chain import Chain
-from dynamics.chains.connections import Dashpot, Gear
+from dynamics.chains.chain import Chain, Dashpot, Gear
 from dynamics.response.forced import forced_response
 from dynamics.response.harmonic import harmonic_response
 from dynamics.response.linear_system import chain_system

@@ -15,10 +15,15 @@ from comparing import close
 from crankbase.errors import InputError
 from dynamics.cycle import even_angles
 from dynamics.engine.forces import mechanism_forces
-from dynamics.hinge.crosshead import CrossheadEngine, piston_gas_force, two_stroke_cycle
+from dynamics.engine.rods import ConnectingRod
+from dynamics.hinge.crosshead import (
+    KINEMATICS,
+    CrossheadEngine,
+    piston_gas_force,
+    reduced_crank,
+    two_stroke_cycle,
+)
 from dynamics.hinge.moment import hinge_moment
-from dynamics.hinge.reduced_crank import KINEMATICS, reduced_crank
-from dynamics.mechanism.rods import ConnectingRod
 
 ROD = ConnectingRod(1.55, 150.0, 0.8, 50.0)
 ENGINE = CrossheadEngine(0.3, 0.5, 80.0, 0.2, 30.0, ROD, 150.0, 200.0, 110.0)

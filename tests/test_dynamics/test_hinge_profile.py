@@ -11,18 +11,17 @@ from scipy.integrate import quad
 
 from comparing import close
 from crankbase.errors import InputError
-from dynamics.hinge.crosshead import CrossheadEngine
+from dynamics.engine.rods import ConnectingRod
+from dynamics.hinge.crosshead import CrossheadEngine, reduced_crank
 from dynamics.hinge.moment import hinge_moment
-from dynamics.hinge.polar_curves import (
+from dynamics.hinge.profile import (
+    GasSpring,
     check_roller,
+    hinge_profile,
     outer_parallel,
     polar_curvature,
     smallest_hollow,
 )
-from dynamics.hinge.profile import hinge_profile
-from dynamics.hinge.reduced_crank import reduced_crank
-from dynamics.hinge.spring import GasSpring
-from dynamics.mechanism.rods import ConnectingRod
 
 ENGINE = CrossheadEngine(
     0.3, 0.5, 80.0, 0.2, 30.0, ConnectingRod(1.55, 150.0, 0.8, 50.0), 150.0, 200.0, 110.0

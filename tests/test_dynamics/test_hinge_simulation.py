@@ -8,13 +8,11 @@ from scipy.integrate import solve_ivp
 
 from comparing import close
 from crankbase.errors import InputError
+from dynamics.engine.rods import ConnectingRod
 from dynamics.hinge.crosshead import CrossheadEngine
 from dynamics.hinge.moment import hinge_moment
-from dynamics.hinge.profile import hinge_profile
-from dynamics.hinge.simulation import simulate_hinge, steady_hinge_turn
-from dynamics.hinge.speed_smoothing import best_pressure, flywheel_for
-from dynamics.hinge.spring import GasSpring
-from dynamics.mechanism.rods import ConnectingRod
+from dynamics.hinge.profile import GasSpring, hinge_profile
+from dynamics.hinge.simulation import best_pressure, flywheel_for, simulate_hinge, steady_hinge_turn
 
 ENGINE = CrossheadEngine(
     0.3, 0.5, 80.0, 0.2, 30.0, ConnectingRod(1.55, 150.0, 0.8, 50.0), 150.0, 200.0, 110.0

@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 
 from comparing import close
 from crankbase.errors import InputError
-from dynamics.balance.hodograph import FOLD, Hodograph, hodograph_sum, order_vectors
+from dynamics.balance.moving_masses import FOLD, Hodograph, hodograph_sum, order_vectors
 
 parts = st.builds(cmath.rect, st.floats(0.1, 10.0), st.floats(-math.pi, math.pi, exclude_min=True))
 hodographs = st.builds(Hodograph, st.integers(1, 6), parts, parts)

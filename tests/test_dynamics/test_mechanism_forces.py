@@ -18,12 +18,11 @@ from hypothesis import strategies as st
 
 from comparing import close
 from crankbase.errors import InputError
-from dynamics.engine.cylinder import EngineCylinder, SlavePin
+from dynamics.engine import ROD_MODELS
 from dynamics.engine.forces import mechanism_forces, rod_models, summed
-from dynamics.engine.layout import EngineLayout
+from dynamics.engine.layout import EngineCylinder, EngineLayout, SlavePin
 from dynamics.engine.motions import cylinder_motion, reduced_inertia
-from dynamics.mechanism.rod_model_names import ROD_MODELS
-from dynamics.mechanism.rods import ConnectingRod
+from dynamics.engine.rods import ConnectingRod
 
 SPEED, GAIN = 220.0, 9000.0
 ANGLES = np.linspace(0.0, 4.0 * math.pi, 24, endpoint=False)

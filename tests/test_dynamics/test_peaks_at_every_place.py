@@ -5,8 +5,7 @@ import pytest
 from scipy.signal import peak_prominences
 
 from comparing import close
-from dynamics.chains.chain import Chain
-from dynamics.chains.connections import Gear
+from dynamics.chains.chain import Chain, Gear
 from dynamics.response.damped_criticals import LEAST_PEAK, NEARLY, damped_criticals
 from dynamics.response.forced import forced_response
 from dynamics.response.linear_system import chain_system, damped

@@ -7,16 +7,13 @@ import pytest
 
 from comparing import close
 from crankbase.errors import InputError
-from dynamics.engine.cylinder import EngineCylinder
-from dynamics.engine.layout import EngineLayout
-from dynamics.excitation.calculated_pressure_map import pressure_map_from_cycles
+from dynamics.engine.layout import EngineCylinder, EngineLayout
+from dynamics.engine.rods import ConnectingRod
 from dynamics.excitation.cylinders import cylinder_forces
-from dynamics.excitation.engine_load import propeller_load
-from dynamics.excitation.pressure_map import pressure_map
+from dynamics.excitation.pressure_map import pressure_map, pressure_map_from_cycles, propeller_load
 from dynamics.gas.cycle_values import usual_gas_cycle
 from dynamics.gas.gas_cycle import gas_cycle
 from dynamics.gas.pressure import gas_pressure
-from dynamics.mechanism.rods import ConnectingRod
 
 PER_MINUTE = math.pi / 30.0
 ANGLES = np.radians(np.arange(0.0, 720.0, 2.0))

@@ -5,8 +5,7 @@ import pytest
 
 from comparing import close
 from crankbase.errors import InputError
-from dynamics.chains.chain import Chain
-from dynamics.chains.connections import Gear
+from dynamics.chains.chain import Chain, Gear
 from dynamics.excitation.propeller import PropellerForces, propeller_excitation
 
 SPEEDS = np.array([40.0, 80.0])

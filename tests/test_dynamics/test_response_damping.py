@@ -5,8 +5,7 @@ import pytest
 
 from comparing import close
 from crankbase.errors import InputError
-from dynamics.chains.chain import Chain
-from dynamics.chains.connections import Dashpot
+from dynamics.chains.chain import Chain, Dashpot
 from dynamics.response.forced import forced_response
 from dynamics.response.linear_system import EngineMagnifier, damped
 from dynamics.response.order_excitation import OrderExcitation

@@ -12,8 +12,8 @@ from hypothesis import strategies as st
 
 from comparing import close
 from crankbase.errors import InputError
-from dynamics.mechanism.rod_model_names import ROD_MODELS
-from dynamics.mechanism.rods import REACH, ConnectingRod
+from dynamics.engine import ROD_MODELS
+from dynamics.engine.rods import REACH, ConnectingRod
 
 unit = st.floats(0.05, 0.95)
 

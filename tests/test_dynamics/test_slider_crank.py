@@ -14,8 +14,7 @@ from hypothesis import strategies as st
 
 from comparing import close
 from crankbase.errors import InputError
-from dynamics.mechanism.motion import crankpin_motion
-from dynamics.mechanism.slider_crank import SliderCrank
+from dynamics.engine.slider_crank import SliderCrank, crankpin_motion
 
 STEP = 1e-3
 ANGLES = np.linspace(0.0, 2.0 * math.pi, 13)

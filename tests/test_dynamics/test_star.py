@@ -9,9 +9,8 @@ from comparing import close
 from crankbase.errors import InputError
 from dynamics.critical import major_orders, vector_sums
 from dynamics.cycle import order_step
-from dynamics.engine.cylinder import EngineCylinder, SlavePin
-from dynamics.engine.layout import EngineLayout
-from dynamics.mechanism.rods import ConnectingRod
+from dynamics.engine.layout import EngineCylinder, EngineLayout, SlavePin
+from dynamics.engine.rods import ConnectingRod
 from dynamics.torque.star import leading_stars, same_stars, star_diagram
 from dynamics.torque.torque import engine_torque
 from references import even_firing_angles

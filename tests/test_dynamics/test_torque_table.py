@@ -3,7 +3,7 @@ import pytest
 
 from comparing import close
 from crankbase.errors import InputError
-from dynamics.torque_table import read_torque_table
+from dynamics.harmonics import read_torque_table
 
 
 @pytest.fixture

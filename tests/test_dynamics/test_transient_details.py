@@ -10,15 +10,13 @@ import numpy as np
 import pytest
 
 from crankbase.errors import InputError
-from dynamics.chains.chain import Chain
-from dynamics.chains.connections import Gear
+from dynamics.chains.chain import Chain, Gear
 from dynamics.chains.engine_chains import EngineChain
-from dynamics.engine.cylinder import EngineCylinder
-from dynamics.engine.layout import EngineLayout
+from dynamics.engine.layout import EngineCylinder, EngineLayout
+from dynamics.engine.rods import ConnectingRod
 from dynamics.excitation.chain_excitation import torque_excitation
 from dynamics.excitation.cylinders import cylinder_forces
 from dynamics.gas.pressure import gas_pressure
-from dynamics.mechanism.rods import ConnectingRod
 from dynamics.response.forced import forced_response
 from dynamics.response.order_excitation import OrderExcitation
 from dynamics.transient.applied_forces import LoadStep, SpeedCurve

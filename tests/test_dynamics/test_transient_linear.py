@@ -11,8 +11,7 @@ import numpy as np
 import pytest
 
 from crankbase.errors import InputError
-from dynamics.chains.chain import Chain
-from dynamics.chains.connections import Dashpot, Gear
+from dynamics.chains.chain import Chain, Dashpot, Gear
 from dynamics.response.forced import forced_response
 from dynamics.response.order_excitation import OrderExcitation
 from dynamics.transient.applied_forces import LoadStep, SpeedCurve

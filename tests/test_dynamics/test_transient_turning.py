@@ -14,14 +14,13 @@ from comparing import close
 from crankbase.errors import InputError
 from dynamics.chains.chain import Chain
 from dynamics.chains.engine_chains import EngineChain
-from dynamics.engine.cylinder import EngineCylinder
 from dynamics.engine.forces import rod_models
-from dynamics.engine.layout import EngineLayout
+from dynamics.engine.layout import EngineCylinder, EngineLayout
 from dynamics.engine.motions import reduced_inertia
+from dynamics.engine.rods import ConnectingRod
 from dynamics.excitation.chain_excitation import torque_excitation
 from dynamics.excitation.cylinders import cylinder_forces
 from dynamics.gas.pressure import gas_pressure
-from dynamics.mechanism.rods import ConnectingRod
 from dynamics.response.forced import forced_response
 from dynamics.transient.turning_chain import throw_inertia_curves, turning_chain
 from dynamics.transient.turning_run import steady_cycle, turn_under_gas

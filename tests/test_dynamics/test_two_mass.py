@@ -6,7 +6,7 @@ import pytest
 from comparing import close
 from crankbase.errors import InputError
 from dynamics.chains.chain import Chain
-from dynamics.chains.two_mass import solid_shaft_stiffness, two_mass_check, two_mass_frequency
+from dynamics.critical import solid_shaft_stiffness, two_mass_check, two_mass_frequency
 from dynamics.harmonics import harmonics
 
 SHAFT = {"diameter": 0.05, "length": 0.4, "shear_modulus": 8e10, "inertia_1": 2.0, "inertia_2": 0.3}

@@ -8,9 +8,8 @@ import pytest
 from crankbase.errors import SolveError
 from dynamics.chains import chain as chains
 from dynamics.chains.chain import Chain
-from dynamics.engine.cylinder import EngineCylinder
-from dynamics.engine.layout import EngineLayout
-from dynamics.mechanism.rods import ConnectingRod
+from dynamics.engine.layout import EngineCylinder, EngineLayout
+from dynamics.engine.rods import ConnectingRod
 from dynamics.response import harmonic
 from dynamics.response.forced import forced_response
 from dynamics.response.loads import checked_power_balance

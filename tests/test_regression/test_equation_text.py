@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 
 from comparing import close
-from regression.factor_labels import FactorLabel, factor_label
 from regression.fits.equation_text import equation_text, term_symbols
 from regression.fits.fits import fit_form
 from regression.fits.forms import FORMS, FittedForm
+from regression.throw_values import FactorLabel, factor_label
 
 FACTORS = ("web_width", "web_thickness", "pin_length")
 BOX = ((0.270, 0.330), (0.038, 0.098), (0.120, 0.158))

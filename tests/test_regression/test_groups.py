@@ -5,7 +5,7 @@ from comparing import close
 from crankbase.errors import InputError
 from fem.material import STEEL
 from regression.fits.forms import Encoding, constant_groups, factor_encoding, group_encoding
-from regression.fits.groups import (
+from regression.fits.terms import (
     GROUPS,
     group_named,
     group_names,

@@ -7,8 +7,7 @@ import pytest
 from comparing import close
 from crankbase.errors import InputError
 from regression.fits.fits import fit_form
-from regression.fits.selection import backward, choose, left_out_predictions
-from regression.fits.statistics import least_squares
+from regression.fits.selection import backward, choose, least_squares, left_out_predictions
 from regression.fits.terms import design_matrix, divisors, polynomial_terms
 
 TERMS = polynomial_terms(3, 2)

@@ -5,7 +5,7 @@ import pytest
 
 from comparing import close
 from crankbase.errors import InputError
-from regression.fits.statistics import adjusted, coefficient_of_determination, least_squares
+from regression.fits.selection import adjusted, coefficient_of_determination, least_squares
 
 
 def random_system(seed=0, rows=30, columns=6):

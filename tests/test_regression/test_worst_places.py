@@ -4,11 +4,11 @@ import numpy as np
 import pytest
 
 from comparing import close
-from regression.fits import worst_places as module
-from regression.fits.fits import fit_form
-from regression.fits.worst_places import (
+from regression.fits import fits as module
+from regression.fits.fits import (
     JudgedEquation,
     expected_errors,
+    fit_form,
     lacking_terms,
     worst_places,
 )
