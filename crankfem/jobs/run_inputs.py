@@ -3,10 +3,10 @@
 from dataclasses import dataclass
 from pathlib import Path
 
-from crankfem.analyses.engine_refusals import refuse_what_cannot_run
+from crankfem.analyses.file_check import refuse_what_cannot_run
 from crankfem.analyses.provenance import file_records
 from crankfem.analyses.record import Record
-from crankfem.analyses.shaft.saved_model import saved_model, with_model
+from crankfem.analyses.shaft.sources import saved_model, with_model
 from crankfem.files.engine.engine_file import EngineFile, load_engine
 from crankfem.files.engine.file_kinds import engine_sections
 from crankfem.files.engine.input_files import engine_inputs

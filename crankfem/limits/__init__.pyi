@@ -1,8 +1,8 @@
 """Public names of this topic and their homes."""
 
-from crankfem.analyses.vibration.firing_check import FiringCheck as FiringCheck
-from crankfem.analyses.vibration.firing_check import Reached as Reached
+from crankfem.analyses.vibration.misfiring import FiringCheck as FiringCheck
 from crankfem.analyses.vibration.misfiring import Misfiring as Misfiring
+from crankfem.analyses.vibration.misfiring import Reached as Reached
 from dynamics.assessment.barred_ranges import BarredRange as BarredRange
 from dynamics.assessment.barred_ranges import BarredRangeRule as BarredRangeRule
 from dynamics.assessment.limit_rules import crankshaft_limit as crankshaft_limit

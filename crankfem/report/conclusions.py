@@ -6,7 +6,7 @@ from typing import Any
 
 from crankbase.units.number_formats import UNBOUNDED, format_usage, significant
 from crankbase.units.quantity import quantities_apart
-from crankfem.analyses.shaft.motion import MOTION
+from crankfem.analyses.shaft.chains import MOTION
 from crankfem.report.text_filters import (
     check_limit_text,
     check_value_text,

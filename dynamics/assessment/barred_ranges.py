@@ -387,11 +387,15 @@ def _barred(
 
 def _ends(group: Sequence[_Widened], rule: BarredRangeRule) -> str:
     """State where limits are exceeded first and last, and how the rule widens the range, if it does."""
-    first = min(group, key=lambda item: item.exceeded.low)
-    last = max(group, key=lambda item: item.exceeded.high)
+    # Where several places share an end, as at a jump of the limit, the one with the largest use is named.
+    first = min(group, key=lambda item: (item.exceeded.low, -item.exceeded.used))
+    last = max(group, key=lambda item: (item.exceeded.high, item.exceeded.used))
+    spans = sorted((item.exceeded.low, item.exceeded.high) for item in group)
+    reached = np.maximum.accumulate([high for _, high in spans])
+    gaps = any(low > high for (low, _), high in zip(spans[1:], reached, strict=False))
     said = [
         f"limits are exceeded from {_speed(first.exceeded.low)} ({first.place}) to "
-        f"{_speed(last.exceeded.high)} ({last.place}), "
+        f"{_speed(last.exceeded.high)} ({last.place}), {'not throughout, ' if gaps else ''}"
         f"{_used(max(group, key=lambda item: item.exceeded.used))} is used at most"
     ]
     lowest = min(group, key=lambda item: item.low)

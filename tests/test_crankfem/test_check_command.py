@@ -15,18 +15,21 @@ import crankfem as cf
 from comparing import close
 from crankbase.errors import InputError
 from crankfem.analyses.file_check import check_file
-from crankfem.analyses.shaft.shaft_surroundings import shaft_surroundings
+from crankfem.analyses.shaft.chains import shaft_surroundings
 from crankfem.analyses.strength.cycle_loads import supported_throws
 from crankfem.analyses.strength.element_factors import shrink_fit, throw_webs
 from crankfem.analyses.vibration import run as vibration_run
-from crankfem.analyses.vibration.engine_excitation import engine_harmonics, forces_over_speeds
+from crankfem.analyses.vibration.engine_excitation import (
+    engine_harmonics,
+    engine_load,
+    forces_over_speeds,
+)
 from crankfem.analyses.vibration.engine_limits import (
     compared_quantities,
     engine_limits,
     rule_of,
     unmodeled_plant,
 )
-from crankfem.analyses.vibration.engine_load import engine_load
 from crankfem.files.chain.chain_file import load_chain
 from crankfem.files.engine.engine_file import SECTIONS, load_engine
 from crankfem.files.engine.engine_template import FIRING_ORDERS, engine_template

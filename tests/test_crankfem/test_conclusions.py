@@ -12,17 +12,16 @@ from rich.console import Console
 
 from comparing import close
 from crankbase.tables.output_units import parse_output_units
-from crankfem.analyses.vibration.assessment import Assessment
-from crankfem.analyses.vibration.decision import engine_decision
+from crankfem.analyses.vibration.assessment import Assessment, engine_decision
 from crankfem.analyses.vibration.engine_limits import engine_limits, engine_verdict
-from crankfem.analyses.vibration.firing_check import FiringCheck, Reached
-from crankfem.analyses.vibration.mode_table import mode_table
-from crankfem.analyses.vibration.speed_table import speed_table
+from crankfem.analyses.vibration.misfiring import FiringCheck, Reached
 from crankfem.analyses.vibration.tables import (
     factor_range,
     misfiring_table,
+    mode_table,
     resonance_table,
     source_table,
+    speed_table,
 )
 from crankfem.cli import console
 from crankfem.cli.commands.run import _print

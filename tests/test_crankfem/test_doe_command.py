@@ -275,7 +275,7 @@ def test_doe_says_which_table_cannot_be_read(call, study, tmp_path):
 
 def test_limits_are_quantities(call, study, monkeypatch):
     given = {}
-    monkeypatch.setattr("regression.runs.dask_cluster.silence_dask_log", lambda: None)
+    monkeypatch.setattr("regression.runs.cluster.silence_dask_log", lambda: None)
 
     def run_plan(*_, **options):
         given.update(options)

@@ -12,7 +12,7 @@ from crankbase.checks.arrays import finite_array, positive_number
 from crankbase.checks.scalars import whole_number
 from crankbase.errors import InputError
 from crankfem.analyses.assumptions import assumed_values
-from crankfem.analyses.engine_refusals import refuse_what_cannot_run
+from crankfem.analyses.file_check import refuse_what_cannot_run
 from crankfem.analyses.shaft.chains import engine_throw_inertias
 from crankfem.analyses.vibration.engine_limits import engine_limits, rule_of
 from crankfem.analyses.vibration.run import engine_vibration

@@ -13,9 +13,14 @@ import crankfem.analyses.study.frequency_limits
 from comparing import close
 from crankbase.errors import InputError
 from crankfem.analyses.shaft.chains import engine_torsional_chain
-from crankfem.analyses.shaft.law_source import law_values, refuse_law
-from crankfem.analyses.shaft.source_errors import source_spread
-from crankfem.analyses.shaft.sources import axial_sources, compliances_in_shaft, torsional_sources
+from crankfem.analyses.shaft.sources import (
+    axial_sources,
+    compliances_in_shaft,
+    law_values,
+    refuse_law,
+    source_spread,
+    torsional_sources,
+)
 from crankfem.analyses.study.frequency_limits import EngineFrequencies, frequency_limit
 from crankfem.analyses.throw.law_record import (
     LAW_BANDS,
@@ -39,12 +44,12 @@ from fem.material import STEEL
 from fem.supports import Neighbors
 from fitted_models import known_model
 from geometry.throw import CrankThrow
-from regression.end_reactions import GUIDED_MOMENTS, NEEDED, ThrowLengths, end_reactions
+from regression import optimum as optimum_module
 from regression.fits.fits import fit_form
 from regression.law.throw_law import axial_law, torsional_law
-from regression.models import optimum as optimum_module
 from regression.models.compliance_model import ComplianceModel
 from regression.models.response_model import ResponseModel
+from regression.response_kinds import GUIDED_MOMENTS, NEEDED, ThrowLengths, end_reactions
 
 ENGINE = "6chn25-34"
 THROW = load_throw(input_path(ENGINE))[0]

@@ -14,22 +14,21 @@ from crankbase.drawing.diagram_style import figure
 from crankbase.errors import InputError
 from crankbase.tables.table import merged_rows
 from crankfem.analyses.mechanism import balance_records
-from crankfem.analyses.mechanism.acceleration_records import acceleration_record
 from crankfem.analyses.mechanism.balance_records import (
     balance_contents,
     mechanism_balance_record,
     throw_mass_table,
 )
-from crankfem.analyses.mechanism.mechanism_records import mechanism_record
+from crankfem.analyses.mechanism.mechanism_records import acceleration_record, mechanism_record
 from crankfem.analyses.mechanism.mechanism_run import run_mechanism
-from crankfem.analyses.mechanism.plots.balance_plots import (
+from crankfem.analyses.mechanism.plots import (
     plot_accelerations,
     plot_balance,
     plot_hinged_rods,
+    plot_polar_loads,
 )
-from crankfem.analyses.mechanism.plots.load_plots import plot_polar_loads
-from crankfem.analyses.mechanism.rod_comparison import compare_rod_models
-from crankfem.analyses.mechanism.rod_model_records import (
+from crankfem.analyses.mechanism.rod_models import (
+    compare_rod_models,
     model_difference_sentence,
     model_difference_table,
 )

@@ -14,9 +14,9 @@ from crankbase.errors import InputError
 from crankfem.analyses.vibration.engine_excitation import (
     calculated_speeds,
     engine_harmonics,
+    engine_load,
     failing_harmonics,
 )
-from crankfem.analyses.vibration.engine_load import engine_load
 from crankfem.analyses.vibration.records import load_record
 from crankfem.cli.tables.vibration_tables import print_load
 from crankfem.files.engine.engine_file import EngineFile, load_engine

@@ -11,12 +11,11 @@ from comparing import close
 from crankbase.drawing.diagram_style import figure
 from crankbase.errors import InputError
 from crankfem.analyses.shaft.chains import damped_engine_chain, engine_torsional_chain
-from crankfem.analyses.vibration.chain_answers import nominal_section_modulus
 from crankfem.analyses.vibration.engine_excitation import engine_harmonics
 from crankfem.analyses.vibration.engine_limits import engine_verdict, limit_findings
-from crankfem.analyses.vibration.forced import forced_vibrations
+from crankfem.analyses.vibration.forced import forced_vibrations, nominal_section_modulus
 from crankfem.analyses.vibration.misfiring import _ranges
-from crankfem.analyses.vibration.plots.response_plots import plot_response_campbell
+from crankfem.analyses.vibration.plots import plot_response_campbell
 from crankfem.analyses.vibration.records import (
     forced_columns,
     forced_record,
@@ -472,6 +471,12 @@ def test_misfiring_is_held_against_the_continuous_limit_unless_the_file_says_oth
     by = "for passing, which serves while a cylinder misfires by limits.passing_while_misfiring"
     assert by in passed.sentence
     assert "permitted continuously" in passed.sentence
+    # Where normal firing keeps the limit at no speed, misfiring alone exceeds nothing.
+    nowhere = engine_vibration(
+        engine.changed(limits=limits | {"coupling_torque": 1.0}), analysis=coarse
+    ).misfiring
+    assert all(one.new is None for one in nowhere.checks if one.quantity == check.quantity)
+    assert "alone" not in nowhere.sentence
 
 
 @pytest.mark.slow

@@ -14,22 +14,23 @@ from crankfem.analyses.shaft.chains import (
     engine_axial_chain,
     engine_throw_inertias,
     engine_torsional_chain,
+    shaft_surroundings,
 )
-from crankfem.analyses.shaft.plots.shaft_mode_plots import plot_shaft_modes
-from crankfem.analyses.shaft.shaft_surroundings import shaft_surroundings
 from crankfem.analyses.shaft.sources import compliances_in_shaft
-from crankfem.analyses.shaft.whole_damping import damping_remarks, modal_damping
-from crankfem.analyses.shaft.whole_difference import whole_shaft_remark
 from crankfem.analyses.shaft.whole_records import whole_record
 from crankfem.analyses.shaft.whole_shaft import (
     ShaftComparison,
+    damping_remarks,
     highest_exciting_frequency,
+    modal_damping,
     not_comparable,
     shaft_response,
     whole_shaft,
+    whole_shaft_remark,
 )
 from crankfem.analyses.vibration.engine_limits import engine_limits, even_firing_interval
 from crankfem.analyses.vibration.modes import axial_weights
+from crankfem.analyses.vibration.plots import plot_shaft_modes
 from crankfem.analyses.vibration.records import run_record
 from crankfem.analyses.vibration.run import engine_vibration
 from crankfem.analyses.vibration.whole_verdict import (

@@ -8,7 +8,7 @@ import pytest
 
 from comparing import close
 from crankbase.errors import InputError
-from crankfem.analyses.vibration.plots.transient_plots import (
+from crankfem.analyses.vibration.plots import (
     plot_transient,
     plot_transient_over_speed,
 )

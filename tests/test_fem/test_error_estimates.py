@@ -9,7 +9,7 @@ from skfem import MeshTet
 
 import fem.recovery
 from comparing import close
-from crankfem.analyses.record_units import units_of
+from crankfem.analyses.record import units_of
 from crankfem.analyses.throw.throw_record import NOT_CORRECTED, throw_record
 from crankfem.cli.tables.throw_tables import print_throw
 from fem import correction

@@ -14,7 +14,7 @@ from fem.material import STEEL
 from geometry.throw import CrankThrow
 from regression.fits.fits import fit_form
 from regression.fits.forms import Encoding, constant_groups, factor_encoding, group_encoding
-from regression.fits.groups import (
+from regression.fits.terms import (
     GROUPS,
     group_named,
     group_names,

@@ -10,7 +10,6 @@ import pytest
 from comparing import close
 from crankbase.errors import InputError
 from geometry.throw import CrankThrow
-from regression.factor_labels import FactorLabel, factor_label
 from regression.fits.equation_text import equation_text, term_symbols
 from regression.fits.fits import fit_form
 from regression.fits.forms import FORMS, FittedForm
@@ -25,6 +24,7 @@ from regression.plans.relations import (
     read_constraint,
     read_expression,
 )
+from regression.throw_values import FactorLabel, factor_label
 
 UNITS = {"pin_diameter": "m", "web_thickness": "m", "ratio": "", "counterweight.angle": "rad"}
 VALUES = {

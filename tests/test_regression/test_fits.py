@@ -14,8 +14,14 @@ from comparing import close
 from crankbase.errors import InputError
 from regression.fits.fits import fit_form
 from regression.fits.forms import FORMS, FittedForm, form_named, form_terms
-from regression.fits.selection import backward, choose, left_out_predictions
-from regression.fits.statistics import adjusted, coefficient_of_determination, least_squares
+from regression.fits.selection import (
+    adjusted,
+    backward,
+    choose,
+    coefficient_of_determination,
+    least_squares,
+    left_out_predictions,
+)
 from regression.fits.terms import (
     design_matrix,
     divisors,

@@ -13,11 +13,10 @@ from crankbase.errors import InputError
 from fem.material import STEEL, Material
 from geometry.throw import CrankThrow
 from geometry.throw_dimensions import FurtherPin, Web
-from regression.formulas.arguments import fold_angle_deg
+from regression.formulas.arguments import DEFAULT_CONSTANTS, FORMULA_CONSTANTS, fold_angle_deg
 from regression.formulas.axial_formulas import axial_formula, axial_formula_faults, axial_formulas
 from regression.formulas.case import round_area, round_inertia
-from regression.formulas.catalogue import AXIAL_FORMULA_NAMES
-from regression.formulas.constants import DEFAULT_CONSTANTS, FORMULA_CONSTANTS
+from regression.formulas.published import AXIAL_FORMULA_NAMES
 from regression.formulas.torsional_formulas import TORSIONAL_FORMULA_NAMES, torsional_formulas
 
 

@@ -7,8 +7,14 @@ import pytest
 
 from comparing import close
 from crankbase.errors import InputError
-from regression.fits import worst_places as module
-from regression.fits.fits import fit_form
+from regression.fits import fits as module
+from regression.fits.fits import (
+    JudgedEquation,
+    expected_errors,
+    fit_form,
+    lacking_terms,
+    worst_places,
+)
 from regression.fits.forms import FittedForm
 from regression.fits.sensitivity import (
     constrained_indices,
@@ -16,12 +22,6 @@ from regression.fits.sensitivity import (
     nominal_values,
     region_sample,
     sobol_indices,
-)
-from regression.fits.worst_places import (
-    JudgedEquation,
-    expected_errors,
-    lacking_terms,
-    worst_places,
 )
 from regression.plans.factors import Factor
 

@@ -225,7 +225,7 @@ def test_a_store_is_not_repaired_while_a_study_runs_in_it(store):
     execute(store, "UPDATE designs SET seconds = 0.25")
     before = store.read_bytes()
     code = (
-        f"from regression.runs.claims import *; c = Claims(Path({str(store)!r})); print(1, flush=True); "
+        f"from regression.runs.store import *; c = Claims(Path({str(store)!r})); print(1, flush=True); "
         "input()"
     )
     with subprocess.Popen(
@@ -247,7 +247,7 @@ def test_two_studies_on_one_store_compute_no_design_twice(tmp_path, monkeypatch)
     path = tmp_path / "runs.sqlite"
     code = f"""
 import sys
-from regression.runs.claims import *
+from regression.runs.store import *
 claims = Claims(Path({str(path)!r}))
 print(all(claims.take(key) for key in {KEYS[:2]!r}), flush=True)
 input()

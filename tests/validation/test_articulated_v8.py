@@ -18,7 +18,7 @@ import numpy as np
 import pytest
 
 from comparing import close
-from crankfem.analyses.mechanism.acceleration_records import acceleration_record
+from crankfem.analyses.mechanism.mechanism_records import acceleration_record
 from dynamics.balance.balance import balance
 from dynamics.balance.hinged_rods import hinged_rod_effects, hodograph_change
 from dynamics.balance.moving_masses import moving_masses

@@ -16,8 +16,7 @@ from scipy.linalg import eigh
 
 import crankfem as cf
 from comparing import close
-from crankfem.analyses.shaft.bearings import bearing_stiffness
-from crankfem.analyses.shaft.shaft_surroundings import shaft_surroundings
+from crankfem.analyses.shaft.chains import bearing_stiffness, shaft_surroundings
 from crankfem.analyses.shaft.whole_shaft import shaft_throws, whole_shaft
 from crankfem.analyses.vibration.bearing_sweep import (
     bearing_sweep,

@@ -8,7 +8,7 @@ import numpy as np
 
 from crankbase.errors import InputError
 from crankbase.units.units import RPM
-from crankfem.analyses.mechanism.harmonics_record import fired_record, seen_stars
+from crankfem.analyses.mechanism.mechanism_records import fired_record, seen_stars
 from crankfem.analyses.record import Record, attributes
 from crankfem.files.engine.file_kinds import torque_table_file
 from crankfem.files.reading.toml_file import TomlFile

@@ -8,10 +8,9 @@ from numpy.typing import NDArray
 
 from crankbase.checks.arrays import FloatArray
 from crankbase.summaries import summarized
-from crankfem.analyses.vibration.chain_answers import ChainAnswer, EngineChains
 from crankfem.analyses.vibration.engine_excitation import engine_harmonics, failing_harmonics
-from crankfem.analyses.vibration.firing_check import Cylinders
-from crankfem.analyses.vibration.misfiring import Series, Superposition, misfiring_cases
+from crankfem.analyses.vibration.forced import ChainAnswer, EngineChains
+from crankfem.analyses.vibration.misfiring import Cylinders, Series, Superposition, misfiring_cases
 from crankfem.analyses.vibration.run import EngineVibration
 from crankfem.files.engine.engine_file import EngineFile
 from crankfem.files.engine.mechanism_file import MechanismFile

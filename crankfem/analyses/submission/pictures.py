@@ -7,7 +7,7 @@ import numpy as np
 from crankbase.drawing.diagram_style import GREEN, ORANGE, figure, with_gaps
 from crankbase.drawing.legends import legend_below
 from crankbase.units.units import RPM
-from crankfem.analyses.shaft.motion import MOTION
+from crankfem.analyses.shaft.chains import MOTION
 from crankfem.analyses.submission.firing_cases import CUT_OUT, MISFIRING, STRESS, FiringCases
 from crankfem.analyses.submission.mode_tables import mode_stars, shown_modes
 from crankfem.analyses.submission.stress_tables import permitted_curves

@@ -5,9 +5,8 @@ import numpy as np
 from crankbase.checks.arrays import FloatArray
 from crankbase.units.units import RPM
 from crankfem.analyses.record import Record
-from crankfem.analyses.vibration.chain_answers import EngineChains
 from crankfem.analyses.vibration.engine_excitation import forces_over_speeds
-from crankfem.analyses.vibration.forced import ForcedVibration
+from crankfem.analyses.vibration.forced import EngineChains, ForcedVibration
 from crankfem.files.engine.engine_file import EngineFile
 from dynamics.crankshaft.coupled_response import CoupledResponse
 from dynamics.cycle import cycle_degrees, even_angles

@@ -115,13 +115,13 @@ def _names_engine(source: str) -> bool:
 
 
 def _torque_table_harmonics(source: str, asked: _Request) -> dict[str, Any]:
-    from crankfem.analyses.mechanism.harmonics_record import (
+    from crankfem.analyses.mechanism.mechanism_records import (
         fired_record,
         harmonics_record,
         residual_record,
         seen_stars,
     )
-    from crankfem.analyses.mechanism.plots.torque_plots import picture_torque_table, table_files
+    from crankfem.analyses.mechanism.plots import picture_torque_table, table_files
     from crankfem.cli.firing_options import firing_angles_deg
     from crankfem.files.reading.data_files import torque_path
     from crankfem.jobs.outputs import check_outputs
@@ -154,7 +154,7 @@ def _torque_table_harmonics(source: str, asked: _Request) -> dict[str, Any]:
 
 def _engine_harmonics(source: str, asked: _Request) -> dict[str, Any]:
     from crankfem.analyses import titles
-    from crankfem.analyses.mechanism.plots.torque_plots import FILES, picture_torque
+    from crankfem.analyses.mechanism.plots import FILES, picture_torque
     from crankfem.cli.angle_and_speed import parse_speed
     from crankfem.cli.tables.harmonics_tables import engine_record, pin_force_record
     from crankfem.files.engine.input_files import mechanism_inputs

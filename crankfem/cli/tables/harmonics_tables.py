@@ -7,7 +7,7 @@ from crankbase.tables.output_units import SI, OutputUnits
 from crankbase.tables.table import Column, Table
 from crankbase.tables.table_units import table_unit
 from crankbase.units.units import RPM
-from crankfem.analyses.mechanism.harmonics_record import (
+from crankfem.analyses.mechanism.mechanism_records import (
     COLUMNS,
     RESIDUALS,
     harmonics_record,

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from crankbase.drawing.diagram_style import BLUE, COLORS, GRAY, GREEN, ORANGE
-from crankfem.analyses.shaft.motion import MOTION
+from crankfem.analyses.shaft.chains import MOTION
 from crankfem.analyses.titles import short_name
 from crankfem.analyses.vibration.modes import SourceResult, mode_label
 from crankfem.report.interactive.style import (

@@ -1,22 +1,120 @@
-"""Vibration over time with the speed below it, and amplitudes of one order over the speed."""
+"""Diagrams of an engine's vibration: responses, transients, and modes of the whole crankshaft."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from crankbase.checks.arrays import finite_vector
+from crankbase.checks.arrays import finite_array, finite_vector
 from crankbase.drawing.diagram_style import figure
 from crankbase.errors import InputError
 from crankfem.analyses.titles import add_title
 from crankfem.analyses.vibration.run import EngineVibration
 from crankfem.analyses.vibration.run_up import RunUp
+from dynamics.crankshaft.shaft_modes import ShaftModes
+from dynamics.plots.campbell import Meeting, draw_campbell
 from dynamics.plots.curves import draw_named_curves, draw_speed
+from dynamics.plots.mode_shapes import draw_shaft_shape
 from dynamics.transient.motions import Moving
 from dynamics.transient.run import TransientMotion
 from dynamics.transient.turning_run import TurningRun
+
+MODES_SHOWN = 5
+# Of one row; more would be unreadable on paper.
+COLUMNS = 3
+
+
+def plot_shaft_modes(
+    path: Path, modes: ShaftModes, radius: float, count: int = MODES_SHOWN
+) -> None:
+    """Plot axial, torsional and lateral motion along the shaft for the first elastic modes.
+
+    Parameters
+    ----------
+    path : Path
+        Ends in .svg.
+    modes : ShaftModes
+    radius : float
+        Crank radius: rotation about the shaft is shown as the displacement there [m].
+    count : int
+        Number of modes.
+
+    Raises
+    ------
+    InputError
+        If the path does not end in .svg or has no folder, or there is no elastic mode.
+    """
+    shown = range(modes.rigid, min(modes.rigid + count, len(modes.names)))
+    if not shown:
+        raise InputError(
+            f"count: given {count}; allowed is 1 or more of {len(modes.names) - modes.rigid} elastic modes, "
+            "because a picture shows some."
+        )
+    # Sections and pins by place; end bodies stand where their section does, or beyond.
+    order = np.argsort(modes.positions, kind="stable")
+    places = modes.positions[order]
+    columns = min(COLUMNS, len(shown))
+    rows = -(-len(shown) // columns)
+    with figure(path, columns, width=2.6 * columns, height=0.5 + 3.1 * rows, rows=rows) as axes:
+        for spare in axes.flat[len(shown) :]:
+            spare.remove()
+        for one, mode in zip(axes.flat, shown, strict=False):
+            draw_shaft_shape(one, places, modes.motions[order, :, mode], radius)
+            one.set_title(
+                f"{modes.frequencies[mode]:.1f} Hz\n" + modes.label(mode).replace(", ", "\n"),
+                fontsize=9,
+            )
+            _pad_title(one, modes.label(mode))
+        for left in axes[:, 0]:
+            left.set_ylabel("relative displacement")
+        first = axes[0, 0]
+        handles, names = first.get_legend_handles_labels()
+        first.figure.legend(handles, names, fontsize=8, loc="outside lower center", ncols=4)
+
+
+def _pad_title(axes: Any, label: str) -> None:
+    """Give titles of fewer lines the height of those with three classes, so that axes align."""
+    axes.title.set_linespacing(1.15)
+    missing = 2 - label.count(",")
+    axes.set_title(axes.get_title(loc="left") + "\n" * missing, loc="left", fontsize=9)
+
+
+def plot_response_campbell(
+    path: Path,
+    frequencies: ArrayLike,
+    orders: ArrayLike,
+    speed_range: tuple[float, float],
+    found: Sequence[Meeting],
+    *,
+    title: str = "",
+) -> None:
+    """Plot natural frequencies and order lines over speed, with a dot at each resonance.
+
+    Parameters
+    ----------
+    path : Path
+        SVG file.
+    frequencies : array_like of shape (n,)
+        Natural frequencies of elastic modes [Hz]; those above the range of the orders are left out.
+    orders : array_like of shape (K,)
+        In cycles per crankshaft revolution.
+    speed_range : tuple of two floats
+        Running range [rad/s].
+    found : sequence of Meeting
+        For example `Resonance`; dots grow with their severity.
+    title : str, optional
+
+    Raises
+    ------
+    InputError
+        If the path is not an SVG file in an existing folder.
+    """
+    natural, lines = finite_array("frequencies", frequencies), finite_array("orders", orders)
+    with figure(path, height=4.8) as axes:
+        draw_campbell(axes, natural, lines, speed_range, found)
+        add_title(axes, title)
 
 
 def plot_transient(
