@@ -15,7 +15,7 @@ from crankbase.units.number_formats import format_usage
 from crankbase.units.quantity import format_quantity
 from dynamics.assessment.limits import AmplitudeCurve, VibrationLimit, checked_rated_speed, usage
 from dynamics.assessment.wording import shown_range
-from dynamics.running_limits import at_most, within
+from dynamics.indices import at_most, within
 
 Position = Literal["below", "running", "above"]
 

@@ -22,7 +22,7 @@ from crankfem.files.engine.throw_file import load_crankshaft, load_study, load_t
 from crankfem.files.reading import toml_file
 from crankfem.files.reading.data_files import input_path, shipped_names
 from dynamics.indices import values_at_nodes
-from dynamics.turning.function_checks import checked_inertia
+from dynamics.turning.speed_over_angle import checked_inertia
 from fem.material import STEEL
 from fem.modes import free_modes
 from fem.supports import Neighbors

@@ -15,7 +15,7 @@ from crankfem.analyses.mechanism.plots import picture_torque_table, table_files
 from crankfem.files.hinge.hinge_file import load_hinge
 from crankfem.files.reading.data_files import input_path
 from dynamics.chains.chain import Chain
-from dynamics.hinge.spring import GasSpring
+from dynamics.hinge.profile import GasSpring
 from dynamics.response.forced import forced_response
 from dynamics.response.loads import element_loads
 from dynamics.response.order_excitation import OrderExcitation

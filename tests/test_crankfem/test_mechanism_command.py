@@ -39,13 +39,11 @@ from crankfem.files.engine.mechanism_file import load_mechanism
 from crankfem.files.reading.data_files import data_folder, input_path
 from crankfem.jobs.outputs import check_outputs
 from crankfem.report.interactive.mechanism import MECHANISM
-from dynamics.balance.balance import balance
-from dynamics.balance.hinged_rods import hinged_rod_effects
+from dynamics.balance.balance import balance, hinged_rod_effects
 from dynamics.balance.moving_masses import balancing_masses
-from dynamics.engine.cylinder import EngineCylinder, SlavePin
-from dynamics.engine.layout import EngineLayout
+from dynamics.engine.layout import EngineCylinder, EngineLayout, SlavePin
 from dynamics.engine.loads import LoadDiagram
-from dynamics.mechanism.rods import ConnectingRod
+from dynamics.engine.rods import ConnectingRod
 from dynamics.plots.load_diagrams import on_paper, square_round
 from geometry.crankshaft import throw_masses
 

@@ -40,14 +40,11 @@ from crankfem.files.sections.limits_sections import LimitsInput, RangesInput
 from crankfem.files.sections.load_section import LoadSection
 from crankfem.files.sections.mechanism_sections import Gas
 from dynamics.cycle import cycle_radians
-from dynamics.engine.cylinder import EngineCylinder
-from dynamics.engine.forces import mechanism_forces
-from dynamics.engine.gas_forces import gas_forces
-from dynamics.engine.layout import EngineLayout
+from dynamics.engine.forces import gas_forces, mechanism_forces
+from dynamics.engine.layout import EngineCylinder, EngineLayout
+from dynamics.engine.rods import ConnectingRod
 from dynamics.excitation.cylinders import cylinder_forces
-from dynamics.gas.pressure import ATMOSPHERE
-from dynamics.gas.pressure_table import read_pressure_table
-from dynamics.mechanism.rods import ConnectingRod
+from dynamics.gas.pressure import ATMOSPHERE, read_pressure_table
 from geometry.crankshaft import throw_masses
 from geometry.mass import MassProperties, unbalance
 

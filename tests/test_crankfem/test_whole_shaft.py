@@ -60,8 +60,7 @@ from dynamics.crankshaft.surroundings import (
     ShaftSurroundings,
     ShaftThrow,
 )
-from dynamics.excitation.cylinder_harmonics import cylinder_harmonics
-from dynamics.excitation.cylinders import forces_at_speeds
+from dynamics.excitation.cylinders import cylinder_harmonics, forces_at_speeds
 from dynamics.response.series import OrderSeries
 
 ORDERS = np.arange(1, 25) * 0.5

@@ -11,20 +11,28 @@ from hypothesis import strategies as st
 
 from comparing import close
 from crankbase.errors import InputError
-from dynamics.balance.balance import balance
-from dynamics.balance.hinged_rods import hinged_rod_effects, hodograph_change
-from dynamics.balance.hodograph import FOLD, Hodograph, hodograph_sum, order_vectors
-from dynamics.balance.moving_masses import balancing_masses, moving_masses
+from dynamics.balance.balance import balance, hinged_rod_effects, hodograph_change
+from dynamics.balance.moving_masses import (
+    FOLD,
+    Hodograph,
+    balancing_masses,
+    hodograph_sum,
+    moving_masses,
+    order_vectors,
+)
 from dynamics.critical import major_orders, vector_sums
 from dynamics.cycle import order_step
-from dynamics.engine.cylinder import EngineCylinder, RotatingMass, SlavePin
 from dynamics.engine.firing import firing_order_of_angles
 from dynamics.engine.forces import mechanism_forces
-from dynamics.engine.layout import EngineLayout
-from dynamics.engine.motions import cylinder_motion
-from dynamics.engine.orders import acceleration_orders, piston_acceleration, turn_spectrum
-from dynamics.mechanism.rods import ConnectingRod
-from dynamics.mechanism.slider_crank import SliderCrank
+from dynamics.engine.layout import EngineCylinder, EngineLayout, RotatingMass, SlavePin
+from dynamics.engine.motions import (
+    acceleration_orders,
+    cylinder_motion,
+    piston_acceleration,
+    turn_spectrum,
+)
+from dynamics.engine.rods import ConnectingRod
+from dynamics.engine.slider_crank import SliderCrank
 from dynamics.torque.star import leading_stars, same_stars, star_diagram
 from dynamics.torque.torque import engine_torque
 from references import even_firing_angles

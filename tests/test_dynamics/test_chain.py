@@ -8,8 +8,7 @@ from scipy.linalg import eigh
 
 from comparing import close
 from crankbase.errors import InputError
-from dynamics.chains.chain import Chain
-from dynamics.chains.connections import Dashpot, Gear
+from dynamics.chains.chain import Chain, Dashpot, Gear
 from dynamics.chains.editing import (
     add_node,
     find_node,

@@ -23,28 +23,24 @@ from dynamics.assessment.limits import LimitCurve, axial_force_limit, given_limi
 from dynamics.balance.balance import balance
 from dynamics.chains import chain as chains
 from dynamics.chains.chain import Chain
-from dynamics.chains.shaft_elements import ShaftCone
+from dynamics.chains.shaft_line import ShaftCone
 from dynamics.crankshaft.surroundings import AxialSupport
 from dynamics.critical import critical_speeds, engine_orders
-from dynamics.engine.cylinder import EngineCylinder
 from dynamics.engine.forces import mechanism_forces
-from dynamics.engine.layout import EngineLayout
-from dynamics.engine.motions import reduced_inertia
-from dynamics.engine.orders import acceleration_orders, piston_acceleration
-from dynamics.excitation.cylinder_harmonics import cylinder_harmonics
-from dynamics.excitation.cylinders import cylinder_forces
+from dynamics.engine.layout import EngineCylinder, EngineLayout
+from dynamics.engine.motions import acceleration_orders, piston_acceleration, reduced_inertia
+from dynamics.engine.rods import ConnectingRod
+from dynamics.excitation.cylinders import cylinder_forces, cylinder_harmonics
 from dynamics.excitation.pressure_map import PressureMap
 from dynamics.excitation.propeller import PropellerForces, propeller_excitation
 from dynamics.gas.pressure import GasPressure, gas_pressure
-from dynamics.mechanism.rods import ConnectingRod
+from dynamics.indices import at_most, within
 from dynamics.response import harmonic
 from dynamics.response.forced import forced_response
 from dynamics.response.loads import checked_power_balance
 from dynamics.response.order_excitation import OrderExcitation
-from dynamics.running_limits import at_most, within
-from dynamics.torque.pin_harmonics import pin_force_harmonics
 from dynamics.torque.star import star_diagram
-from dynamics.torque.torque import check_energy, engine_torque
+from dynamics.torque.torque import check_energy, engine_torque, pin_force_harmonics
 
 ROD = ConnectingRod(length=0.2, mass=1.0, center_distance=0.07, inertia=0.006)
 ENGINE = EngineLayout(

@@ -13,8 +13,7 @@ from comparing import close
 from crankbase.errors import InputError
 from crankbase.tables.frames import table_of
 from dynamics.assessment.separation import major_criticals
-from dynamics.chains.chain import Chain
-from dynamics.chains.connections import Gear
+from dynamics.chains.chain import Chain, Gear
 from dynamics.chains.dampers import RubberDamper, ViscousDamper
 from dynamics.critical import critical_speeds, engine_orders, major_orders, vector_sums
 from dynamics.response.complex_modes import complex_modes

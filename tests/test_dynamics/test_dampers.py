@@ -19,7 +19,11 @@ from dynamics.assessment.response_curves import (
     node_amplitude,
     with_resonances,
 )
-from dynamics.chains.absorber_optima import (
+from dynamics.chains.chain import Chain
+from dynamics.chains.dampers import (
+    AxialDamper,
+    RubberDamper,
+    ViscousDamper,
     main_inertia,
     rubber_damper_for,
     rubber_optimum,
@@ -27,8 +31,6 @@ from dynamics.chains.absorber_optima import (
     untuned_optimum,
     viscous_damper_for,
 )
-from dynamics.chains.chain import Chain
-from dynamics.chains.dampers import AxialDamper, RubberDamper, ViscousDamper
 from dynamics.chains.editing import with_damper
 from dynamics.response.harmonic import harmonic_response
 from dynamics.response.linear_system import chain_system

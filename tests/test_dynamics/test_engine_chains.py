@@ -9,28 +9,25 @@ from hypothesis import strategies as st
 
 from comparing import close
 from crankbase.errors import InputError
-from dynamics.chains.absorber_optima import main_inertia
-from dynamics.chains.attachments import DrivenMachine
-from dynamics.chains.chain import Chain
-from dynamics.chains.connections import Dashpot, Gear
-from dynamics.chains.dampers import AxialDamper, RubberDamper, ViscousDamper
+from dynamics.chains.chain import Chain, Dashpot, Gear
+from dynamics.chains.dampers import AxialDamper, RubberDamper, ViscousDamper, main_inertia
 from dynamics.chains.editing import add_node, with_damper, with_names
-from dynamics.chains.engine_chains import axial_chain, torsional_chain
-from dynamics.chains.shaft_elements import shaft_cylinder
-from dynamics.chains.shaft_line import ShaftLine
-from dynamics.chains.throw_inertias import throw_inertia, throw_inertias
-from dynamics.engine.cylinder import EngineCylinder, SlavePin
-from dynamics.engine.layout import EngineLayout
+from dynamics.chains.engine_chains import (
+    axial_chain,
+    throw_inertia,
+    throw_inertias,
+    torsional_chain,
+)
+from dynamics.chains.shaft_line import DrivenMachine, ShaftLine, shaft_cylinder
+from dynamics.engine.layout import EngineCylinder, EngineLayout, SlavePin
 from dynamics.engine.motions import reduced_inertia
-from dynamics.excitation.chain_excitation import axial_section_forces
-from dynamics.excitation.cylinders import cylinder_forces, forces_at_speeds
-from dynamics.excitation.prescribed_torque import torque_harmonics
+from dynamics.engine.rods import ConnectingRod
+from dynamics.excitation.chain_excitation import axial_excitation_of_torsion, axial_section_forces
+from dynamics.excitation.cylinders import cylinder_forces, forces_at_speeds, torque_harmonics
 from dynamics.excitation.pressure_map import pressure_map
 from dynamics.excitation.propeller import PropellerForces, propeller_excitation
-from dynamics.excitation.torsion_to_axial import axial_excitation_of_torsion
 from dynamics.gas.pressure import gas_pressure
 from dynamics.harmonics import harmonics
-from dynamics.mechanism.rods import ConnectingRod
 from dynamics.response.forced import forced_response
 from dynamics.response.linear_system import chain_system, damped
 from dynamics.response.loads import element_loads, power_balance

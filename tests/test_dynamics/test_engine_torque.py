@@ -10,18 +10,14 @@ import pytest
 from comparing import close
 from crankbase.errors import InputError
 from dynamics.chains.chain import Chain
-from dynamics.chains.two_mass import solid_shaft_stiffness, two_mass_check, two_mass_frequency
+from dynamics.critical import solid_shaft_stiffness, two_mass_check, two_mass_frequency
 from dynamics.cycle import cycle_radians
-from dynamics.engine.cylinder import EngineCylinder, SlavePin
-from dynamics.engine.forces import mechanism_forces
-from dynamics.engine.gas_forces import gas_forces
-from dynamics.engine.layout import EngineLayout
+from dynamics.engine.forces import gas_forces, mechanism_forces
+from dynamics.engine.layout import EngineCylinder, EngineLayout, SlavePin
 from dynamics.engine.motions import cylinder_motion
-from dynamics.harmonics import harmonics
-from dynamics.mechanism.rods import ConnectingRod
-from dynamics.torque.pin_harmonics import pin_force_harmonics
-from dynamics.torque.torque import engine_torque
-from dynamics.torque_table import read_torque_table
+from dynamics.engine.rods import ConnectingRod
+from dynamics.harmonics import harmonics, read_torque_table
+from dynamics.torque.torque import engine_torque, pin_force_harmonics
 from references import finite_sums
 
 ROD = ConnectingRod(0.25, 2.0, 0.08, 0.02, 0.004)

@@ -9,37 +9,30 @@ from comparing import close
 from crankbase.errors import InputError
 from dynamics.chains.engine_chains import axial_chain, torsional_chain
 from dynamics.cycle import cycle_radians
-from dynamics.engine.cylinder import EngineCylinder, SlavePin
-from dynamics.engine.forces import mechanism_forces, rod_models
-from dynamics.engine.gas_forces import gas_forces
-from dynamics.engine.layout import EngineLayout
+from dynamics.engine.forces import gas_forces, mechanism_forces, rod_models
+from dynamics.engine.layout import EngineCylinder, EngineLayout, SlavePin
 from dynamics.engine.motions import reduced_inertia
-from dynamics.excitation.axial_comparison import compare_axial_forces
+from dynamics.engine.rods import ConnectingRod
+from dynamics.excitation.axial_forces import compare_axial_forces
 from dynamics.excitation.chain_excitation import (
     axial_excitation,
-    axial_throw_forces,
-    node_torques,
-    torque_excitation,
-)
-from dynamics.excitation.combined_excitation import combined_excitation
-from dynamics.excitation.cylinder_harmonics import cylinder_harmonics
-from dynamics.excitation.cylinders import cylinder_forces, forces_at_speeds
-from dynamics.excitation.engine_load import propeller_load
-from dynamics.excitation.motored_pressure import motored_from_compression
-from dynamics.excitation.torsion_to_axial import (
     axial_excitation_of_torsion,
+    axial_throw_forces,
+    combined_excitation,
+    node_torques,
     tangential_towards_flywheel,
+    torque_excitation,
     torsion_influence,
 )
+from dynamics.excitation.cylinders import cylinder_forces, cylinder_harmonics, forces_at_speeds
+from dynamics.excitation.pressure_map import propeller_load
 from dynamics.gas.cycle_values import usual_gas_cycle
-from dynamics.gas.cylinder_volume import cylinder_volume
+from dynamics.gas.cylinder_volume import cylinder_volume, motored_from_compression
 from dynamics.gas.gas_cycle import gas_cycle
 from dynamics.gas.pressure import gas_pressure
-from dynamics.mechanism.rods import ConnectingRod
 from dynamics.response.forced import forced_response
 from dynamics.response.order_excitation import OrderExcitation
-from dynamics.torque.pin_harmonics import pin_force_harmonics
-from dynamics.torque.torque import engine_torque
+from dynamics.torque.torque import engine_torque, pin_force_harmonics
 
 ROD = ConnectingRod(0.25, 2.0, 0.08, 0.02, 0.004)
 RADIUS = 0.07

@@ -14,8 +14,7 @@ from dynamics.assessment.limit_rules import crankshaft_limit
 from dynamics.assessment.limits import AmplitudeCurve, given_limit, worst_use
 from dynamics.assessment.response_curves import largest_amplitude, speeds_above
 from dynamics.assessment.verdict import judge
-from dynamics.chains.chain import Chain
-from dynamics.chains.connections import Dashpot, Gear
+from dynamics.chains.chain import Chain, Dashpot, Gear
 from dynamics.harmonics import harmonics
 from dynamics.plots.quantities import quantity_display
 from dynamics.response.forced import forced_response

@@ -10,18 +10,18 @@ from hypothesis import strategies as st
 from comparing import close
 from crankbase.errors import InputError
 from dynamics.cycle import cycle_radians
-from dynamics.engine.cylinder import EngineCylinder
-from dynamics.engine.layout import EngineLayout
-from dynamics.excitation.calculated_pressure_map import pressure_map_from_cycles
+from dynamics.engine.layout import EngineCylinder, EngineLayout
+from dynamics.engine.rods import ConnectingRod
 from dynamics.excitation.cylinders import cylinder_forces
-from dynamics.excitation.engine_load import propeller_load
-from dynamics.excitation.pressure_map import pressure_map
+from dynamics.excitation.pressure_map import pressure_map, pressure_map_from_cycles, propeller_load
 from dynamics.gas.cycle_values import usual_gas_cycle
+from dynamics.gas.cylinder_volume import (
+    indicated_mean_effective_pressure,
+    indicated_work,
+    periodic_slope,
+)
 from dynamics.gas.gas_cycle import gas_cycle
-from dynamics.gas.indicated import indicated_mean_effective_pressure, indicated_work, periodic_slope
-from dynamics.gas.pressure import gas_pressure
-from dynamics.gas.pressure_table import read_pressure_table
-from dynamics.mechanism.rods import ConnectingRod
+from dynamics.gas.pressure import gas_pressure, read_pressure_table
 
 
 def curve(angle, cycle):

@@ -12,20 +12,24 @@ from comparing import close
 from crankbase.errors import InputError
 from dynamics.cycle import even_angles
 from dynamics.engine.forces import mechanism_forces
-from dynamics.hinge.crosshead import CrossheadEngine, piston_gas_force, two_stroke_cycle
+from dynamics.engine.rods import ConnectingRod
+from dynamics.hinge.crosshead import (
+    KINEMATICS,
+    CrossheadEngine,
+    piston_gas_force,
+    reduced_crank,
+    two_stroke_cycle,
+)
 from dynamics.hinge.moment import hinge_moment
-from dynamics.hinge.polar_curves import (
+from dynamics.hinge.profile import (
+    GasSpring,
     check_roller,
+    hinge_profile,
     outer_parallel,
     polar_curvature,
     smallest_hollow,
 )
-from dynamics.hinge.profile import hinge_profile
-from dynamics.hinge.reduced_crank import KINEMATICS, reduced_crank
-from dynamics.hinge.simulation import simulate_hinge, steady_hinge_turn
-from dynamics.hinge.speed_smoothing import best_pressure, flywheel_for
-from dynamics.hinge.spring import GasSpring
-from dynamics.mechanism.rods import ConnectingRod
+from dynamics.hinge.simulation import best_pressure, flywheel_for, simulate_hinge, steady_hinge_turn
 
 ROD = ConnectingRod(1.55, 150.0, 0.8, 50.0)
 ENGINE = CrossheadEngine(0.3, 0.5, 80.0, 0.2, 30.0, ROD, 150.0, 200.0, 110.0)

@@ -10,14 +10,12 @@ from hypothesis import strategies as st
 
 from comparing import close
 from crankbase.errors import InputError
-from dynamics.engine.cylinder import EngineCylinder, SlavePin
+from dynamics.engine import ROD_MODELS
 from dynamics.engine.forces import mechanism_forces, rod_models, summed
-from dynamics.engine.layout import EngineLayout
+from dynamics.engine.layout import EngineCylinder, EngineLayout, SlavePin
 from dynamics.engine.motions import cylinder_motion, reduced_inertia
-from dynamics.mechanism.motion import crankpin_motion
-from dynamics.mechanism.rod_model_names import ROD_MODELS
-from dynamics.mechanism.rods import ConnectingRod
-from dynamics.mechanism.slider_crank import SliderCrank
+from dynamics.engine.rods import ConnectingRod
+from dynamics.engine.slider_crank import SliderCrank, crankpin_motion
 
 STEP = 1e-3
 ANGLES = np.linspace(0.0, 2.0 * math.pi, 13)

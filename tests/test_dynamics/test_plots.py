@@ -18,32 +18,28 @@ from dynamics.assessment.limits import AmplitudeCurve, given_limit
 from dynamics.assessment.separation import CriticalRange
 from dynamics.assessment.uncertainty import Samples, Spread
 from dynamics.assessment.verdict import Trial, decide, judge
-from dynamics.balance.balance import balance
-from dynamics.balance.hinged_rods import HingedRodEffects
-from dynamics.balance.hodograph import Hodograph
+from dynamics.balance.balance import HingedRodEffects, balance
+from dynamics.balance.moving_masses import Hodograph
 from dynamics.chains.chain import Chain
 from dynamics.chains.dampers import ViscousDamper
 from dynamics.crankshaft.chain_comparison import ChainVerdict, ModeMatch, ResponseMatch
 from dynamics.crankshaft.coupled_response import CoupledResponse
 from dynamics.crankshaft.shaft_modes import CrankshaftSystem, ShaftModes
 from dynamics.critical import critical_speeds
-from dynamics.engine.cylinder import EngineCylinder
 from dynamics.engine.forces import mechanism_forces
-from dynamics.engine.layout import EngineLayout
+from dynamics.engine.layout import EngineCylinder, EngineLayout
 from dynamics.engine.loads import LoadDiagram
-from dynamics.excitation.axial_comparison import AxialForceComparison
-from dynamics.excitation.axial_cycle import axial_force_over_cycle
+from dynamics.engine.rods import ConnectingRod
+from dynamics.excitation.axial_forces import AxialForceComparison, axial_force_over_cycle
 from dynamics.excitation.cylinders import CylinderForces
 from dynamics.excitation.pressure_map import pressure_map
 from dynamics.gas.gas_cycle import GasCycleResult
 from dynamics.gas.pressure import gas_pressure
-from dynamics.harmonics import harmonics
+from dynamics.harmonics import TorqueTable, harmonics
 from dynamics.hinge.crosshead import CrossheadEngine
 from dynamics.hinge.moment import hinge_moment
-from dynamics.hinge.profile import hinge_profile
+from dynamics.hinge.profile import GasSpring, hinge_profile
 from dynamics.hinge.simulation import SteadyHingeTurn
-from dynamics.hinge.spring import GasSpring
-from dynamics.mechanism.rods import ConnectingRod
 from dynamics.plots.campbell import LABEL_ROOM, campbell_frame
 from dynamics.plots.harmonics import KIND_COLORS
 from dynamics.plots.load_diagrams import LABEL_HALF, label_spots, square_round
@@ -54,10 +50,8 @@ from dynamics.response.loads import element_loads, power_balance
 from dynamics.response.order_excitation import OrderExcitation
 from dynamics.response.peak_cause import peak_cause
 from dynamics.response.resonance import campbell_diagram, resonances
-from dynamics.torque.pin_harmonics import pin_force_harmonics
 from dynamics.torque.star import Star
-from dynamics.torque.torque import engine_torque
-from dynamics.torque_table import TorqueTable
+from dynamics.torque.torque import engine_torque, pin_force_harmonics
 from dynamics.transient.applied_forces import SpeedCurve
 from dynamics.transient.run import SteadyMotion, TransientMotion
 from dynamics.transient.turning_run import TurningCycle, TurningRun

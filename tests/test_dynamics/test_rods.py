@@ -9,13 +9,11 @@ from hypothesis import strategies as st
 
 from comparing import close
 from crankbase.errors import InputError
-from dynamics.engine.cylinder import EngineCylinder, SlavePin
-from dynamics.engine.forces import mechanism_forces, pin_groups, summed
-from dynamics.engine.gas_forces import gas_forces
-from dynamics.engine.layout import EngineLayout
+from dynamics.engine import ROD_MODELS
+from dynamics.engine.forces import gas_forces, mechanism_forces, pin_groups, summed
+from dynamics.engine.layout import EngineCylinder, EngineLayout, SlavePin
 from dynamics.engine.motions import cylinder_motion
-from dynamics.mechanism.rod_model_names import ROD_MODELS
-from dynamics.mechanism.rods import REACH, ConnectingRod
+from dynamics.engine.rods import REACH, ConnectingRod
 
 unit = st.floats(0.05, 0.95)
 

@@ -10,10 +10,16 @@ from scipy.integrate import quad
 
 from comparing import close
 from crankbase.errors import InputError
-from dynamics.chains.attachments import Propeller
-from dynamics.chains.shaft_bodies import Coupling, RigidBody
-from dynamics.chains.shaft_elements import ShaftCone, ShaftMaterial, shaft_cylinder, shaft_flange
-from dynamics.chains.shaft_line import ShaftLine
+from dynamics.chains.shaft_line import (
+    Coupling,
+    Propeller,
+    RigidBody,
+    ShaftCone,
+    ShaftLine,
+    ShaftMaterial,
+    shaft_cylinder,
+    shaft_flange,
+)
 from dynamics.strength.concentration import (
     FACTORS,
     RANGES,

@@ -12,17 +12,15 @@ from crankfem.analyses.vibration.plots import (
     plot_transient,
     plot_transient_over_speed,
 )
-from dynamics.chains.chain import Chain
-from dynamics.chains.connections import Dashpot, Gear
+from dynamics.chains.chain import Chain, Dashpot, Gear
 from dynamics.chains.engine_chains import EngineChain
-from dynamics.engine.cylinder import EngineCylinder
 from dynamics.engine.forces import rod_models
-from dynamics.engine.layout import EngineLayout
+from dynamics.engine.layout import EngineCylinder, EngineLayout
 from dynamics.engine.motions import reduced_inertia
+from dynamics.engine.rods import ConnectingRod
 from dynamics.excitation.chain_excitation import torque_excitation
 from dynamics.excitation.cylinders import cylinder_forces
 from dynamics.gas.pressure import gas_pressure
-from dynamics.mechanism.rods import ConnectingRod
 from dynamics.response.forced import forced_response
 from dynamics.response.linear_system import chain_system
 from dynamics.response.order_excitation import OrderExcitation

@@ -34,11 +34,10 @@ from dynamics.assessment.response_curves import (
     speeds_above,
 )
 from dynamics.assessment.wording import limit_at, shown_range, use_in_words
-from dynamics.excitation.cylinder_harmonics import CylinderHarmonics
-from dynamics.excitation.cylinders import CylinderForces, forces_at_speeds
+from dynamics.excitation.cylinders import CylinderForces, CylinderHarmonics, forces_at_speeds
+from dynamics.indices import within
 from dynamics.response.peak_cause import PeakCause
 from dynamics.response.series import OrderSeries
-from dynamics.running_limits import within
 
 DIGITS = 3
 # Numbers of cylinders that fail together, from 1.

@@ -9,7 +9,7 @@ from crankbase.checks.arrays import finite_array, positive_number
 from crankbase.checks.choices import check_choice
 from crankbase.errors import InputError
 from crankbase.summaries import summarized
-from dynamics.mechanism.rod_model_names import ROD_MODELS, RodModelName
+from dynamics.engine import ROD_MODELS, RodModelName
 
 # A rod may reach beyond its pins, and to each side, by this share of its length: room for big ends.
 REACH = 0.5
