@@ -224,13 +224,16 @@ def exceeded_ranges(
     for first, last in _runs(used > 1.0):
         if not at_most(speeds[first], highest):
             break
-        judged = [place for place in range(first, last + 1) if at_most(speeds[place], highest)]
+        judged = [
+            place for place in range(first, last + 1) if at_most(float(speeds[place]), highest)
+        ]
         found.append(
             ExceededRange(
                 low=_crossing(limit, curve, used, first, -1),
                 high=min(_crossing(limit, curve, used, last, 1), highest),
                 peaks=_peaks_to(curve, tops[(tops >= first) & (tops <= last)], highest),
-                cut_off=first == 0 or (last == speeds.size - 1 and at_most(speeds[last], highest)),
+                cut_off=first == 0
+                or (last == speeds.size - 1 and at_most(float(speeds[last]), highest)),
                 used=float(np.max(used[judged])),
             )
         )
