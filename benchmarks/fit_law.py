@@ -18,8 +18,7 @@ from geometry.throw import CrankThrow
 from law_process import Process
 from law_table import throws
 from law_throws import DRAWN, FIELDS, Sample, draw
-from regression.law.inputs import plain_inputs, real_inputs
-from regression.law.networks import FILE, OUTPUTS, Networks
+from regression.law.networks import FILE, OUTPUTS, Networks, plain_inputs, real_inputs
 from regression.law.ratios import PLAIN, RANGES, REAL, ratios, throw_dimensions
 
 Array = NDArray[np.float64]
