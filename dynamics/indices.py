@@ -1,16 +1,18 @@
-"""Indices of nodes, cylinders and similar, by number or by name, and groups of equal ones."""
+"""Indices of nodes, cylinders and similar, groups of equal ones, and which speeds are in a range."""
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import TypeVar
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from crankbase.checks.arrays import FloatArray, nonnegative_number, nonnegative_vector
 from crankbase.checks.scalars import is_whole_within, whole_within
 from crankbase.errors import InputError, quoted
 
 T = TypeVar("T")
+# Speeds this near the end of a range, as a share, lie in it: 1.15 times a speed is rounded.
+AT_END = 8.0 * float(np.finfo(np.float64).eps)
 
 
 def node_index(field: str, node: object, count: int) -> int:
@@ -97,3 +99,13 @@ def grouped(items: Iterable[T], belongs: Callable[[list[T], T], bool]) -> list[l
         else:
             home.append(item)
     return groups
+
+
+def within(speeds: float | FloatArray, low: float, high: float) -> NDArray[np.bool_]:
+    """Return which speeds are in a range, ends included within a few units in the last place."""
+    return np.asarray(at_most(low, speeds) & at_most(speeds, high))
+
+
+def at_most(one: float | FloatArray, other: float | FloatArray) -> NDArray[np.bool_]:
+    """Return whether a speed is at most another, within a few units in the last place."""
+    return np.asarray(one <= other * (1.0 + AT_END))

@@ -15,7 +15,7 @@ from crankbase.units.number_formats import format_usage
 from crankbase.units.quantity import format_quantity
 from dynamics.assessment.limits import AmplitudeCurve, VibrationLimit, checked_rated_speed, usage
 from dynamics.assessment.wording import shown_range
-from dynamics.running_limits import at_most, within
+from dynamics.indices import at_most, within
 
 Position = Literal["below", "running", "above"]
 
@@ -224,13 +224,17 @@ def exceeded_ranges(
     for first, last in _runs(used > 1.0):
         if not at_most(speeds[first], highest):
             break
+        judged = [
+            place for place in range(first, last + 1) if at_most(float(speeds[place]), highest)
+        ]
         found.append(
             ExceededRange(
                 low=_crossing(limit, curve, used, first, -1),
                 high=min(_crossing(limit, curve, used, last, 1), highest),
                 peaks=_peaks_to(curve, tops[(tops >= first) & (tops <= last)], highest),
-                cut_off=first == 0 or last == curve.speeds.size - 1,
-                used=float(np.max(used[first : last + 1])),
+                cut_off=first == 0
+                or (last == speeds.size - 1 and at_most(float(speeds[last]), highest)),
+                used=float(np.max(used[judged])),
             )
         )
     return tuple(found)

@@ -15,7 +15,7 @@ from dynamics.assessment.uncertainty import Spread, frequency_bounds
 from dynamics.assessment.wording import shown_range
 from dynamics.chains.chain import Chain
 from dynamics.critical import CriticalSpeed
-from dynamics.running_limits import within
+from dynamics.indices import within
 
 # Share of the excitation's frequency by which a torsional natural frequency should differ from it: as
 # recommended by API 617, quoted by Q. Wang, T. D. Feese, B. C. Pettinato, Torsional natural frequencies:

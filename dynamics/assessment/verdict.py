@@ -31,10 +31,10 @@ from dynamics.assessment.limits import (
     worst_use,
 )
 from dynamics.assessment.wording import limit_at, shown_range, use_in_words
+from dynamics.indices import at_most, within
 from dynamics.plots.curves import draw_barred, set_speed_axis
 from dynamics.plots.quantities import SPEED_LABEL, in_unit
 from dynamics.response.peak_cause import PeakCause
-from dynamics.running_limits import at_most, within
 
 # Checks that a diagram of the verdict draws: those of which most is used.
 WORST_DRAWN, SAME = 5, 1e-9  # speeds this near, as a share, are one

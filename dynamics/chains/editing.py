@@ -11,8 +11,7 @@ from typing import Any, Protocol
 
 from crankbase.checks.arrays import FloatArray, nonnegative_number
 from crankbase.errors import InputError
-from dynamics.chains.chain import Chain
-from dynamics.chains.connections import Dashpot, Gear
+from dynamics.chains.chain import Chain, Dashpot, Gear
 from dynamics.indices import node_index
 
 AT_NODES = ("inertia", "ground", "ground_damping")

@@ -19,7 +19,7 @@ from crankbase.tables.frames import grid
 from crankbase.units.units import RPM
 from dynamics.crankshaft.assembly import PIN_MOTIONS
 from dynamics.crankshaft.shaft_modes import CrankshaftSystem
-from dynamics.excitation.combined_excitation import combined_excitation
+from dynamics.excitation.chain_excitation import combined_excitation
 from dynamics.excitation.cylinders import CylinderForces
 from dynamics.plots.quantities import (
     SPEED_LABEL,

@@ -1,25 +1,32 @@
 """Forces in the mechanism of every cylinder, by equilibrium of pistons and rods."""
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from typing import Protocol
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from crankbase.checks.angles import checked_degrees
-from crankbase.checks.arrays import ComplexArray, FloatArray, finite_array, turning_speeds
+from crankbase.checks.angles import checked_degrees, radians_of
+from crankbase.checks.arrays import (
+    ComplexArray,
+    FloatArray,
+    finite_array,
+    nonnegative_number,
+    turning_speeds,
+)
 from crankbase.checks.scalars import whole_within
 from crankbase.errors import InputError
 from crankbase.library_types import Axes, Dataset
 from crankbase.summaries import summarized
 from crankbase.tables.frames import grid
 from dynamics.cycle import cycle_radians
-from dynamics.engine.cylinder import EngineCylinder
-from dynamics.engine.layout import EngineLayout
-from dynamics.engine.motions import CylinderMotion, parts_motion
-from dynamics.mechanism.rod_model_names import RodModelName
-from dynamics.mechanism.rods import RodModel
+from dynamics.engine import RodModelName
+from dynamics.engine.layout import EngineCylinder, EngineLayout
+from dynamics.engine.motions import CylinderMotion, checked_cylinder, parts_motion
+from dynamics.engine.rods import RodModel
+from dynamics.gas.pressure import ATMOSPHERE
 from dynamics.plots.curves import FROM_FIRING, draw_over_angle
 from dynamics.plots.quantities import KILO, angle_axis, number_axis
 
@@ -329,3 +336,92 @@ def rod_models(engine: EngineLayout, model: RodModelName) -> tuple[RodModel, ...
 def summed(forces: MechanismForces, cylinders: Sequence[int]) -> ComplexArray:
     """Return the force of several cylinders on their common crankpin, y - i x (m,) [N]."""
     return np.asarray(forces.crankpin[[number - 1 for number in cylinders]].sum(axis=0))
+
+
+class Pressure(Protocol):
+    """A pressure over the working cycle."""
+
+    @property
+    def strokes(self) -> int:
+        """Strokes per cycle, 2 or 4."""
+        ...
+
+    def at(self, *, angle_deg: ArrayLike) -> FloatArray:
+        """Return the absolute pressure [Pa] at angles [deg] from the firing top."""
+        ...
+
+
+def gas_forces(
+    engine: EngineLayout,
+    pressure: Pressure | Sequence[Pressure],
+    crankcase_pressure: float = ATMOSPHERE,
+    *,
+    shaft_angles_deg: ArrayLike,
+) -> FloatArray:
+    """Return the gas force on each piston towards the shaft.
+
+    Parameters
+    ----------
+    engine : EngineLayout
+    pressure : GasPressure or sequence of n GasPressure
+        One for all cylinders, each counted from its own firing top, or one for each cylinder.
+    crankcase_pressure : float, optional
+        Absolute pressure under the pistons [Pa].
+    shaft_angles_deg : array_like of shape (m,)
+        [deg]
+
+    Returns
+    -------
+    ndarray of shape (n, m)
+        (p - p_crankcase) times piston area [N].
+
+    Raises
+    ------
+    InputError
+        If there is not one pressure for each cylinder, or its cycle has other strokes.
+    """
+    angles = radians_of("shaft_angles_deg", shaft_angles_deg, vector=True)
+    under = nonnegative_number("crankcase_pressure", crankcase_pressure, "Pa", "it is absolute")
+    count = len(engine.cylinders)
+    pressures = list(pressure) if isinstance(pressure, Sequence) else [pressure] * count
+    if len(pressures) != count:
+        raise InputError(
+            f"pressure: given {len(pressures)} for {count} cylinders; allowed is one for all, or one "
+            "for each cylinder, because each piston has its own force."
+        )
+    forces = []
+    for cylinder, firing, own in zip(
+        engine.cylinders, np.radians(engine.firing_deg), pressures, strict=True
+    ):
+        if own.strokes != engine.strokes:
+            raise InputError(
+                f"pressure: given a cycle of {own.strokes} strokes; allowed is {engine.strokes}, because "
+                "that is the engine's."
+            )
+        forces.append(cylinder.area * (own.at(angle_deg=np.degrees(angles - firing)) - under))
+    return np.array(forces)
+
+
+def piston_position(engine: EngineLayout, number: int) -> Callable[[FloatArray], FloatArray]:
+    """Return the position of a cylinder's piston over the angle from its firing top.
+
+    Parameters
+    ----------
+    engine : EngineLayout
+    number : int
+        Of the cylinder, from 1.
+
+    Returns
+    -------
+    callable
+        Angles [rad] of shape (m,) to positions of the piston pin along the cylinder axis, away from the
+        shaft [m], as required by `gas_cycle`.
+
+    Raises
+    ------
+    InputError
+        If the engine has no such cylinder.
+    """
+    own = checked_cylinder(engine, number)
+    firing = np.radians(engine.firing_deg[own - 1])
+    return lambda angle: parts_motion(engine, own, firing + angle).piston.place.real

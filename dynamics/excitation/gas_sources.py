@@ -8,11 +8,10 @@ import numpy as np
 
 from crankbase.checks.arrays import FloatArray, nonnegative_number
 from crankbase.errors import InputError
-from dynamics.engine.gas_forces import Pressure
+from dynamics.engine.forces import Pressure
 from dynamics.engine.layout import EngineLayout
-from dynamics.engine.orders import checked_cylinder
-from dynamics.excitation.engine_load import Load
-from dynamics.excitation.pressure_map import PressureMap
+from dynamics.engine.motions import checked_cylinder
+from dynamics.excitation.pressure_map import Load, PressureMap
 from dynamics.gas.pressure import GasPressure
 
 # Pressure of one kind for all cylinders, or one for each.

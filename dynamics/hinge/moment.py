@@ -14,9 +14,17 @@ from crankbase.summaries import summarized
 from crankbase.tables.frames import table
 from crankbase.units.quantity import format_quantity
 from dynamics.cycle import even_angles
-from dynamics.hinge.crosshead import CrossheadEngine, GasForce
-from dynamics.hinge.periodic import TURN, antiderivative, periodic_spline, turn_integral
-from dynamics.hinge.reduced_crank import Kinematics, ReducedCrank, reduced_crank
+from dynamics.hinge.crosshead import (
+    TURN,
+    CrossheadEngine,
+    GasForce,
+    Kinematics,
+    ReducedCrank,
+    antiderivative,
+    periodic_spline,
+    reduced_crank,
+    turn_integral,
+)
 from dynamics.plots.curves import FROM_TOP, draw_over_angle
 from dynamics.plots.quantities import KILO
 
@@ -182,7 +190,7 @@ def hinge_moment(
 
     Examples
     --------
-    >>> from dynamics.mechanism.rods import ConnectingRod
+    >>> from dynamics.engine.rods import ConnectingRod
     >>> rod = ConnectingRod(1.55, 150.0, 0.8, 50.0)
     >>> engine = CrossheadEngine(0.3, 0.5, 80.0, 0.2, 30.0, rod, 150.0, 200.0, 110.0)
     >>> found = hinge_moment(engine, lambda angle: 2e5 * (1.0 + np.sin(angle)), 9.3)

@@ -12,13 +12,13 @@ from crankbase.errors import InputError
 from crankbase.summaries import summarized
 from crankbase.tables.frames import Row
 from crankbase.units.units import RPM
+from dynamics.indices import within
 from dynamics.response.complex_modes import ComplexModes, complex_modes
 from dynamics.response.forced import ForcedResponse
 from dynamics.response.harmonic import harmonic_response
 from dynamics.response.loads import LinearQuantities, load_rows, motion_rows
 from dynamics.response.order_excitation import OverSpeed
 from dynamics.response.resonance import LEAST_RATIO, refined_speeds
-from dynamics.running_limits import within
 
 # Maxima below this share of the largest one are round-off of orders that nothing excites.
 LEAST_SHARE = 1e-9

@@ -16,8 +16,7 @@ from dynamics.assessment.uncertainty import (
     sampled_factors,
     scaled_chain,
 )
-from dynamics.chains.chain import Chain
-from dynamics.chains.connections import Dashpot, Gear
+from dynamics.chains.chain import Chain, Dashpot, Gear
 
 # A geared and branched shaft with all that a chain can have.
 CHAIN = Chain(

@@ -45,10 +45,10 @@ from dynamics.assessment.uncertainty import (
 from dynamics.assessment.verdict import Decision, Status, Trial, Verdict, changes, decide
 from dynamics.chains.chain import Chain
 from dynamics.critical import engine_orders
-from dynamics.excitation.cylinder_harmonics import CylinderHarmonics
+from dynamics.excitation.cylinders import CylinderHarmonics
+from dynamics.indices import within
 from dynamics.response.forced import forced_response
 from dynamics.response.series import synthesis
-from dynamics.running_limits import within
 from fem.shaft import ShaftCompliances
 from regression.models.compliance_model import ComplianceModel
 

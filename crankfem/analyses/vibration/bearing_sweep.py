@@ -34,8 +34,8 @@ from dynamics.crankshaft.chain_comparison import DIVIDED, followed_modes, mode_l
 from dynamics.crankshaft.shaft_modes import ShaftModes, crankshaft_modes
 from dynamics.crankshaft.surroundings import UX, UY
 from dynamics.critical import critical_speeds
-from dynamics.excitation.cylinder_harmonics import CylinderHarmonics
-from dynamics.running_limits import at_most
+from dynamics.excitation.cylinders import CylinderHarmonics
+from dynamics.indices import at_most
 from fem.shaft import ShaftCompliances
 from regression.models.compliance_model import ComplianceModel
 

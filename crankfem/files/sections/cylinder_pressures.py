@@ -10,13 +10,12 @@ from crankbase.model import InputModel
 from crankbase.units.quantity import format_quantity
 from crankfem.files.reading.data_files import InputFiles
 from crankfem.files.sections.mechanism_sections import Gas
-from dynamics.engine.gas_forces import piston_position
+from dynamics.engine.forces import piston_position
 from dynamics.engine.layout import EngineLayout
 from dynamics.gas.cycle_values import USUAL_VALUES, GasCycle, name_of_field, usual_gas_cycle
 from dynamics.gas.cylinder_volume import Position
 from dynamics.gas.gas_cycle import GasCycleResult, gas_cycle
-from dynamics.gas.pressure import ATMOSPHERE, HIGHEST_PEAK, GasPressure
-from dynamics.gas.pressure_table import read_pressure_table
+from dynamics.gas.pressure import ATMOSPHERE, HIGHEST_PEAK, GasPressure, read_pressure_table
 
 # Peak pressure over that without combustion, usual for diesel engines at rated load: 1.4 to 1.8.
 USUAL_PRESSURE_RISE = 1.6
