@@ -192,8 +192,6 @@ def exceeded_ranges(
 
     Parameters
     ----------
-    limit : VibrationLimit
-    curve : AmplitudeCurve
     highest : float
         Ranges end there [rad/s].
 
@@ -241,7 +239,6 @@ def barred_ranges(
     Parameters
     ----------
     findings : sequence of pairs of VibrationLimit and AmplitudeCurve
-    rule : BarredRangeRule
     running_range : tuple of two floats
         Lowest and highest running speed [rad/s]. Ranges that end below the lowest one are passed on
         every start, and only have to be passable.

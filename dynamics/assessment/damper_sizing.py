@@ -43,7 +43,6 @@ class TrialSize:
 
     Parameters
     ----------
-    size : float
     settings : ndarray of shape (d,)
         The best settings found for it.
     used : float
@@ -265,7 +264,6 @@ class SizedDamper:
         Chain with this damper.
     reached : bool
         Whether the limit is kept.
-    limit : VibrationLimit
     curve, without : AmplitudeCurve
         The limited quantity with the damper and without one.
     used, used_without : float
@@ -298,8 +296,6 @@ class SizedDamper:
 
         Parameters
         ----------
-        axes : matplotlib.axes.Axes, optional
-            Where to draw; new axes by default.
         show : {"amplitude", "sizes"}, optional
             Amplitude over the speed, or the best result of each size.
 
@@ -342,15 +338,7 @@ class SizedDamper:
     def to_pandas(self) -> DataFrame:
         """Return a row for each size, with the least share of the permitted amplitude found.
 
-        Returns
-        -------
-        pandas.DataFrame
-            Units of the columns in ``attrs["units"]``.
-
-        Raises
-        ------
-        MissingLibraryError
-            If pandas is not installed.
+        Units and errors are those of `crankbase.tables.frames.table`.
         """
         unit = "N s/m" if isinstance(self.damper, AxialDamper) else "kg m^2"
         return table({"size": (self.sizes, unit), "used": (self.used_at_best, "1")})
@@ -387,7 +375,6 @@ def size_viscous_damper(
         Number (from 0) or name of the node with the damper.
     result : callable
         Maps a chain, with a damper and its ring as the last node, to the limited quantity over the speed.
-    limit : VibrationLimit
     ring_inertia : float or tuple of two floats
         Of the ring, or the range to search [kg m^2]; for a single value only the damping with the least
         vibration is found.
@@ -395,10 +382,6 @@ def size_viscous_damper(
         Of the damper, or the range to search [N m s/rad]; by default c / (2 I w_1) from 0.02 to 5.
     hub_inertia : float
         Of the housing, which turns with the shaft [kg m^2].
-
-    Returns
-    -------
-    SizedDamper
 
     Raises
     ------
@@ -450,10 +433,6 @@ def size_rubber_damper(
         Angular frequency of the ring with the shaft held, or the range to search [rad/s]; by
         default from 0.4 to 2.5 times the chain's first elastic one. It determines the stiffness.
 
-    Returns
-    -------
-    SizedDamper
-
     Raises
     ------
     InputError
@@ -502,10 +481,6 @@ def size_axial_damper(
         The damper's, or the range to search [N s/m].
     stiffness, mass : float
         Of oil and housing to ground [N/m], and of the collar [kg].
-
-    Returns
-    -------
-    SizedDamper
 
     Raises
     ------

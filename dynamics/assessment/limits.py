@@ -350,7 +350,6 @@ def positive_range(
 
     Parameters
     ----------
-    field : str
     ends : array_like of shape (2,)
     unit, of, allowed : str
         Their unit, why they are positive, what the two ends are and why.

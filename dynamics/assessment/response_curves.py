@@ -49,7 +49,6 @@ def node_amplitude(
     ----------
     excitation : OrderExcitation
         Forces on the nodes; further nodes of the chain, such as the ring of a damper, are free.
-    node : int or str
     elastic : bool
         Whether only the motion relative to that of the rigid body counts.
     magnifier : float, optional
@@ -119,7 +118,6 @@ def with_resonances(excitation: OrderExcitation, chain: Chain) -> OrderExcitatio
     ----------
     excitation : OrderExcitation
         Forces on the first nodes of the chain.
-    chain : Chain
 
     Returns
     -------
@@ -199,7 +197,6 @@ def largest_amplitude(series: OrderSeries, weights: FloatArray) -> tuple[float, 
 
     Parameters
     ----------
-    series : OrderSeries
     weights : ndarray of shape (S,)
         Of each speed, such as the reciprocal of the limit; not negative, zero where the speed is ignored.
 
@@ -245,7 +242,6 @@ def speeds_above(
 
     Parameters
     ----------
-    series : OrderSeries
     weights : ndarray of shape (S,)
         As for `largest_amplitude`.
     known : ndarray of shape (S,), bool

@@ -126,7 +126,6 @@ def critical_ranges(
 
     Parameters
     ----------
-    chain : Chain
     spreads : sequence of Spread
         Uncertain values; none for the nominal critical speeds alone.
     orders : array_like of shape (K,)

@@ -116,7 +116,6 @@ def scaled_chain(chain: Chain, spreads: Sequence[Spread], factors: ArrayLike) ->
 
     Parameters
     ----------
-    chain : Chain
     spreads : sequence of p Spread
         They state what each factor acts on; a value with two factors gets both.
     factors : array_like of shape (p,)
@@ -246,8 +245,6 @@ class Samples:
 
         Parameters
         ----------
-        axes : matplotlib.axes.Axes, optional
-            Where to draw; new axes by default.
         place : int, optional
             Which of several results, from 0; several dimensions are counted in rows.
         label : str, optional
@@ -340,7 +337,6 @@ def frequency_samples(
 
     Parameters
     ----------
-    chain : Chain
     spreads : sequence of p Spread
     samples, seed : int
         See `sampled_factors`.
@@ -363,7 +359,6 @@ def frequency_bounds(
 
     Parameters
     ----------
-    chain : Chain
     spreads : sequence of Spread
     others : sequence of Chain, optional
         Other possible chains, such as in bearings of other stiffness: with the same nodes and the
@@ -451,16 +446,11 @@ def chain_samples(
 
     Parameters
     ----------
-    chain : Chain
     spreads : sequence of p Spread
     result : callable
         Chain to a number or an array of the same shape for every chain.
     samples, seed : int
         See `sampled_factors`.
-
-    Returns
-    -------
-    Samples
 
     Notes
     -----

@@ -58,8 +58,6 @@ class LimitCheck:
 
     Parameters
     ----------
-    limit : VibrationLimit
-    curve : AmplitudeCurve
     worst_speed : float
         Speed at which most of the limit is used, among the speeds judged: from the lowest running speed
         to the highest, or to the end of the limit's rule above it [rad/s].
@@ -140,11 +138,6 @@ class LimitCheck:
     def plot(self, axes: Axes | None = None) -> Axes:
         """Draw the amplitude and the permitted value over the speed, with a dot at the worst speed.
 
-        Parameters
-        ----------
-        axes : matplotlib.axes.Axes, optional
-            Where to draw; new axes by default.
-
         Returns
         -------
         matplotlib.axes.Axes
@@ -175,15 +168,7 @@ class LimitCheck:
     def to_pandas(self) -> DataFrame:
         """Return a row for each speed: amplitude, what is permitted (inf if nothing is stated), its use.
 
-        Returns
-        -------
-        pandas.DataFrame
-            Units of the columns in ``attrs["units"]``.
-
-        Raises
-        ------
-        MissingLibraryError
-            If pandas is not installed.
+        Units and errors are those of `crankbase.tables.frames.table`.
         """
         unit = self.limit.unit
         return table(
@@ -275,11 +260,6 @@ class Verdict:
     def plot(self, axes: Axes | None = None) -> Axes:
         """Draw the share of each limit that is used over the speed, with barred ranges shaded.
 
-        Parameters
-        ----------
-        axes : matplotlib.axes.Axes, optional
-            Where to draw; new axes by default.
-
         Returns
         -------
         matplotlib.axes.Axes
@@ -322,15 +302,7 @@ class Verdict:
     def to_pandas(self) -> DataFrame:
         """Return one row for each check, the worst use first.
 
-        Returns
-        -------
-        pandas.DataFrame
-            Units of the columns in ``attrs["units"]``.
-
-        Raises
-        ------
-        MissingLibraryError
-            If pandas is not installed.
+        Units and errors are those of `crankbase.tables.frames.table`.
         """
         return table_of(self.checks)
 
@@ -350,7 +322,6 @@ def judge(
     running_range : tuple of two floats
         Lowest and highest running speed [rad/s]; every curve must cover it. A limit
         that its source states up to a higher speed is judged up to there, as far as calculated.
-    rule : BarredRangeRule
     full_load : bool, optional
         As of `barred_ranges`.
 
@@ -508,15 +479,7 @@ class Decision:
     def to_pandas(self) -> DataFrame:
         """Return a table with a row for each value tried.
 
-        Returns
-        -------
-        pandas.DataFrame
-            Units of the columns in ``attrs["units"]``.
-
-        Raises
-        ------
-        MissingLibraryError
-            If pandas is not installed.
+        Units and errors are those of `crankbase.tables.frames.table`.
         """
         return table_of(self.trials)
 
@@ -530,10 +493,6 @@ def decide(status: Status, trials: Iterable[Trial]) -> Decision:
         Of the calculation.
     trials : iterable of Trial
         Of one or more fields, each varied separately; the value used is among its values.
-
-    Returns
-    -------
-    Decision
 
     Examples
     --------

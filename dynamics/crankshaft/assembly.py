@@ -187,7 +187,6 @@ def shaft_stations(
     Parameters
     ----------
     throws : sequence of n ShaftThrow
-    around : ShaftSurroundings
     pin_masses : ndarray of shape (p,)
         Rods' and pistons' mass at each pin [kg].
     starts : ndarray of shape (n + 1,)
@@ -195,10 +194,6 @@ def shaft_stations(
     section_motions : ndarray of shape (6 (n + 1), u)
     pin_slices : sequence of p ndarrays of shape (6, u)
         Motion of each pin's slice at the shaft axis, in the shaft's frame.
-
-    Returns
-    -------
-    Stations
     """
     count = len(starts)
     sections, pins, pin_places = np.zeros((count, 2)), [], []
@@ -342,10 +337,6 @@ def assemble_crankshaft(
         By default none: the shaft is free in space.
     turning_sense : {1, -1}
         1 if the shaft turns about +z, else -1: tangential forces act in the sense of rotation.
-
-    Returns
-    -------
-    AssembledShaft
 
     Raises
     ------
@@ -537,7 +528,6 @@ def _rigid_motions(
 
     Parameters
     ----------
-    around : ShaftSurroundings
     places : ndarray of shape (n + 1,)
         Of the sections along the shaft [m].
     first_ring, size : int

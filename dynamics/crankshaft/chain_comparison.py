@@ -117,7 +117,6 @@ def matching_modes(
 
     Parameters
     ----------
-    crankshaft : CrankshaftSystem
     chain : EngineChain
         Axial or torsional, of the same throws.
     highest_frequency : float
@@ -190,10 +189,8 @@ def mode_likeness(
 
     Parameters
     ----------
-    shaft : AssembledShaft
     modes : ShaftModes
         Of that shaft.
-    chain : EngineChain
     wanted : sequence of w int
         Modes of the chain, rigid ones counted.
 
@@ -374,17 +371,12 @@ def frequency_difference(
 
     Parameters
     ----------
-    shaft : AssembledShaft
     chain : EngineChain
         With the throws' compliances in the same bearings.
     rigid_chain : EngineChain
         With those in laterally rigid bearings.
     mode : int
         Elastic mode of the chain, from 1.
-
-    Returns
-    -------
-    FrequencyDifference
 
     Raises
     ------
@@ -550,11 +542,6 @@ class ResponseMatch:
     def plot(self, axes: Axes | None = None) -> Axes:
         """Draw the amplitude of the free end by the chain and by the whole shaft over the speed.
 
-        Parameters
-        ----------
-        axes : matplotlib.axes.Axes, optional
-            Where to draw; new axes by default.
-
         Returns
         -------
         matplotlib.axes.Axes
@@ -568,15 +555,7 @@ class ResponseMatch:
     def to_pandas(self) -> DataFrame:
         """Return a row for each speed: amplitude by the chain and by the shaft.
 
-        Returns
-        -------
-        pandas.DataFrame
-            Units of the columns in ``attrs["units"]``.
-
-        Raises
-        ------
-        MissingLibraryError
-            If pandas is not installed.
+        Units and errors are those of `crankbase.tables.frames.table`.
         """
         unit = "m" if self.kind == "axial" else "rad"
         return table(
@@ -596,12 +575,10 @@ class ChainVerdict:
     Attributes
     ----------
     kind : {"axial", "torsional"}
-    suffices : bool
     reasons : tuple of str
         Why it is inadequate, a sentence each; empty if it is adequate.
     modes : tuple of ModeMatch
         The modes compared.
-    response : ResponseMatch or None
     """
 
     kind: Kind
@@ -613,15 +590,7 @@ class ChainVerdict:
     def to_pandas(self) -> DataFrame:
         """Return a row for each mode that was compared; amplitudes are in ``response``.
 
-        Returns
-        -------
-        pandas.DataFrame
-            Units of the columns in ``attrs["units"]``.
-
-        Raises
-        ------
-        MissingLibraryError
-            If pandas is not installed.
+        Units and errors are those of `crankbase.tables.frames.table`.
         """
         return table_of(self.modes)
 
@@ -636,16 +605,10 @@ def matching_response(
 
     Parameters
     ----------
-    coupled : CoupledResponse
-    chain : EngineChain
     answer : ForcedResponse
         Of the chain, under the same forces.
     running_range : tuple of two floats, optional
         As in `ResponseMatch`.
-
-    Returns
-    -------
-    ResponseMatch
 
     Raises
     ------
@@ -683,11 +646,6 @@ def chain_verdict(
     ----------
     modes : sequence of ModeMatch
         From `matching_modes`, of one kind.
-    response : ResponseMatch, optional
-
-    Returns
-    -------
-    ChainVerdict
 
     Raises
     ------

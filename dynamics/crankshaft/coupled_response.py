@@ -48,7 +48,6 @@ def shaft_excitation(
 
     Parameters
     ----------
-    crankshaft : CrankshaftSystem
     forces : CylinderForces
         Orders (K,), speeds (S,), tangential and radial phasors (K, S, c) of c cylinders.
     pins : sequence of c int, optional
@@ -127,7 +126,6 @@ class CoupledResponse:
 
     Attributes
     ----------
-    crankshaft : CrankshaftSystem
     tangential, radial : ForcedResponse
         Under tangential forces alone and under radial forces alone; the motion under both is the sum.
     further : ForcedResponse or None
@@ -265,14 +263,8 @@ class CoupledResponse:
 
         Parameters
         ----------
-        axes : matplotlib.axes.Axes, optional
-            Where to draw; new axes by default.
         point : str, optional
             Such as "main bearing 1 uz", the free end along the shaft.
-
-        Returns
-        -------
-        matplotlib.axes.Axes
 
         Raises
         ------
@@ -283,11 +275,6 @@ class CoupledResponse:
 
     def to_xarray(self) -> Dataset:
         """Return complex motions of all points by tangential and by radial forces.
-
-        Returns
-        -------
-        xarray.Dataset
-            Units in the ``attrs["units"]`` of each array and coordinate.
 
         Raises
         ------
@@ -326,7 +313,6 @@ class SplitMotion:
 
     Attributes
     ----------
-    point : str
     tangential, radial, both : (K, S) array
         Amplitude by order and speed; inf where unbounded.
     tangential_sum, radial_sum, both_sum : (S,) array
@@ -351,11 +337,6 @@ class SplitMotion:
     def plot(self, axes: Axes | None = None) -> Axes:
         """Draw the synthesized amplitude over the speed, by tangential, radial and all forces.
 
-        Parameters
-        ----------
-        axes : matplotlib.axes.Axes, optional
-            Where to draw; new axes by default.
-
         Returns
         -------
         matplotlib.axes.Axes
@@ -374,15 +355,7 @@ class SplitMotion:
     def to_xarray(self) -> Dataset:
         """Return the amplitudes by order and speed, and of all orders together.
 
-        Returns
-        -------
-        xarray.Dataset
-            Units in the ``attrs["units"]`` of each array and coordinate.
-
-        Raises
-        ------
-        MissingLibraryError
-            If xarray is not installed.
+        Units and errors are those of `crankbase.tables.frames.grid`.
         """
         unit = point_unit(self.point)
         plane = ("order", "speed")
@@ -427,10 +400,6 @@ def coupled_response(
         Alternatively, share of critical damping of every elastic mode.
     further : OrderExcitation, optional
         Other forces on the points of the shaft, at the same speeds; orders may differ.
-
-    Returns
-    -------
-    CoupledResponse
 
     Raises
     ------
@@ -494,7 +463,6 @@ def shaft_criticals(
 
     Parameters
     ----------
-    coupled : CoupledResponse
     quantities : LinearQuantities
         Of its system, all of one unit.
     speed_range : tuple of two floats

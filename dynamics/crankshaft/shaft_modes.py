@@ -105,17 +105,11 @@ class ShaftModes:
 
         Parameters
         ----------
-        axes : matplotlib.axes.Axes, optional
-            Where to draw; new axes by default.
         mode : int, optional
             Its number, as in the arrays, rigid motions included; the first elastic one by default.
         radius : float, optional
             Crank radius, at which rotation about the shaft is shown as displacement [m]; without it
             nothing can be drawn.
-
-        Returns
-        -------
-        matplotlib.axes.Axes
 
         Raises
         ------
@@ -141,15 +135,7 @@ class ShaftModes:
     def to_pandas(self) -> DataFrame:
         """Return one row for each mode: name, frequency, and shares of its energy.
 
-        Returns
-        -------
-        pandas.DataFrame
-            Units of the columns in ``attrs["units"]``.
-
-        Raises
-        ------
-        MissingLibraryError
-            If pandas is not installed.
+        Units and errors are those of `crankbase.tables.frames.table`.
         """
         return table(
             {
@@ -163,15 +149,7 @@ class ShaftModes:
     def to_xarray(self) -> Dataset:
         """Return frequencies, energy shares and the motions of all stations.
 
-        Returns
-        -------
-        xarray.Dataset
-            Units in the ``attrs["units"]`` of each array and coordinate.
-
-        Raises
-        ------
-        MissingLibraryError
-            If xarray is not installed.
+        Units and errors are those of `crankbase.tables.frames.grid`.
         """
         over = ("station", "axis", "mode")
         return grid(
@@ -191,16 +169,7 @@ class ShaftModes:
 
 
 def crankshaft_modes(shaft: AssembledShaft) -> ShaftModes:
-    """Find all natural modes of a crankshaft without its damping.
-
-    Parameters
-    ----------
-    shaft : AssembledShaft
-
-    Returns
-    -------
-    ShaftModes
-    """
+    """Find all natural modes of a crankshaft without its damping."""
     natural, shapes = natural_modes(shaft.mass, shaft.stiffness, shaft.rigid)
     rigid = shaft.rigid.shape[1]
     # Of rigid motions any combinations are modes; the plain ones have names.
@@ -254,7 +223,6 @@ class CrankshaftSystem:
 
     Attributes
     ----------
-    shaft : AssembledShaft
     modes : ShaftModes
         Of all unknowns, before modes are left out.
     system : LinearSystem
@@ -302,13 +270,8 @@ def crankshaft_system(
 
     Parameters
     ----------
-    shaft : AssembledShaft
     highest_frequency : float, optional
         Modes up to this are kept [Hz]; all by default.
-
-    Returns
-    -------
-    CrankshaftSystem
 
     Raises
     ------

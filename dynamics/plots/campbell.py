@@ -124,7 +124,6 @@ def draw_campbell(
 
     Parameters
     ----------
-    axes : matplotlib.axes.Axes
     natural : ndarray of shape (n,)
         Natural frequencies [Hz]; those above the range of the orders are left out.
     orders : ndarray of shape (K,)

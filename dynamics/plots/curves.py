@@ -48,15 +48,10 @@ def draw_over_angle(
         In the unit of the axis.
     label, angle_label : str
         Of the axes, with their units.
-    title : str, optional
     cyclic : bool, optional
         Whether the even angles are a cycle without its closing sample, which is added.
     colors : sequence of colors, optional
         Of the curves in turn.
-
-    Returns
-    -------
-    matplotlib.axes.Axes
     """
     degrees = np.degrees(angles)
     if cyclic:
@@ -152,10 +147,8 @@ def plot_run(
 
     Parameters
     ----------
-    axes : matplotlib.axes.Axes or None
     time, speed : ndarray of shape (m,)
         [s, rad/s]
-    curve : RunCurve
     steady : (speeds [rad/s], amplitudes in SI) or None
         At constant speeds, ascending, drawn where the run passes these speeds.
 
@@ -318,7 +311,6 @@ def over_speed(
     total, plain : ndarray of shape (S,)
         Of all orders together, and the sum of their amplitudes, in SI.
     unbounded : ndarray of shape (S,), bool
-    quantity : Shown
     limits, passing : mapping of str to float or array_like of shape (S,), optional
         In SI; inf where none is stated. The latter, for passing a range, are not main curves.
     barred : sequence of pairs of floats, optional
@@ -394,13 +386,8 @@ def draw_named_curves(
         In the unit of the axis, none below zero.
     label : str
         Of the upright axis, with its unit.
-    title : str, optional
     dashed : bool, optional
         Whether all but the first are.
-
-    Returns
-    -------
-    matplotlib.axes.Axes
     """
     axes = new_axes(axes, height=3.8)
     for place, (name, values) in enumerate(curves.items()):

@@ -44,11 +44,6 @@ def draw_harmonics(
         By name, in the unit of the axis.
     label : str
         Label of the vertical axis, with its unit.
-    title : str, optional
-
-    Returns
-    -------
-    matplotlib.axes.Axes
     """
     axes = new_axes(axes)
     width = bar_width(orders)
@@ -87,7 +82,6 @@ def over_cycle(samples: FloatArray, found: Sum) -> tuple[FloatArray, FloatArray,
     ----------
     samples : ndarray of shape (m,)
         Even over one cycle from crank angle zero.
-    found : Sum
 
     Returns
     -------
@@ -119,14 +113,8 @@ def draw_samples(
         Those of a new figure if None.
     samples : ndarray of shape (m,)
         Even over one cycle from crank angle zero [N m].
-    found : Sum
     summed : str, optional
         Words for the sum.
-    title : str, optional
-
-    Returns
-    -------
-    matplotlib.axes.Axes
     """
     axes = new_axes(axes)
     degrees, sums, sampled = over_cycle(samples, found)
@@ -188,7 +176,6 @@ def draw_star(
     ----------
     axes : matplotlib.axes.Axes
         In lengths of the longest vector.
-    star : Vectors
     words : str
         Above it, such as "order 3".
     center : tuple of two floats, optional
@@ -305,15 +292,10 @@ def draw_single_harmonics(
     ----------
     axes : matplotlib.axes.Axes or None
         Those of a new figure if None.
-    found : Series
     unit : str
         Of the amplitudes.
     samples : ndarray of shape (m,), optional
         Even over one cycle from crank angle zero, drawn as dots.
-
-    Returns
-    -------
-    matplotlib.axes.Axes
     """
     axes = new_axes(axes)
     degrees = _cycle(found)

@@ -56,14 +56,8 @@ def draw_hodographs(
         By name [N or N m]; none leaves the axes empty, with `empty` in the middle.
     labels : tuple of two str
         Of the axes across and up.
-    title : str, optional
     banks : iterable of float, optional
         Angles of the cylinders' axes, drawn as thin lines [rad].
-    empty : str, optional
-
-    Returns
-    -------
-    matplotlib.axes.Axes
 
     Notes
     -----
@@ -183,7 +177,6 @@ def draw_polar_loads(
 
     Parameters
     ----------
-    axes : matplotlib.axes.Axes
     loads : sequence of tuples of str and Load
         Each with its name for the legend, one or more.
     frame : {"crank", "engine"}
@@ -219,7 +212,6 @@ def draw_developed_loads(axes: Axes, loads: Sequence[tuple[str, Load]]) -> None:
 
     Parameters
     ----------
-    axes : matplotlib.axes.Axes
     loads : sequence of tuples of str and Load
         Each with its name for the legend, one or more.
     """

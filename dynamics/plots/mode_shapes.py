@@ -27,7 +27,6 @@ def draw_chain_shapes(
 
     Parameters
     ----------
-    axes : matplotlib.axes.Axes
     shapes : ndarray of shape (n, m)
         One mode in each column.
     labels : sequence of m str
@@ -93,7 +92,6 @@ def draw_shaft_shape(axes: Axes, positions: FloatArray, motion: FloatArray, radi
 
     Parameters
     ----------
-    axes : matplotlib.axes.Axes
     positions : ndarray of shape (s,)
         Of stations along the shaft [m], ascending.
     motion : ndarray of shape (s, 6)

@@ -54,7 +54,6 @@ class ComplexModes:
         dashpot, or where the number of modes differs.
     sources : tuple of m dicts of str to float
         Sources of each mode's damping, the largest share first; shares sum to 1.
-    system : LinearSystem
     terms : DampedModes
         All eigenvalues with their inputs and outputs.
     places : ndarray of shape (s,), int
@@ -148,15 +147,12 @@ class ComplexModes:
     def to_pandas(self) -> "DataFrame":
         """Return a table: number, frequency, damping ratio, frequencies of ring free and locked.
 
+        Units and errors are those of `crankbase.tables.frames.table`.
+
         Returns
         -------
         pandas.DataFrame
             Units are in ``frame.attrs["units"]``; NaN for a mode without an undamped counterpart.
-
-        Raises
-        ------
-        MissingLibraryError
-            If pandas is not installed.
         """
         known = np.where(self.numbers > 0, self.numbers - 1, 0)
         columns = {

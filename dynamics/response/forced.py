@@ -51,7 +51,6 @@ class ForcedResponse:
         The system with all of its damping.
     chain : Chain or None
         The chain it was made from.
-    excitation : OrderExcitation
     unknowns : ndarray of shape (K, S, q), complex
         Amplitudes of the unknowns of the system; for a chain without gears those of the nodes.
     method : str
@@ -118,8 +117,6 @@ class ForcedResponse:
 
         Parameters
         ----------
-        axes : matplotlib.axes.Axes, optional
-            Where to draw; new axes by default.
         node : int or str, optional
             By number from 0 or name.
         quantity : {"twist", "displacement", "torque", "force", "stress"}, optional
@@ -149,11 +146,6 @@ class ForcedResponse:
         ----------
         quantity : {"twist", "displacement", "torque", "force", "stress"}, optional
             What the values are, for the unit of the axis; SI if it is not told.
-
-        Returns
-        -------
-        xarray.Dataset
-            Units in the ``attrs["units"]`` of each array and coordinate.
 
         Raises
         ------
@@ -201,10 +193,6 @@ def forced_response(
     method : {"modal", "direct"}
         By damped modes, checked, with the other method as fallback; or by solving with the complex
         dynamic stiffness at each order and speed.
-
-    Returns
-    -------
-    ForcedResponse
 
     Raises
     ------

@@ -70,10 +70,6 @@ def harmonic_response(
         By damped modes, with a check of residuals and the other method as fallback; or by solving with
         the complex dynamic stiffness at every frequency.
 
-    Returns
-    -------
-    HarmonicResponse
-
     Raises
     ------
     InputError

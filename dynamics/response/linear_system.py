@@ -227,7 +227,6 @@ class EngineMagnifier:
 
     Parameters
     ----------
-    magnifier : float
     nodes : tuple of int
         Nodes of the cylinders, from 0.
     frequency : float
@@ -266,7 +265,6 @@ def damped(
 
     Parameters
     ----------
-    chain : Chain
     magnifier : float, optional
         Of every elastic mode: amplitude at resonance over the static one of that mode. If
         nothing is given (an empty mapping counts as nothing) and the chain is undamped, `DEFAULT_MAGNIFIER`.
@@ -288,10 +286,6 @@ def damped(
         Whether damping of nodes and elements that have some of the kind is added to it.
     source : str, optional
         Source of the values, for the record.
-
-    Returns
-    -------
-    DampedChain
 
     Raises
     ------

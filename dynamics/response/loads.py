@@ -65,8 +65,6 @@ class ElementLoads:
 
         Parameters
         ----------
-        axes : matplotlib.axes.Axes, optional
-            Where to draw; new axes by default.
         element : int or str, optional
             By number from 0 or name; of nodes or dashpots for these parts.
         quantity : {"twist", "displacement", "torque", "force", "stress"}, optional
@@ -75,10 +73,6 @@ class ElementLoads:
             Which of the four series.
         **drawn
             As `DrawnBeside` says: limits, barred, main_orders.
-
-        Returns
-        -------
-        matplotlib.axes.Axes
 
         Raises
         ------
@@ -175,7 +169,6 @@ def alternating_stress(
 
     Parameters
     ----------
-    loads : ElementLoads
     sections : array_like of shape (e,) or mapping of element to float
         Section modulus in torsion [m^3] of a torsional chain, or area [m^2] of an axial one, of
         every element; or of some by number from 0 or by name, where others have no shaft section.
@@ -425,11 +418,6 @@ class PowerBalance:
     def plot(self, axes: Axes | None = None) -> Axes:
         """Draw the power of excitation and of all kinds of damping over the speed, all orders together.
 
-        Parameters
-        ----------
-        axes : matplotlib.axes.Axes, optional
-            Where to draw; new axes by default.
-
         Returns
         -------
         matplotlib.axes.Axes
@@ -453,15 +441,7 @@ class PowerBalance:
     def to_xarray(self) -> Dataset:
         """Return all powers over order, speed and place.
 
-        Returns
-        -------
-        xarray.Dataset
-            Units in the ``attrs["units"]`` of each array and coordinate.
-
-        Raises
-        ------
-        MissingLibraryError
-            If xarray is not installed.
+        Units and errors are those of `crankbase.tables.frames.grid`.
         """
         plane = ("order", "speed")
         return grid(

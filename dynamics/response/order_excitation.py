@@ -200,20 +200,12 @@ class OrderExcitation:
     def to_xarray(self, quantity: Quantity | None = None) -> Dataset:
         """Return complex ``forces`` over order, speed and node.
 
+        Units and errors are those of `crankbase.tables.frames.grid`.
+
         Parameters
         ----------
         quantity : {"twist", "displacement", "torque", "force", "stress"}, optional
             What the values are, for the unit of the axis; SI if it is not told.
-
-        Returns
-        -------
-        xarray.Dataset
-            Units in the ``attrs["units"]`` of each array and coordinate.
-
-        Raises
-        ------
-        MissingLibraryError
-            If xarray is not installed.
         """
         unit = quantity_display(quantity, "N m or N").unit
         over = ("order", "speed", "node")
@@ -232,7 +224,6 @@ def phasors_of(found: Harmonics, orders: ArrayLike) -> ComplexArray:
 
     Parameters
     ----------
-    found : Harmonics
     orders : array_like of shape (K,)
         Ascending, in cycles per crankshaft revolution.
 

@@ -162,15 +162,7 @@ class PeakCause:
     def to_pandas(self) -> "DataFrame":
         """Return a table with a row for each order.
 
-        Returns
-        -------
-        pandas.DataFrame
-            Units are in ``frame.attrs["units"]``.
-
-        Raises
-        ------
-        MissingLibraryError
-            If pandas is not installed.
+        Units and errors are those of `crankbase.tables.frames.table`.
         """
         return table_of(self.parts)
 
@@ -252,7 +244,6 @@ def peak_cause(
 
     Parameters
     ----------
-    response : ForcedResponse
     series : OrderSeries
         Motions, loads or stresses of the response, at its orders and speeds.
     place : int or str
@@ -269,10 +260,6 @@ def peak_cause(
         The part of the excitation that comes from another vibration, such as the lengthening of a shaft
         by its twist, at the same speeds and at some of the orders, and the cause of
         that vibration at the same speed.
-
-    Returns
-    -------
-    PeakCause
 
     Raises
     ------

@@ -302,12 +302,6 @@ def campbell_diagram(
         Running range [rad/s], shaded.
     found : sequence of Resonance, optional
         Dots grow with their severity.
-    axes : matplotlib.axes.Axes, optional
-        Where to draw; new axes by default.
-
-    Returns
-    -------
-    matplotlib.axes.Axes
 
     Raises
     ------

@@ -166,10 +166,6 @@ def synthesis(
     unbounded : ndarray of shape (K, S), bool, optional
         Where there is no steady vibration.
 
-    Returns
-    -------
-    Synthesis
-
     Raises
     ------
     InputError
@@ -431,8 +427,6 @@ class OrderSeries:
 
         Parameters
         ----------
-        axes : matplotlib.axes.Axes, optional
-            Where to draw; new axes by default.
         place : int or str, optional
             The location, by number from 0 or name.
         quantity : {"twist", "displacement", "torque", "force", "stress"}, optional
@@ -512,11 +506,6 @@ class OrderSeries:
         ----------
         quantity : {"twist", "displacement", "torque", "force", "stress"}, optional
             What the values are, for the unit of the axis; SI if it is not told.
-
-        Returns
-        -------
-        xarray.Dataset
-            Units in the ``attrs["units"]`` of each array and coordinate.
 
         Raises
         ------

@@ -200,7 +200,6 @@ class ConcentrationFactors:
 
     Parameters
     ----------
-    web : CrankWeb
     coefficients : {"printed", "suspected"}, optional
         Two coefficients of the rule are doubtful: 0.85 of b^3 in alpha_T and beta_T (suspected is 0.857)
         and 1.527 of w^2 in beta_B (1.5276). The printed ones give larger factors.
@@ -440,7 +439,6 @@ class ElementFactors:
 
     Parameters
     ----------
-    web : CrankWeb
     alpha_bending, alpha_torsion : float or None
         At the pin's fillet: largest equivalent stress by von Mises under a bending moment, largest shear
         stress under a torque. None without a fillet.

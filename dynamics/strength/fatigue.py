@@ -293,10 +293,6 @@ def critical_plane(history: ArrayLike, factor: float) -> CriticalPlane:
     factor : float
         k, from `findley_factor`.
 
-    Returns
-    -------
-    CriticalPlane
-
     Raises
     ------
     InputError
@@ -599,7 +595,6 @@ def factors_below(
 
     Parameters
     ----------
-    factors : ConcentrationFactors or ElementFactors
     place : {"pin fillet", "oil hole"}
         The available text has no formula for the journal's fillet.
     depth : float

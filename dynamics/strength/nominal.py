@@ -118,8 +118,6 @@ def web_stresses(
 
     Parameters
     ----------
-    throw : SupportedThrow
-    web : CrankWeb
     at : float
         Middle of the web's thickness from the left support [m]; L_1 of the left web.
     strokes : {2, 4}
@@ -150,7 +148,6 @@ def hole_stress(
 
     Parameters
     ----------
-    throw : SupportedThrow
     web : CrankWeb
         Of the pin.
     at : float

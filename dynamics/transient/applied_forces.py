@@ -231,17 +231,7 @@ class SpeedCurve:
         return times
 
     def plot(self, axes: Axes | None = None) -> Axes:
-        """Draw the speed over the time.
-
-        Parameters
-        ----------
-        axes : matplotlib.axes.Axes, optional
-            Where to draw; new axes by default.
-
-        Returns
-        -------
-        matplotlib.axes.Axes
-        """
+        """Draw the speed over the time."""
         axes = new_axes(axes, height=3.4)
         draw_over_time(axes, self.times, {"speed": RPM * self.speeds}, SPEED_LABEL)
         write_title(axes, "Speed over time")
@@ -452,7 +442,6 @@ class AppliedForces:
 
     Parameters
     ----------
-    curve : SpeedCurve
     excitations : tuple of (float, OrderForces)
         Each with its start time [s], ascending.
     loads : tuple of LoadStep

@@ -68,7 +68,6 @@ def select_curve(
 
     Parameters
     ----------
-    chain : Chain or None
     quantity : {"torque", "force", "twist", "displacement"}
         Torque or force of an element, or twist or displacement of a node.
     place : int or str
@@ -140,10 +139,8 @@ def motion_grid(
 
     Parameters
     ----------
-    chain : Chain or None
     over : dict
         Name and coordinate of the axis of the rows.
-    motion, torque : ndarray
     quantity : str or None
         As for `units_of`.
     words : str, optional
@@ -206,16 +203,10 @@ class Envelope:
 
         Parameters
         ----------
-        axes : matplotlib.axes.Axes, optional
-            Where to draw; new axes by default.
         place : int, optional
             Element, or node for "twist" and "displacement", from 0.
         quantity : {"torque", "force", "twist", "displacement"}, optional
         over : {"speed", "time"}, optional
-
-        Returns
-        -------
-        matplotlib.axes.Axes
 
         Raises
         ------
@@ -369,16 +360,10 @@ class CycleMotion:
 
         Parameters
         ----------
-        axes : matplotlib.axes.Axes, optional
-            Where to draw; new axes by default.
         place : int or str, optional
             Element, or node for "twist" and "displacement", by number from 0 or name.
         quantity : {"torque", "force", "twist", "displacement"}, optional
             Torque or force in the spring of an element, or twist or displacement of a node.
-
-        Returns
-        -------
-        matplotlib.axes.Axes
 
         Raises
         ------
@@ -475,8 +460,6 @@ class ShaftRun:
 
         Parameters
         ----------
-        axes : matplotlib.axes.Axes, optional
-            Where to draw; new axes by default.
         place : int or str, optional
             Element, or node for "twist" and "displacement", by number from 0 or name.
         quantity : {"torque", "force", "twist", "displacement"}, optional
@@ -485,10 +468,6 @@ class ShaftRun:
             Amplitudes at constant speeds, ascending, drawn where the run passes these speeds.
         turns : int, optional
             Revolutions of the shaft for one amplitude; by default those after which the run repeats.
-
-        Returns
-        -------
-        matplotlib.axes.Axes
 
         Raises
         ------

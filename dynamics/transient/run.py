@@ -100,11 +100,6 @@ class SteadyMotion(CycleMotion):
             Quantity of the values: torque or twist of a torsional chain, force or displacement of an axial
             one. A chain does not determine it: by default units are "rad or m" and "N m or N".
 
-        Returns
-        -------
-        xarray.Dataset
-            Units in the ``attrs["units"]`` of each array and coordinate.
-
         Raises
         ------
         InputError
@@ -135,7 +130,6 @@ def steady_motion(
 
     Parameters
     ----------
-    chain_or_system : Chain or LinearSystem
     excitation : OrderExcitation
         Between its speeds forces are interpolated as by `OrderExcitation.at_speeds`.
     speed : float
@@ -144,10 +138,6 @@ def steady_motion(
         Number of steps per cycle; by default each covers half a radian of the highest order.
     **damping
         loss_as, loss_frequency, magnifier, modal_damping, as for `viscous_system`.
-
-    Returns
-    -------
-    SteadyMotion
 
     Raises
     ------
@@ -335,11 +325,6 @@ class TransientMotion(ShaftRun):
             Quantity of the values: torque or twist of a torsional chain, force or displacement of an axial
             one. A chain does not determine it: by default units are "rad or m" and "N m or N".
 
-        Returns
-        -------
-        xarray.Dataset
-            Units in the ``attrs["units"]`` of each array and coordinate.
-
         Raises
         ------
         InputError
@@ -368,7 +353,6 @@ def transient_motion(
 
     Parameters
     ----------
-    chain_or_system : Chain or LinearSystem
     excitation : OrderExcitation
         Its forces follow the shaft angle, the integral of the speed; between its speeds they are
         interpolated as by `OrderExcitation.at_speeds`.

@@ -96,7 +96,6 @@ def throw_inertia_curves(
 
     Parameters
     ----------
-    engine : EngineLayout
     throws : sequence of n int
         Throw of each cylinder, from 0.
     model : str, optional
@@ -344,7 +343,6 @@ def turning_chain(
 
     Parameters
     ----------
-    engine : EngineLayout
     engine_chain : EngineChain
         Torsional, not held by ground stiffness. The inertia of each throw in it includes shaft,
         rods and pistons: the mean inertia of rods and pistons is subtracted and replaced by the exact
@@ -361,10 +359,6 @@ def turning_chain(
     **damping
         loss_as, loss_frequency, magnifier, modal_damping, as for `viscous_system`. Absolute damping
         of the chain acts on the vibration only: its dampers turn with the mean speed.
-
-    Returns
-    -------
-    TurningChain
 
     Raises
     ------
@@ -483,7 +477,6 @@ class TurningState:
 
     Parameters
     ----------
-    chain : TurningChain
     frame : float
         Speed of the uniform rotation that twists are counted from [rad/s].
     holds : bool

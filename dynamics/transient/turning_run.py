@@ -75,7 +75,6 @@ class TurningCycle(CycleMotion):
         Sum of the works, ideally zero, relative to the largest of them and to the fluctuation of energy.
     closing_error : float
         Closing error of the cycle, as a share of the largest motion.
-    chain : TurningChain
     note : str
         How loss factors were replaced; empty if there are none.
     """
@@ -101,15 +100,7 @@ class TurningCycle(CycleMotion):
     def to_xarray(self) -> Dataset:
         """Return motions and torques over shaft angle, node and element.
 
-        Returns
-        -------
-        xarray.Dataset
-            Units in the ``attrs["units"]`` of each array and coordinate.
-
-        Raises
-        ------
-        MissingLibraryError
-            If xarray is not installed.
+        Units and errors are those of `crankbase.tables.frames.grid`.
         """
         speed = (("shaft_angle", "node"), self.speed, "rad/s", "speed of the node")
         return self._grid("twist", speed=speed)
@@ -135,10 +126,6 @@ def steady_cycle(
         stiff that its highest frequency, not the motion, would limit the step.
     samples : int, optional
         Over the cycle; by default eight per period of the highest order, 360 at least.
-
-    Returns
-    -------
-    TurningCycle
 
     Raises
     ------
@@ -356,15 +343,7 @@ class TurningRun(ShaftRun):
     def to_xarray(self) -> Dataset:
         """Return speed, angle, motions, torques, energies and works over time, node and element.
 
-        Returns
-        -------
-        xarray.Dataset
-            Units in the ``attrs["units"]`` of each array and coordinate.
-
-        Raises
-        ------
-        MissingLibraryError
-            If xarray is not installed.
+        Units and errors are those of `crankbase.tables.frames.grid`.
         """
         energies = {
             name: (("time",), getattr(self, name), "J", name.replace("_", " ")) for name in ENERGIES
