@@ -234,7 +234,7 @@ class Verdict:
     @property
     def ranges_to_bar(self) -> list[tuple[float, float]]:
         """Speed ranges that may be barred, for any limit [rad/s]."""
-        return [(one.low, one.high) for one in self.barred if one.allowed]
+        return [(barred.low, barred.high) for barred in self.barred if barred.allowed]
 
     @property
     def sentence(self) -> str:
@@ -245,11 +245,11 @@ class Verdict:
         elif most.used > worst.used:
             place = limit_at(most.limit.name, most.curve.name)
             above = f" Above the running range, {place}: {most.use}."
-        said = f"{self.headline}: {worst.sentence}{above}"
+        text = f"{self.headline}: {worst.sentence}{above}"
         if self.status != "not acceptable":
-            return said
+            return text
         exceeded = (*self.barred, *self.started_through)
-        return f"{said} {' '.join(f'{one.sentence}.' for one in exceeded if not one.allowed)}"
+        return f"{text} {' '.join(f'{one.sentence}.' for one in exceeded if not one.allowed)}"
 
     @property
     def headline(self) -> str:
@@ -341,12 +341,12 @@ def judge(
     low, high = checked_running_range(running_range)
     checks = [_check(limit, curve, (low, high)) for limit, curve in findings]
     ranges = barred_ranges(findings, rule, (low, high), full_load)
-    barred = tuple(one for one in ranges if one.position != "below")
-    below = tuple(one for one in ranges if one.position == "below")
-    refused = any(not one.allowed for one in ranges)
+    barred = tuple(span for span in ranges if span.position != "below")
+    below = tuple(span for span in ranges if span.position == "below")
+    refused = any(not span.allowed for span in ranges)
     status: Status = "not acceptable" if refused else "barred range needed" if barred else "fine"
     noted = [f"{check.curve.name}: {text}" for check in checks for text in check.remarks]
-    noted += [f"{one.shown}: {text}" for one in ranges for text in one.remarks]
+    noted += [f"{span.shown}: {text}" for span in ranges for text in span.remarks]
     for limit, _ in findings:
         if not at_most(high, limit.continuous.high):
             stated = speed_text(limit.continuous.high)

@@ -134,8 +134,8 @@ def matching_modes(
     """
     positive_number("highest_frequency", highest_frequency, "Hz", "modes are compared up to it")
     modes = chain.chain.modes()
-    own = chain.crankshaft_shares(modes) >= CRANKSHAFT_MODE
-    wanted = np.flatnonzero(own & (modes.frequencies <= highest_frequency))
+    of_cranks = chain.crankshaft_shares(modes) >= CRANKSHAFT_MODE
+    wanted = np.flatnonzero(of_cranks & (modes.frequencies <= highest_frequency))
     wanted = wanted[wanted >= modes.rigid].tolist()
     return match_modes(crankshaft.shaft, crankshaft.modes, chain, wanted)
 
@@ -164,7 +164,7 @@ def match_modes(
     likeness = mode_likeness(shaft, modes, chain, wanted)
     scores = share * likeness
     chain_modes = chain.chain.modes()
-    rigid, found = (chain_modes.rigid, modes.rigid), []
+    rigid, matches = (chain_modes.rigid, modes.rigid), []
     taken = linear_sum_assignment(scores, maximize=True)[1].tolist()
     others = scores.copy()
     others[:, taken] = 0.0
@@ -178,8 +178,8 @@ def match_modes(
         if others[row, second] >= DIVIDED:
             further = (float(modes.frequencies[second]), float(share[second]))
         frequency = float(chain_modes.frequencies[number])
-        found.append(ModeMatch(chain.kind, number, frequency, *match, *rigid, *further))
-    return tuple(found)
+        matches.append(ModeMatch(chain.kind, number, frequency, *match, *rigid, *further))
+    return tuple(matches)
 
 
 def mode_likeness(
@@ -215,7 +215,7 @@ def mode_likeness(
     sizes = np.sum(moved * (weight @ moved), axis=0)
     sizes = np.where(sizes > 0.0, sizes, 1.0)
     chain_modes = chain.chain.modes()
-    found = np.zeros((len(wanted), modes.frequencies.size))
+    likeness = np.zeros((len(wanted), modes.frequencies.size))
     for row, number in enumerate(wanted):
         frequency, shape = (
             chain_modes.frequencies[number],
@@ -223,8 +223,8 @@ def mode_likeness(
         )
         near = within(modes.frequencies, frequency / SEARCHED, frequency * SEARCHED)
         cosines = (shape @ moved) ** 2 / sizes / (shape @ chain_modes.shapes[nodes, number])
-        found[row] = np.where(near, cosines, 0.0)
-    return found
+        likeness[row] = np.where(near, cosines, 0.0)
+    return likeness
 
 
 def followed_modes(masses: FloatArray, shapes: Sequence[FloatArray]) -> NDArray[np.int64]:
@@ -440,19 +440,20 @@ class FlywheelTilt:
     def sentence(self) -> str:
         """For example "torsional mode 1 from 75.0 Hz without to 84.0 Hz with it"."""
         name = f"{self.kind} mode {self.mode}"
-        found = " and ".join(
-            f"{one:.1f}" for one in sorted(filter(None, (self.shaft, self.further)))
+        listed = " and ".join(
+            f"{frequency:.1f}" for frequency in sorted(filter(None, (self.shaft, self.further)))
         )
-        return f"{name} from {self.without:.1f} Hz without to {found} Hz with it"
+        return f"{name} from {self.without:.1f} Hz without to {listed} Hz with it"
 
 
 def _elastic(chain: EngineChain, mode: int) -> float:
-    found = chain.chain.modes().elastic_frequencies
-    if not 1 <= mode <= len(found):
+    frequencies = chain.chain.modes().elastic_frequencies
+    if not 1 <= mode <= len(frequencies):
         raise InputError(
-            f"mode: given {mode}; allowed is 1 to {len(found)}, because the chain has so many elastic modes."
+            f"mode: given {mode}; allowed is 1 to {len(frequencies)}, because the chain has so many elastic "
+            "modes."
         )
-    return float(found[mode - 1])
+    return float(frequencies[mode - 1])
 
 
 def _match(shaft: AssembledShaft, chain: EngineChain, mode: int) -> ModeMatch:

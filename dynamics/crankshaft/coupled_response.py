@@ -140,8 +140,8 @@ class CoupledResponse:
     @property
     def parts(self) -> tuple[ForcedResponse, ...]:
         """The responses whose sum is the motion."""
-        found = (self.tangential, self.radial)
-        return found if self.further is None else (*found, self.further)
+        cylinders = (self.tangential, self.radial)
+        return cylinders if self.further is None else (*cylinders, self.further)
 
     @property
     def orders(self) -> FloatArray:
@@ -251,12 +251,12 @@ class CoupledResponse:
     def _split(self, point: str) -> "SplitMotion":
         responses = {"tangential": self.tangential, "radial": self.radial, "both": self.total}
         motions = {name: self._elastic(each, point) for name, each in responses.items()}
-        unbounded, found = self.unbounded, {}
+        unbounded, amplitudes = self.unbounded, {}
         for name, motion in motions.items():
-            found[name] = np.where(unbounded, np.inf, np.abs(motion))
+            amplitudes[name] = np.where(unbounded, np.inf, np.abs(motion))
             summed = synthesis(self.orders, self.speeds, motion, unbounded)
-            found[f"{name}_sum"] = summed.amplitude
-        return SplitMotion(point=point, orders=self.orders, speeds=self.speeds, **found)
+            amplitudes[f"{name}_sum"] = summed.amplitude
+        return SplitMotion(point=point, orders=self.orders, speeds=self.speeds, **amplitudes)
 
     def plot(self, axes: Axes | None = None, point: str = "main bearing 1 uz") -> Axes:
         """Draw the amplitude of a point over the speed by tangential, by radial and by all forces.
@@ -290,11 +290,11 @@ class CoupledResponse:
                 **{
                     kind: (
                         over,
-                        infinite_where_unbounded(own.motion, self.unbounded),
+                        infinite_where_unbounded(part.motion, self.unbounded),
                         "m or rad",
                         f"phasor of the motion by {kind} forces",
                     )
-                    for kind, own in (("tangential", self.tangential), ("radial", self.radial))
+                    for kind, part in (("tangential", self.tangential), ("radial", self.radial))
                 },
                 "unbounded": (("order", "speed"), self.unbounded, "1", "no steady vibration"),
                 "unit": (("point",), np.array(units), "", "unit of the point's motion"),
@@ -359,13 +359,13 @@ class SplitMotion:
         """
         unit = point_unit(self.point)
         plane = ("order", "speed")
-        found: dict[str, tuple[tuple[str, ...], FloatArray, str, str]] = {}
+        variables: dict[str, tuple[tuple[str, ...], FloatArray, str, str]] = {}
         for kind in ("tangential", "radial", "both"):
             words = "all forces" if kind == "both" else f"{kind} forces"
-            found[kind] = (plane, getattr(self, kind), unit, f"amplitude by {words}")
+            variables[kind] = (plane, getattr(self, kind), unit, f"amplitude by {words}")
             total = getattr(self, f"{kind}_sum")
-            found[f"{kind}_sum"] = (("speed",), total, unit, f"all orders together, by {words}")
-        return grid(found, orders_and_speeds(self.orders, self.speeds))
+            variables[f"{kind}_sum"] = (("speed",), total, unit, f"all orders together, by {words}")
+        return grid(variables, orders_and_speeds(self.orders, self.speeds))
 
 
 def point_unit(point: str) -> str:
@@ -417,13 +417,13 @@ def coupled_response(
         system = system.with_magnifier(magnifier)
     tangential = shaft_excitation(crankshaft, forces, pins=pins, radial=False)
     radial = shaft_excitation(crankshaft, forces, pins=pins, tangential=False)
-    given = [tangential, radial]
+    excitations = [tangential, radial]
     if further is not None:
-        given.append(further)
-        every = combined_excitation(*given)
+        excitations.append(further)
+        every = combined_excitation(*excitations)
         silent = replace(every, forces=np.zeros_like(every.forces))
-        given = [combined_excitation(one, silent) for one in given]
-    return CoupledResponse(crankshaft, *(forced_response(system, acting) for acting in given))
+        excitations = [combined_excitation(acting, silent) for acting in excitations]
+    return CoupledResponse(crankshaft, *(forced_response(system, acting) for acting in excitations))
 
 
 def split_curves(

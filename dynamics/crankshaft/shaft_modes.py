@@ -94,9 +94,9 @@ class ShaftModes:
             If there is no such class.
         """
         check_choice("kind", kind, CLASSES, "modes are of these kinds")
-        own = self.crankshaft_shares[self.rigid :] >= CRANKSHAFT_MODE
-        found = np.flatnonzero(own & (np.array(self.kinds[self.rigid :]) == kind))
-        return self.rigid + int(found[0]) if found.size else None
+        of_cranks = self.crankshaft_shares[self.rigid :] >= CRANKSHAFT_MODE
+        modes = np.flatnonzero(of_cranks & (np.array(self.kinds[self.rigid :]) == kind))
+        return self.rigid + int(modes[0]) if modes.size else None
 
     def plot(
         self, axes: Axes | None = None, *, mode: int | None = None, radius: float | None = None
@@ -142,7 +142,7 @@ class ShaftModes:
                 "mode": (list(self.names), ""),
                 "frequency": (self.frequencies, "Hz"),
                 "kind": (list(self.kinds), ""),
-                **{name: (own, "1") for name, own in zip(CLASSES, self.shares, strict=True)},
+                **{name: (share, "1") for name, share in zip(CLASSES, self.shares, strict=True)},
             }
         )
 

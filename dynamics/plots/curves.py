@@ -324,7 +324,7 @@ def over_speed(
     inside = np.ones(speeds.shape, dtype=bool) if running is None else within(speeds, *running)
     rpm, factor = speeds * RPM, quantity.factor
     plain_sum = with_gaps(factor * plain)
-    found = [
+    series = [
         Series(
             name,
             with_gaps(factor * np.broadcast_to(np.asarray(limit, dtype=float), rpm.shape)),
@@ -341,7 +341,7 @@ def over_speed(
         # Beside what has no bounds all else would be flat: let the curves leave at the top.
         highest = min(highest, BESIDE_UNBOUNDED * float(np.median(finite)) if finite.size else 0.0)
     highest = max(
-        [highest, *(float(np.nanmax(own.values, initial=0.0)) for own in found if own.main)]
+        [highest, *(float(np.nanmax(curve.values, initial=0.0)) for curve in series if curve.main)]
     )
     return Curves(
         x=rpm,
@@ -349,7 +349,7 @@ def over_speed(
             *order_series(orders, factor * by_order, main_orders, inside),
             Series("all orders (synthesis)", with_gaps(factor * total), "total"),
             Series("plain sum", plain_sum, "plain sum"),
-            *found,
+            *series,
         ),
         x_label=SPEED_LABEL,
         y_label=quantity.label,

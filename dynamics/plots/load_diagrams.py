@@ -319,11 +319,11 @@ def label_spots(
     )
     low, high = square_round([curve])
     turns = 2.0 * np.pi * np.arange(DIRECTIONS) / DIRECTIONS
-    found: list[complex | None] = []
+    labels: list[complex | None] = []
     placed: list[complex] = []
 
-    def apart(one: complex, others: NDArray[np.complex128], size: float) -> bool:
-        gap = others - one
+    def apart(spot: complex, others: NDArray[np.complex128], size: float) -> bool:
+        gap = others - spot
         inside = (np.abs(gap.real) < size * half[0]) & (np.abs(gap.imag) < size * half[1])
         return not np.any(inside)
 
@@ -335,7 +335,7 @@ def label_spots(
                 point.imag + size * half[1] * np.sin(outward + turn),
             )
             for size in STEPS
-            for turn in sorted(turns, key=lambda own: min(own, 2.0 * np.pi - own))
+            for turn in sorted(turns, key=lambda angle: min(angle, 2.0 * np.pi - angle))
         ]
         chosen = next(
             (
@@ -348,7 +348,7 @@ def label_spots(
             ),
             None,
         )
-        found.append(chosen)
+        labels.append(chosen)
         if chosen is not None:
             placed.append(chosen)
-    return found
+    return labels

@@ -166,9 +166,9 @@ def crosses_on_axis(
     positions: tuple[float, ...], pairs: Sequence[tuple[int, int]], places: FloatArray
 ) -> list[float]:
     """Return the positions on the axis of points on elements, from those of the nodes."""
-    found = []
+    crossings = []
     for position in positions:
         number = min(int(position), len(pairs) - 1)
         left, right = pairs[number]
-        found.append(float(places[left] + (position - number) * (places[right] - places[left])))
-    return found
+        crossings.append(float(places[left] + (position - number) * (places[right] - places[left])))
+    return crossings

@@ -239,11 +239,11 @@ def forced_response(
 
 
 def chain_and_system(
-    given: Chain | LinearSystem | DampedChain,
+    vibrating: Chain | LinearSystem | DampedChain,
 ) -> tuple[Chain | None, LinearSystem]:
     """Return the chain, if there is one, and the system for the calculation."""
-    if isinstance(given, LinearSystem):
-        return None, given
-    if isinstance(given, DampedChain):
-        return given.chain, given.system
-    return given, chain_system(given)
+    if isinstance(vibrating, LinearSystem):
+        return None, vibrating
+    if isinstance(vibrating, DampedChain):
+        return vibrating.chain, vibrating.system
+    return vibrating, chain_system(vibrating)
