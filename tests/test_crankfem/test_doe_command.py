@@ -108,17 +108,6 @@ def test_doe_shows_the_plan_and_computes_nothing(call, study, tmp_path):
     assert [path.name for path in tmp_path.iterdir()] == ["study.toml"]
 
 
-def test_doe_tells_how_the_runs_lie(call, study):
-    answer = call("doe", study, "--plan")
-    # Of 3 x 3 levels the nearest are half a range apart.
-    assert "Runs in the unit cube: nearest runs 0.5 apart, discrepancy 0.0" in answer.out
-    assert "No two factors are correlated." in answer.out
-    quality = call("doe", study, "--plan", "--json").json()["quality"]
-    assert quality["distance"] == close(0.5)
-    assert (quality["correlation"], quality["correlated"]) == (0.0, [])
-    assert 0.0 < quality["discrepancy"] < 0.1
-
-
 @pytest.mark.slow
 def test_doe_checks_a_store_and_repairs_it(call, study, tmp_path):
     assert call("doe", study).code == 0
@@ -262,15 +251,6 @@ def test_doe_refuses_options(call, study, tmp_path, options, message):
     assert (answer.code, answer.out) == (2, "")
     assert " ".join(answer.err.split()).startswith(f"Error: {message}")
     assert [path.name for path in tmp_path.iterdir()] == ["study.toml"]
-
-
-def test_doe_says_which_table_cannot_be_read(call, study, tmp_path):
-    (tmp_path / "bad.csv").write_text(
-        "web_width [mm],axial_compliance_pinned [nm/N]\n301,about 1\n", encoding="utf-8"
-    )
-    answer = call("doe", study, "--import", "bad.csv")
-    assert answer.code == 2
-    assert "bad.csv, line 2, column axial_compliance_pinned [nm/N]: given 'about 1'" in answer.err
 
 
 def test_limits_are_quantities(call, study, monkeypatch):
@@ -425,16 +405,6 @@ def test_fit_takes_a_form_and_shows_a_response(store, call, tmp_path):
     assert "Mass m: largest (mean) errors" in text
     assert "linear: m = (" in text
     assert ComplianceModel.load(tmp_path / "model.json").responses["mass"].form == "linear"
-
-
-def test_fit_takes_a_form_by_its_twin(store, call, tmp_path):
-    """The compliance is made so that interactions lose their product, and the mass keeps it."""
-    answer = call("fit", store, "--form", "interactions")
-    assert answer.code == 0, answer.err
-    assert "linear: e_n = " in " ".join(answer.out.split())
-    model = ComplianceModel.load(tmp_path / "model.json")
-    assert model.responses["axial_compliance"].form == "linear"
-    assert model.responses["mass"].form == "interactions"
 
 
 @pytest.mark.slow

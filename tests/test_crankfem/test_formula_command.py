@@ -77,21 +77,6 @@ def test_constants(call):
             assert after == before
 
 
-def test_the_title_tells_the_angle_and_the_constants(call):
-    arguments = ("formulas", "6chn25-34", "--no-fe", "--gamma", "240")
-    assert call(*arguments).out.splitlines()[0].strip() == (
-        "Axial compliance, gamma = 240 deg (counts as 120)"
-    )
-    given = (*arguments, "--constant", "k_n=0.3", "--constant", "C=2")
-    out = call(*given).out
-    assert out.splitlines()[0].strip().endswith("gamma = 240 deg (counts as 120), k_n = 0.3, C = 2")
-    # No remark is written in the syntax of Python.
-    assert "unless the constant k_or is given." in out
-    assert "the constant k_gorbunov = 0.5 matches the frame." in out
-    assert "constants=" not in out
-    assert call(*given, "--json").json()["constants"] == {"k_n": 0.3, "C": 2.0}
-
-
 @pytest.mark.parametrize(
     ("arguments", "fragment"),
     [

@@ -1,7 +1,6 @@
 """The command `mechanism`: balance, tables, files, pictures, and what it refuses."""
 
 import csv
-import json
 import math
 import shutil
 from dataclasses import replace
@@ -44,7 +43,7 @@ from dynamics.balance.moving_masses import balancing_masses
 from dynamics.engine.layout import EngineCylinder, EngineLayout, SlavePin
 from dynamics.engine.loads import LoadDiagram
 from dynamics.engine.rods import ConnectingRod
-from dynamics.plots.load_diagrams import on_paper, square_round
+from dynamics.plots.load_diagrams import on_paper
 from geometry.crankshaft import throw_masses
 
 
@@ -220,15 +219,6 @@ def test_two_models_that_are_the_same(call):
     ]
 
 
-def test_json(call):
-    content = call("mechanism", "6chn25-34", "--json", "--speed", "300 1/min").json()
-    assert content["speed_rpm"] == close(300.0)
-    assert content["balance"]["orders"][0]["force_balanced"] is True
-    assert content["pictures"] == []
-    # Not in the file: the default is told.
-    assert "gas.compression_ratio" in {entry["field"] for entry in content["assumed"]}
-
-
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
@@ -315,28 +305,6 @@ def vee():
             ),
         ]
     return EngineLayout(0.13, cylinders, [1, 2, 3, 4])
-
-
-def test_records_are_json_and_hold_the_numbers():
-    found = balance(vee(), SPEED)
-    record = json.loads(json.dumps(balance_records.balance_record(found), allow_nan=False))
-    first, second = record["orders"][:2]
-    assert (first["force_balanced"], first["moment_balanced"]) == (True, False)
-    assert (second["force_balanced"], second["moment_balanced"]) == (False, True)
-    assert second["force"]["major"] == found.of(2).force.major
-    assert second["force"]["angle_deg"] == found.of(2).force.angle_deg
-    parts = [second["parts"][name]["force"] for name in ("reciprocating", "rotating", "lateral")]
-    for place in (0, 1):
-        total = sum(part["forward"][place] for part in parts)
-        assert total == close(second["force"]["forward"][place], abs=1e-9)
-    assert len(record["masses"]) == 4
-    cases = json.loads(
-        json.dumps(
-            balance_records.hinged_rods_record(hinged_rod_effects(vee(), SPEED, cylinders=[1, 2]))
-        )
-    )
-    assert cases[1]["side_by_side"]["change"] == {"major": 0.0, "minor": 0.0, "turn_deg": 0.0}
-    assert cases[1]["kinematics"]["change"]["major"] < -0.1
 
 
 def test_tables(capsys, monkeypatch):
@@ -434,16 +402,6 @@ def test_a_pressure_table_is_an_input_too(call, tmp_path, edit):
         assert table.read_bytes() == before
 
 
-def test_outputs_that_can_be(tmp_path):
-    new = tmp_path / "new.csv"
-    assert check_outputs(None, None) is None
-    assert check_outputs(new, str(tmp_path / "a" / "b"), tmp_path / "in.toml") == tmp_path / "a/b"
-    assert list((tmp_path / "a" / "b").iterdir()) == []
-    # An older result may be replaced.
-    new.touch()
-    check_outputs(new, None, tmp_path / "in.toml")
-
-
 def test_a_folder_that_takes_no_files(monkeypatch, tmp_path):
     def full(**_):
         raise OSError(28, "No space left on device")
@@ -485,15 +443,6 @@ def test_the_crank_stands_upright_and_turns_clockwise(diagram):
     columns = diagram.columns()
     at_rest = 1e-3 * (-columns["force_x_N"] + 1j * columns["force_y_N"])
     np.testing.assert_allclose(on_paper(diagram, "engine"), at_rest, rtol=1e-12)
-
-
-def test_the_square_holds_curves_and_origin():
-    low, high = square_round([np.array([2.0 + 1.0j, 6.0 + 3.0j])])
-    assert high[0] - low[0] == close(high[1] - low[1])
-    assert low[0] < 0.0
-    assert low[1] < 0.0
-    assert high[0] > 6.0
-    assert high[1] > 3.0
 
 
 @pytest.mark.slow

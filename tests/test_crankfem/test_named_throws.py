@@ -83,14 +83,6 @@ def both(tmp_path_factory):
     return one, other, analyze_throw(one.throw, one.material, 0.1)
 
 
-def test_a_plain_file_has_one_throw_for_all_cranks():
-    engine = load_engine("yamz-5340")
-    assert engine.throw_names == ("throw",) * 4
-    assert engine.crank_throws == (engine.throw,) * 4
-    assert engine.named_throws == {"throw": engine.throw}
-    assert names_of_throws("yamz-5340") == ("throw",)
-
-
 def test_each_crank_has_its_throw():
     engine = load_engine(UNEQUAL)
     plain, heavy = engine.named_throws["plain"], engine.named_throws["heavy"]
@@ -643,22 +635,3 @@ def test_a_throw_is_as_long_as_the_cylinder_pitch_it_states(name):
         assert second - first == close(0.104)
         return
     assert stated == [close(throw.length, abs=1e-6)]
-
-
-def test_the_features_are_where_the_engines_have_them():
-    throws = {name: load_throw(name)[0] for name in shipped_names("engine")}
-    hollow = {n for n, t in throws.items() if t.main_journal_bore}
-    assert hollow == {"8chn26-26", "12chn18-20", "12dn23-30", "6chn15-18"}
-    eccentric = {n for n, t in throws.items() if t.pin_bore_offset}
-    assert eccentric == {"8chn26-26", "8chn14-14", "8chn13-14"}
-    flat = {n for n, t in throws.items() if t.web_outline == "rectangle"}
-    assert flat == {"6chn18-22", "6chn18-22-set", "12dn23-30"}
-    assert throws["6chn18-22"].web_corner_chamfer > 0.0
-    assert throws["12dn23-30"].web_corner_radius > 0.0
-    weighted = {n for n, t in throws.items() if any(w.sector for w in t.parts.webs)}
-    assert {"8chn26-26", "8chn14-14", "8chn13-14", "cat-3116", "vw-tdi"} <= weighted
-    assert {n for n, t in throws.items() if t.further_pins} == {"2ch85-110", "buick-3800"}
-    split = throws["buick-3800"].parts.webs[1]
-    assert split.start == split.end
-    unequal = {n for n, t in throws.items() if not t.parts.mirrored}
-    assert unequal == {"8chn13-14", "2ch85-110", "buick-3800"}

@@ -643,18 +643,3 @@ def test_diagrams_are_made_and_the_same_each_time(tmp_path):
         assert made[0] == made[1]
         assert b"nan" not in made[0].lower().replace(b"nance", b"")
     assert (tmp_path / "damped_a_s.svg").read_bytes() != (tmp_path / "endless_a_s.svg").read_bytes()
-
-
-@pytest.mark.parametrize(
-    ("place", "quantity", "words"),
-    [
-        ("crank", "twist", "place: given 'crank'"),
-        (2, "twist", "place: given 2; allowed are the whole numbers 0 to 1"),
-        (0, "noise", "quantity: given 'noise'; allowed are twist"),
-    ],
-)
-def test_refused(tmp_path, place, quantity, words):
-    with pytest.raises(InputError, match=words):
-        response().nodes.plot(None, place, quantity=quantity)
-    with pytest.raises(InputError, match="path: given"):
-        plot_response_campbell(tmp_path / "x.png", [10.0], [1.0], (1.0, 2.0), [])

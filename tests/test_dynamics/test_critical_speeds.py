@@ -8,7 +8,6 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.signal import peak_prominences
 
-import crankfem as cf
 from comparing import close
 from crankbase.errors import InputError
 from crankbase.tables.frames import table_of
@@ -27,13 +26,6 @@ from dynamics.response.resonance import refined_speeds
 from references import even_firing_angles
 
 
-def test_engine_orders():
-    assert engine_orders(4, 2.2).tolist() == [0.5, 1.0, 1.5, 2.0]
-    assert engine_orders(2, 3.0).tolist() == [1.0, 2.0, 3.0]
-    with pytest.raises(InputError, match=r"highest: given 0\.4; allowed is 0\.5 or more"):
-        engine_orders(4, 0.4)
-
-
 def test_critical_speeds_stand_in_ascending_order_and_within_range():
     found = critical_speeds([0.0, 100.0, 240.0], [2.0, 4.0, 5.0], (100.0, 400.0))
     expected = [(1, 5.0), (1, 4.0), (2, 5.0), (1, 2.0), (2, 4.0)]
@@ -48,22 +40,6 @@ def test_ends_of_the_range_belong_to_it():
     speed = 2.0 * math.pi * 100.0 / 4.0
     assert len(critical_speeds([100.0], [4.0], (speed, 2.0 * speed))) == 1
     assert len(critical_speeds([100.0], [4.0], (0.5 * speed, speed))) == 1
-
-
-@pytest.mark.parametrize(
-    ("speed_range", "message"),
-    [
-        ((300.0, 100.0), r"speed_range: given \(300, 100\) rad/s"),
-        ((100.0, 100.0), "speed_range: given"),
-        ((0.0, 100.0), r"speed_range\[0\]: given 0 rad/s"),
-        ((-5.0, 100.0), r"speed_range\[0\]: given -5 rad/s"),
-        ((5.0, float("inf")), r"speed_range\[1\]: given inf"),
-        ((1.0, 2.0, 3.0), "speed_range: given"),
-    ],
-)
-def test_unusable_ranges_are_refused(speed_range, message):
-    with pytest.raises(InputError, match=message):
-        critical_speeds([10.0], [1.0], speed_range)
 
 
 def test_unusable_frequencies_and_orders_are_refused():
@@ -115,20 +91,6 @@ def test_unusable_vector_sums_are_refused():
 
 
 @pytest.mark.parametrize(
-    ("strokes", "drives", "orders", "clear"),
-    [
-        (4, "propeller", (3.0, 6.0), (80.0, 110.0)),
-        (4, "generator", (3.0, 6.0), (90.0, 110.0)),
-        (2, "propeller", (6.0,), (80.0, 110.0)),
-    ],
-)
-def test_orders_and_speeds_of_six_in_line(strokes, drives, orders, clear):
-    own = major_criticals((), 100.0, cylinders=6, strokes=strokes, drives=drives)
-    assert (own.orders, own.clear) == (orders, close(clear))
-    assert own.passed
-
-
-@pytest.mark.parametrize(
     ("speed", "there"), [(89.9, False), (90.0, True), (110.0, True), (110.1, False)]
 )
 def test_only_major_orders_within_the_speeds_count(speed, there):
@@ -155,21 +117,6 @@ def response(chain, orders=(1.0, 2.0), node=0, speeds=SPEEDS):
     forces = np.zeros((len(orders), len(speeds), given.inertia.size), dtype=complex)
     forces[:, :, node] = 10.0
     return forced_response(chain, OrderExcitation(orders, speeds, forces))
-
-
-def test_modes_of_one_mass():
-    """s = -d w + i w sqrt(1 - d^2)."""
-    modes = complex_modes(damped(MAIN, modal_damping=0.1))
-    assert modes.eigenvalues == close([-10.0 + 100.0j * np.sqrt(0.99)], rel=1e-12)
-    assert modes.frequencies == close([100.0 * np.sqrt(0.99) / (2.0 * np.pi)])
-    assert modes.damping_ratios == close([0.1])
-    assert modes.sources == ({"modal damping": 1.0},)
-    assert (modes.numbers.tolist(), modes.locked) == ([1], None)
-    assert modes.largest_magnifiers == close([0.5 / (0.1 * np.sqrt(0.99))])
-    assert modes.magnifiers(np.array([100.0])) == close(np.array([[5.0]]))
-    frame = modes.to_pandas()
-    assert frame["undamped"].tolist() == close([100.0 / (2.0 * np.pi)])
-    assert frame["damped_by"].tolist() == ["modal damping"]
 
 
 def test_a_mode_that_creeps_is_none():
@@ -338,11 +285,6 @@ def test_refused(options, words):
 def test_refused_at_one_speed():
     with pytest.raises(InputError, match="given one at one speed"):
         damped_criticals(response(damped(ROW), speeds=np.array([50.0])))
-
-
-def test_public_names():
-    assert cf.response.complex_modes is complex_modes
-    assert cf.response.damped_criticals is damped_criticals
 
 
 # One inertia on a spring to ground would have no element: two, the second a hundred times as large.

@@ -61,23 +61,6 @@ def test_axial_chain_without_bearing_and_flywheel_is_free():
     assert modes.angular_frequencies[1] == close(np.sqrt(1e9 * (1 / 50 + 1 / 50)))
 
 
-def test_torsional_chain_without_additions():
-    built = torsional_chain([2e-7, 4e-7], [0.5, 0.6], 10.0)
-    assert built.kind == "torsional"
-    assert built.nodes == ("cylinder 1", "cylinder 2", "flywheel")
-    assert built.chain.inertia.tolist() == [0.5, 0.6, 10.0]
-    assert 1.0 / built.chain.stiffness == close([3e-7, 2e-7])
-    assert not built.chain.ground.any()
-
-
-def test_torsional_chain_with_free_end_and_driven_machine():
-    driven = DrivenMachine(inertia=30.0, coupling_stiffness=1e5)
-    built = torsional_chain([2e-7, 4e-7], [0.5, 0.6], 10.0, free_end_inertia=0.1, driven=driven)
-    assert built.nodes == ("free end", "cylinder 1", "cylinder 2", "flywheel", "driven machine")
-    assert built.chain.inertia.tolist() == [0.1, 0.5, 0.6, 10.0, 30.0]
-    assert 1.0 / built.chain.stiffness == close([1e-7, 3e-7, 2e-7, 1e-5])
-
-
 def test_whole_compliance_of_the_shaft_is_kept():
     compliances = [2e-7, 4e-7, 3e-7]
     chain = torsional_chain(compliances, [1.0, 1.0, 1.0], 5.0, free_end_inertia=1.0).chain
@@ -96,15 +79,6 @@ def test_half_the_reciprocating_mass_is_the_mean_over_a_revolution():
     velocity = radius * (np.sin(angle) + ratio * np.sin(angle) * np.cos(angle) / swing)
     mean = np.mean(mass * velocity**2)
     assert throw_inertia(1.0, 0.0, mass, radius) - 1.0 == close(mean, rel=0.3 * ratio**2)
-
-
-def test_throws_and_sections_are_known_by_their_nodes():
-    torsional = torsional_chain([1.0, 1.0], [1.0, 1.0], 2.0, free_end_inertia=0.5)
-    assert torsional.throw_nodes == (1, 2)
-    assert (torsional.sections, torsional.throws) == ((), 2)
-    axial = axial_chain([1.0, 1.0], [1.0, 1.0], 2.0, 0, 0.0)
-    assert axial.sections == (0, 1, 2)
-    assert (axial.throw_nodes, axial.throws) == ((), 2)
 
 
 def test_throws_of_several_cylinders_are_called_throws():

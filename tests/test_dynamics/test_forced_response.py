@@ -426,20 +426,6 @@ def test_refused_loss(choice, words):
 SUM_ONE = np.array([100.0])
 
 
-def test_known_sums():
-    """cos x + cos 2x / 2 peaks at 1.5 and is lowest, -0.75, where cos x = -1/2; two signs, scales."""
-    for scale in (1e-200, 1.0, 1e200):
-        for turn in (0.0, 0.7123, 3.0):
-            phasors = scale * np.array([1.0, 0.5]) * np.exp(1j * turn * np.array([1.0, 2.0]))
-            phasors = np.stack((phasors, -phasors), axis=1)[:, np.newaxis, :]
-            found = synthesis(np.array([1.0, 2.0]), SUM_ONE, phasors)
-            np.testing.assert_allclose(found.highest[0] / scale, [1.5, 0.75], rtol=1e-13)
-            np.testing.assert_allclose(found.lowest[0] / scale, [-0.75, -1.5], rtol=1e-13)
-            np.testing.assert_allclose(found.amplitude[0] / scale, 1.125, rtol=1e-13)
-            np.testing.assert_allclose(found.plain_sum[0] / scale, 1.5, rtol=1e-13)
-            assert found.period == close(2.0 * np.pi, rel=1e-15)
-
-
 def test_against_dense_samples():
     """24 half orders with random phases: no sample of 40,001 exceeds, the best comes within 2e-6.
 
@@ -548,31 +534,6 @@ def test_no_resonance_in_range_and_no_force():
     assert not only.unbounded
     with pytest.raises(InputError, match="speed_range: given none, for a response at one speed"):
         resonances(forced_response(ENGINE, peak_excitation([100.0])))
-
-
-def peak(chain, speeds, order):
-    found = forced_response(chain, peak_excitation(speeds, np.array([order])))
-    return found.amplitude[0, :, 0].max()
-
-
-@pytest.mark.parametrize("magnifier", [40.0, 400.0])
-def test_refined_speeds_read_every_peak(magnifier):
-    """Within 0.2 %, as the distance of the speeds about a resonance promises; an even grid does not."""
-    chain = damped(ENGINE, magnifier=magnifier)
-    ratios = chain.system.damping_ratios()
-    speeds = refined_speeds(chain.system.elastic_frequencies, ratios, ORDERS, RANGE, points=50)
-    assert np.all(np.diff(speeds) > 0.0)
-    assert speeds[[0, -1]].tolist() == list(RANGE)
-    assert np.max(np.diff(speeds)) <= 200.0 / 49.0 * (1.0 + 1e-12)
-    missed = 0.0
-    for order in (6.0, 7.5, 9.0):
-        critical = 2.0 * np.pi * chain.system.elastic_frequencies[0] / order
-        true = peak(
-            chain, critical * np.linspace(1.0 - 1.0 / magnifier, 1.0 + 1.0 / magnifier, 2001), order
-        )
-        assert peak(chain, speeds, order) >= 0.998 * true
-        missed = max(missed, 1.0 - peak(chain, np.linspace(*RANGE, 50), order) / true)
-    assert missed > 0.15
 
 
 def test_undamped_resonance_stands_among_the_speeds():

@@ -10,10 +10,10 @@ from hypothesis import strategies as st
 from comparing import close
 from crankbase.errors import InputError
 from dynamics.engine import ROD_MODELS
-from dynamics.engine.forces import gas_forces, mechanism_forces, pin_groups, summed
+from dynamics.engine.forces import gas_forces, mechanism_forces, pin_groups
 from dynamics.engine.layout import EngineCylinder, EngineLayout, SlavePin
 from dynamics.engine.motions import cylinder_motion
-from dynamics.engine.rods import REACH, ConnectingRod
+from dynamics.engine.rods import ConnectingRod
 
 unit = st.floats(0.05, 0.95)
 
@@ -128,21 +128,6 @@ def test_no_body_within_reach_is_refused_for_its_inertia(parts):
     ConnectingRod(length, float(masses.sum()), center.real, inertia, center.imag)
 
 
-def test_the_largest_inertia_is_that_of_masses_at_the_corners():
-    length, mass, center = 0.265, 5.0, 0.097 + 0.009j
-    side = REACH * length
-    low, high = -side, length + side
-    right, up = (center.real - low) / (high - low), (center.imag + side) / (2.0 * side)
-    corners = np.array([low - 1j * side, high - 1j * side, low + 1j * side, high + 1j * side])
-    shares = np.outer([1.0 - up, up], [1.0 - right, right]).ravel()
-    assert complex(np.dot(shares, corners)) == close(center)
-    largest = mass * float(np.dot(shares, np.abs(corners - center) ** 2))
-    rod = ConnectingRod(length, mass, center.real, 0.99999 * largest, center.imag)
-    assert rod.largest_inertia == close(largest, rel=1e-13)
-    with pytest.raises(InputError, match=r"rod inertia: given .* because no mass of 5 kg"):
-        ConnectingRod(length, mass, center.real, 1.00001 * largest, center.imag)
-
-
 GOOD = {"length": 0.265, "mass": 5.0, "center_distance": 0.097, "inertia": 0.07}
 
 
@@ -229,17 +214,6 @@ def test_with_lateral_offset_only_the_rigid_rod_is_the_rigid_rod():
         assert apart > 0.01 * size
 
 
-def test_a_static_pair_is_enough_for_the_inertia_that_it_has():
-    """J = M l_shk l_shp: all four models are one."""
-    engine = single(ConnectingRod(0.265, 5.0, 0.097, 5.0 * 0.097 * 0.168))
-    rigid = mechanism_forces(engine, SPEED, GAS[0], shaft_angles_deg=np.degrees(ANGLES)).crankpin
-    for name in ROD_MODELS[1:]:
-        other = mechanism_forces(
-            engine, SPEED, GAS[0], model=name, shaft_angles_deg=np.degrees(ANGLES)
-        ).crankpin
-        np.testing.assert_allclose(other, rigid, rtol=0.0, atol=1e-12 * largest(rigid))
-
-
 def test_a_rod_without_mass_gives_the_forces_of_the_textbook():
     """N = P tan b, T = P sin(a + b) / cos b, Z = P cos(a + b) / cos b, P towards the shaft."""
     engine = single(ConnectingRod(0.265, 1e-12, 0.097, 1e-14))
@@ -284,23 +258,6 @@ def test_a_rod_hinged_at_the_crankpin_stands_beside_the_main_rod():
     np.testing.assert_allclose(theirs.crankpin, ours.crankpin, rtol=0.0, atol=1e-7 * size)
     assert pin_groups(side_by_side) == ((1,), (2,))
     assert pin_groups(hinged) == ((1, 2),)
-
-
-def test_groups_name_the_main_cylinder_first():
-    rod = ConnectingRod(0.265, 5.0, 0.097, 0.069)
-    hinged = EngineCylinder(
-        0.13,
-        4.0,
-        rod,
-        bank_angle_deg=math.degrees(0.8),
-        slave_pin=SlavePin(2, 0.06, angle_deg=math.degrees(-0.8)),
-    )
-    engine = EngineLayout(
-        0.07, [hinged, EngineCylinder(0.13, 4.0, rod, bank_angle_deg=math.degrees(1.6))], [1, 2]
-    )
-    assert pin_groups(engine) == ((2, 1),)
-    forces = mechanism_forces(engine, SPEED, GAS, shaft_angles_deg=np.degrees(ANGLES))
-    np.testing.assert_allclose(summed(forces, (2, 1)), forces.crankpin.sum(axis=0), rtol=1e-14)
 
 
 def test_speed_and_acceleration_may_change_from_angle_to_angle():

@@ -1,5 +1,4 @@
 import math
-from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -14,7 +13,6 @@ from dynamics.engine.motions import piston_ends
 from dynamics.engine.rods import ConnectingRod
 from dynamics.torque.torque import engine_torque
 from dynamics.turning.free_turning import turn_freely, turn_steadily
-from dynamics.turning.shaft_moments import turn_curves
 from dynamics.turning.speed_over_angle import speed_over_angle, steady_turning
 
 ROD = ConnectingRod(0.25, 2.0, 0.08, 0.02, 0.004)
@@ -93,20 +91,6 @@ def test_steps_of_one_degree_are_not_divided():
     assert count(360) < count(400)
 
 
-def test_speed_dependent_moment_against_the_closed_form():
-    """I w' = -c w in time is I dw/dphi = -c: w falls linearly, t = -(I / c) ln(w / w_0)."""
-    found = speed_over_angle(
-        constant(2.0),
-        lambda w, _: -0.3 * w,
-        start_angle_deg=math.degrees(1.0),
-        start_speed=50.0,
-        turns=3.0,
-    )
-    wanted = 50.0 - 0.15 * (np.radians(found.angle_deg) - 1.0)
-    assert found.speed == close(wanted, rel=1e-13)
-    assert found.time == close(-(2.0 / 0.3) * np.log(wanted / 50.0), abs=1e-14)
-
-
 def test_shaft_stops_where_its_energy_is_spent():
     # 2 * 10^2 / 2 J over 20 N m: 5 rad.
     found = speed_over_angle(
@@ -115,20 +99,6 @@ def test_shaft_stops_where_its_energy_is_spent():
     # In the shortest steps, of 1/512 deg.
     assert math.radians(found.stopped_at_deg) == close(5.0, abs=math.radians(1.0 / 512.0))
     assert np.radians(found.angle_deg)[-1] <= math.radians(found.stopped_at_deg)
-
-
-def test_steady_turning_meets_speed_and_repeats():
-    def moment(speed, angle):
-        return 50.0 + 200.0 * math.sin(2.0 * angle) - 0.01 * speed**2
-
-    found = steady_turning(constant(1.0), moment, 60.0, 1.0, samples=120)
-    turning = found.turning
-    assert turning.mean_speed == close(60.0, rel=1e-9)
-    assert turning.speed[-1] == close(turning.speed[0], rel=1e-9)
-    # The square of the speed averages a little over the mean speed's.
-    assert found.load == close(50.0 - 0.01 * np.mean(turning.speed[:-1] ** 2), rel=1e-3)
-    # Energy swings by 200 J between lowest and highest speed: delta = 200 / (I w^2), nearly.
-    assert turning.fluctuation == close(200.0 / 60.0**2, rel=5e-3)
 
 
 # At 5 rad/s it would turn with less than a millionth of the swing of energy left.
@@ -246,15 +216,6 @@ def test_results_per_turn_are_whole_numbers(samples):
         steady_turning(constant(1.0), constant(0.0), 10.0, 1.0, samples=samples)
 
 
-def test_curves_give_values_and_derivatives():
-    curves = turn_curves(lambda a: np.array([1.0 / (2.0 + np.cos(a)), 3.0 + 0.0 * a, 0.0 * a]))
-    for angle in (0.3, 7.0, -2.0):
-        values, slopes = curves.at(angle)
-        below = 2.0 + math.cos(angle)
-        assert values == close([1.0 / below, 3.0, 0.0], abs=1e-14)
-        assert slopes == close([math.sin(angle) / below**2, 0.0, 0.0], abs=1e-13)
-
-
 def test_acceleration_is_that_of_the_forces():
     """Shaft inertia times acceleration is the torque from equilibrium of pistons and rods."""
     engine, pressure = hinged_pair(), SmoothPressure()
@@ -332,18 +293,6 @@ def test_massless_parts_have_no_inertia_at_the_top(start):
             duration=1.0,
             model="two-mass",
         )
-
-
-def test_moment_of_gravity_on_a_counterweight():
-    """A mass m r at an angle from the vertical is m r cos(angle) high: its moment m g r sin."""
-    engine, bare = hinged_pair(), replace(hinged_pair(), rotating=())
-    at_rest = {"start_angle_deg": 40.0, "start_speed": 1.0, "duration": 1e-3, "gravity": 9.81}
-    moments = [
-        float(turn_freely(each, **at_rest, samples=2).gravity.moment[0]) for each in (engine, bare)
-    ]
-    assert moments[0] - moments[1] == close(
-        9.81 * 0.3 * math.sin(math.radians(40.0) + 2.0), rel=1e-12
-    )
 
 
 def test_work_of_gravity_is_that_of_the_heights():

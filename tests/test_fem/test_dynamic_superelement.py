@@ -34,9 +34,7 @@ from fem.solver import factorize
 from fem.superelement import combine_classes, superelement_of_end_forces
 from fem.supports import Neighbors, end_motions, reactions, support_throw
 from fem.symmetry import symmetry_classes
-from geometry.mass import mass_properties
 from geometry.mesh import mesh_throw
-from geometry.shapes import element_quadrature
 from geometry.solid import LEFT_END, RIGHT_END
 
 HIGHEST = 2500.0
@@ -122,29 +120,6 @@ def of_free_throw(superelement):
     return natural_modes(superelement.stiffness, superelement.mass)[0][6:]
 
 
-def rigid_matrix(points, volumes):
-    """Mass, static moment and inertia (6, 6) about the origin, from quadrature points."""
-    motions = np.zeros((len(points), 3, 6))
-    motions[:, :, :3] = np.eye(3)
-    for axis in range(3):
-        motions[:, :, 3 + axis] = np.cross(np.eye(3)[axis], points)
-    return STEEL.density * np.einsum("q,qai,qaj->ij", volumes, motions, motions)
-
-
-def test_rigid_motions_have_the_throws_masses(dynamic, coarse, whole, rigid_motions, throw):
-    """About the left end's center; a finer rule than the mass matrix's gives what is expected."""
-    where, volumes = element_quadrature(whole.mesh.points, whole.mesh.elements, 9)
-    scale = np.repeat([1.0, 1.0 / throw.crank_radius], 3)
-    expected = rigid_matrix(where, volumes) * np.outer(scale, scale)
-    found = rigid_motions.T @ dynamic.mass[:12, :12] @ rigid_motions
-    # The static fields follow rigid motions of the ends within the solver's 1e-12.
-    assert found == close(expected, abs=1e-10 * expected.max())
-    mass, moment = expected[0, 0], expected[1, 3] * throw.crank_radius
-    # The coarse mesh has the solid's volume within what meshing allows.
-    assert mass == close(mass_properties(coarse, STEEL.density).mass, rel=1e-3)
-    assert moment == close(-mass * throw.length / 2.0, rel=1e-9)
-
-
 def test_matrices_are_those_of_the_displacement_fields(whole, condensed):
     """The whole mesh has one class and no shares or copies: stiffness and mass by their definition."""
     classes, static = condensed(whole.mesh)
@@ -201,19 +176,6 @@ def test_symmetric_and_definite_with_six_rigid_motions(dynamic, rigid_motions):
     frequencies, shapes = natural_modes(dynamic.stiffness, dynamic.mass)
     assert frequencies[5] < 1e-3 * frequencies[6]
     assert shapes.T @ dynamic.mass @ shapes == close(np.eye(len(shapes)), abs=1e-9)
-
-
-def test_frequencies_of_the_free_throw(dynamic, truth):
-    """Never below those of the whole mesh; measured are up to 5e-5 above, up to 2500 Hz."""
-    found = of_free_throw(dynamic)
-    wanted = truth[truth <= HIGHEST]
-    assert len(wanted) == 5
-    error = found[:5] / wanted - 1.0
-    assert error.min() > -1e-9
-    assert error.max() < 2e-4
-    assert dynamic.natural == np.count_nonzero(dynamic.frequencies <= 1.5 * HIGHEST)
-    assert len(dynamic.frequencies) == dynamic.natural + 12
-    assert np.all(dynamic.frequencies[dynamic.natural :] > 1.5 * HIGHEST)
 
 
 def test_converges_from_above_as_modes_are_added(plain, truth):
@@ -369,22 +331,6 @@ def bore(request):
 @pytest.fixture(params=DEGREES)
 def motions(request, bore):
     return SectionMotions(request.param, 0.11, bore)
-
-
-def test_amplitudes_of_rigid_motions_are_means(motions):
-    """Means over the ring, by adding up a fine grid of places: an integration of its own."""
-    radii = np.sqrt(np.linspace(motions.bore**2, motions.radius**2, 400, endpoint=False))
-    radii = np.sqrt(radii**2 + 0.5 * (motions.radius**2 - motions.bore**2) / 400)
-    angles = 2.0 * np.pi * np.arange(64) / 64
-    places = np.stack(
-        [np.outer(radii, np.cos(angles)), np.outer(radii, np.sin(angles))], axis=-1
-    ).reshape(-1, 2)
-    fields = motions.fields(places)
-    products = np.einsum("qak,qal->kl", fields, fields) / len(places)
-    beyond = products[6:, 6:]
-    assert beyond == close(np.eye(len(beyond)), abs=1e-4)
-    sizes = np.sqrt(np.diag(products)[:6])
-    assert products[:6, 6:] / sizes[:, None] == close(np.zeros((6, len(beyond))), abs=1e-4)
 
 
 def test_all_polynomials_and_no_more(motions):

@@ -16,14 +16,13 @@ from fem import correction
 from fem.accuracy import FIRST_FILLETED, first_factor
 from fem.analysis import analyze_axial, analyze_throw
 from fem.assembly import assemble_stiffness, physical_gradients, symmetric_product
-from fem.axial_analysis import axial_motion
 from fem.condensation import condense
 from fem.correction import corrected_class
 from fem.loads import NodalLoads, unit_pin_loads
-from fem.material import STEEL, Material
+from fem.material import STEEL
 from fem.recovery import energy_errors, recovered_stress, strain_energy, stresses_at
-from fem.supports import Neighbors, support_throw
-from fem.symmetry import axial_class, symmetry_classes
+from fem.supports import Neighbors
+from fem.symmetry import symmetry_classes
 from geometry.mesh import mesh_throw
 from geometry.shapes import EDGES, shapes_for_quadrature
 from geometry.solid import LEFT_END, RIGHT_END
@@ -123,38 +122,11 @@ def inner_corners(points, elements):
     return corners[np.minimum(points, 1.0 - points)[corners].min(axis=1) > 1e-9]
 
 
-def test_the_stress_of_uniform_strain(mesh):
-    """Curved elements, too, hold it; the constant is not held back."""
-    slopes = np.random.default_rng(4).normal(size=(3, 3))
-    expected = stress_of(slopes)
-    _, gradients, _ = shapes_for_quadrature(4)
-    moved = mesh.points @ slopes.T
-    raw = stresses_at(mesh.points, mesh.elements, moved, STEEL, gradients)
-    assert worst(raw, np.broadcast_to(expected, raw.shape)) <= ROUND_OFF
-    found = recovered_stress(mesh.points, mesh.elements, moved, STEEL)
-    assert worst(found, np.broadcast_to(expected, found.shape)) <= ROUND_OFF
-    errors = energy_errors(mesh.points, mesh.elements, moved, STEEL)
-    assert 0.0 <= errors.relative <= ROUND_OFF**2
-
-
 def test_a_rigid_motion_has_no_stress(mesh):
     """Displacements of 1 m leave the round-off of as large strains."""
     moved = np.array([1.0, -2.0, 0.5]) + np.cross([0.3, 0.8, -1.1], mesh.points)
     found = recovered_stress(mesh.points, mesh.elements, moved, STEEL)
     assert np.abs(found).max() <= ROUND_OFF * STEEL.youngs_modulus
-
-
-def test_linear_stress_is_exact_at_every_node(mesh):
-    points = straightened(mesh)
-    moved, slopes = quadratic(points)
-    expected = stress_of(slopes)
-    _, gradients, _ = shapes_for_quadrature(4)
-    values = shapes_for_quadrature(4)[0]
-    raw = stresses_at(points, mesh.elements, moved, STEEL, gradients)
-    assert worst(raw, values @ expected[mesh.elements]) <= ROUND_OFF
-    found = recovered_stress(points, mesh.elements, moved, STEEL)
-    assert worst(found, expected) <= 1e-5
-    assert energy_errors(points, mesh.elements, moved, STEEL).relative <= 1e-12
 
 
 def test_only_what_is_held_back_keeps_linear_stress_from_being_exact(mesh, monkeypatch):
@@ -230,69 +202,6 @@ def test_the_estimate_is_the_energy_of_the_true_error(uneven):
     assert inner.sum() > 40
     assert 0.9 < shares[inner].min() < shares[inner].max() < 1.0
     assert 0.5 < shares.min() < shares.max() < 1.8
-
-
-@pytest.mark.parametrize("poisson_ratio", [0.0, 0.3, 0.45])
-def test_strain_energy_is_stress_times_strain(poisson_ratio):
-    material = Material(youngs_modulus=7e10, poisson_ratio=poisson_ratio, density=2700.0)
-    slopes = np.random.default_rng(5).normal(size=(50, 3, 3))
-    strain = 0.5 * (slopes + slopes.transpose(0, 2, 1))
-    stress = stress_of(slopes, material)
-    # Shear stresses do work on both of a strain's equal components.
-    expected = (stress * strain[:, ROWS, COLUMNS] * ([1.0] * 3 + [2.0] * 3)).sum(axis=1)
-    assert strain_energy(stress, material) == close(expected, rel=1e-12)
-
-
-def test_the_energy_is_that_of_the_stiffness(mesh, stiffness, field):
-    """Exactly on straight elements; on curved ones rules of second and fourth order make 0.06 %."""
-    energy = energy_errors(mesh.points, mesh.elements, field, STEEL).energy
-    product = field.ravel() @ symmetric_product(stiffness, field.ravel())
-    assert energy == close(product, rel=2e-3)
-    points = straightened(mesh)
-    straight = assemble_stiffness(points, mesh.elements, STEEL)
-    energy = energy_errors(points, mesh.elements, field, STEEL).energy
-    product = field.ravel() @ symmetric_product(straight, field.ravel())
-    assert energy == close(product, rel=1e-12)
-
-
-def test_the_energy_under_a_unit_axial_force_is_the_compliance(mesh, stiffness, superelement):
-    """A quarter holds a quarter; rules of second and fourth order on curved elements make 0.06 %."""
-    part = condense(mesh, stiffness, unit_pin_loads(mesh), axial_class("quarter"))
-    moved = part.fields @ axial_motion(part, "pinned")
-    errors = energy_errors(mesh.points, mesh.elements, moved, STEEL)
-    quarter = support_throw(superelement, "pinned").axial / 4.0
-    assert errors.energy == close(quarter, rel=2e-3)
-    assert errors.elements.shape == (len(mesh.elements),)
-    assert errors.elements.min() >= 0.0
-    # Of the converged 1.281e-9 m/N this mesh misses 5.0 %; the estimate, 3.8 %, is without its safety.
-    truth = 1.0 - 4.0 * quarter / 1.281e-9
-    assert 0.6 * truth < errors.relative < truth
-
-
-def test_batches_do_not_matter(mesh, field, monkeypatch):
-    stress = recovered_stress(mesh.points, mesh.elements, field, STEEL)
-    errors = energy_errors(mesh.points, mesh.elements, field, STEEL)
-    monkeypatch.setattr(fem.recovery, "CHUNK", 37)
-    assert len(mesh.elements) % 37 != 0
-    again = recovered_stress(mesh.points, mesh.elements, field, STEEL)
-    # Sums in another order, in systems of a condition of some 1e5.
-    assert worst(again, stress) <= 1e-10
-    others = energy_errors(mesh.points, mesh.elements, field, STEEL)
-    assert others.elements == close(errors.elements, rel=1e-9)
-    assert others.energy == close(errors.energy, rel=1e-12)
-
-
-def test_a_throw_in_millimeters_has_the_same_stress(mesh, field):
-    """Patches are scaled by their own size, so that nothing depends on the unit of length."""
-    stress = recovered_stress(mesh.points, mesh.elements, field, STEEL)
-    scaled = recovered_stress(1e3 * mesh.points, mesh.elements, 1e3 * field, STEEL)
-    assert worst(scaled, stress) <= 1e-10
-    errors, others = (
-        energy_errors(scale * mesh.points, mesh.elements, scale * field, STEEL)
-        for scale in (1.0, 1e3)
-    )
-    assert others.relative == close(errors.relative, rel=1e-10)
-    assert others.energy == close(1e9 * errors.energy, rel=1e-10)
 
 
 def test_axes_may_change_places(mesh, field):

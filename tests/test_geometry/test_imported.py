@@ -17,7 +17,7 @@ from fem.symmetry import axial_class
 from geometry.gmsh_session import gmsh_session
 from geometry.imported import import_throw
 from geometry.imported_mesh import mesh_imported_throw, predict_imported_unknowns
-from geometry.isolated import IsolatedProcess, shared_process
+from geometry.isolated import IsolatedProcess
 from geometry.mass import mass_properties
 from geometry.mesh import MESHING_STRATEGIES, mesh_throw
 from geometry.shapes import element_volumes
@@ -28,7 +28,6 @@ from geometry.solid import (
     MAIN_JOURNAL,
     PIN,
     RIGHT_END,
-    WEB,
     make_solid,
     remove_loose,
 )
@@ -596,40 +595,6 @@ def test_the_mesh_is_that_of_the_throw(throw, imported, mesh):
     assert ours.center == close(theirs.center, abs=1e-7)
     assert ours.inertia == close(theirs.inertia, rel=1e-5, abs=1e-5)
     assert 0.5 < mesh.unknowns / predict_imported_unknowns(imported, 1.5) < 1.5
-
-
-def test_surfaces_of_the_mesh_are_where_their_names_say(throw, mesh):
-    assert list(mesh.surfaces) == [LEFT_END, RIGHT_END, PIN, MAIN_JOURNAL, FILLET, WEB]
-    x, y, z = mesh.points.T
-
-    def nodes(name):
-        return np.unique(mesh.surfaces[name])
-
-    assert np.abs(z[nodes(LEFT_END)]).max() < 1e-9
-    assert np.abs(z[nodes(RIGHT_END)] - throw.length).max() < 1e-9
-    pin, journal = nodes(PIN), nodes(MAIN_JOURNAL)
-    assert np.hypot(x[pin], y[pin] - throw.crank_radius) == close(0.09, rel=1e-9)
-    assert np.hypot(x[journal], y[journal]) == close(0.11, rel=1e-9)
-    facets = np.concatenate(list(mesh.surfaces.values()))
-    corners = mesh.elements[:, [[0, 1, 2], [0, 1, 3], [0, 2, 3], [1, 2, 3]]].reshape(-1, 3)
-    _, counts = np.unique(np.sort(corners, axis=1), axis=0, return_counts=True)
-    assert len(facets) == (counts == 1).sum()
-
-
-def test_the_mesh_is_the_same_in_another_process(imported, mesh):
-    remarks = []
-    away = shared_process().call(
-        "geometry.imported_mesh:mesh_imported_throw",
-        imported,
-        1.5,
-        None,
-        (),
-        time_limit=120.0,
-        on_remark=remarks.append,
-    )
-    assert remarks == [()]
-    assert np.array_equal(away.points, mesh.points)
-    assert np.array_equal(away.elements, mesh.elements)
 
 
 @pytest.mark.slow

@@ -23,7 +23,6 @@ from plans import SHARP, plan_of_levels
 from puppets import puppet
 from regression.records import StudyStoppedError
 from regression.runs import cluster as cluster_module
-from regression.runs import cluster as shelf_module
 from regression.runs import workers as workers_module
 from regression.runs.cluster import (
     DaskCluster,
@@ -396,13 +395,6 @@ def test_limits_are_kept_on_the_workers_machine(puppets):
     answer = ProcessPool().compute("run", {"key": "hang"}, Limits(0.3))
     assert answer["lost"] == "took longer than the limit of 0.3 s"
     assert puppets[0].poll() is not None
-
-
-def test_a_process_that_nobody_asks_ends(puppets, monkeypatch):
-    monkeypatch.setattr(shelf_module, "IDLE", 0.1)
-    shelf = ProcessPool()
-    shelf.compute("run", {"key": "a"}, Limits(20.0))
-    puppets[0].wait(timeout=10.0)
 
 
 def test_a_run_that_stops_ends_its_own_designs_alone(puppets):

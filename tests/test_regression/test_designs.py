@@ -60,33 +60,6 @@ def rows(table):
 # ------------------------------------------------------------------------------------------ factorial
 
 
-def test_full_factorial_runs_every_combination_once():
-    levels = {"web_width": [0.27, 0.30, 0.33], "web_thickness": [0.038, 0.098]}
-    design = full_factorial(levels)
-    assert design.runs.tolist() == [
-        [0.27, 0.038],
-        [0.27, 0.098],
-        [0.30, 0.038],
-        [0.30, 0.098],
-        [0.33, 0.038],
-        [0.33, 0.098],
-    ]
-    assert design.statement == "full factorial, 3 x 2 = 6 runs"
-
-
-def test_full_factorial_takes_levels_labels_and_ends_of_ranges():
-    factors = (Factor.of_levels("a", "", (1.0, 2.0, 4.0)), OUTLINE, Factor("b", "", 5.0, 6.0))
-    design = fixed_design(factors, DesignChoice())
-    assert rows(design.runs) == set(itertools.product((1.0, 2.0, 4.0), (0.0, 1.0), (5.0, 6.0)))
-    assert len(design.remarks) == 1
-    assert "ends of ranges (b)" in design.remarks[0]
-
-
-def test_runs_cannot_be_changed():
-    with pytest.raises(ValueError, match="read-only"):
-        full_factorial({"web_width": [0.27, 0.33]}).runs[0, 0] = 1.0
-
-
 def test_a_slip_of_the_pen_is_refused_before_it_is_made():
     with pytest.raises(
         InputError, match=r"^study\.design: given 1030301 runs; allowed are at most"
@@ -237,11 +210,6 @@ def test_generators_that_are_none(generators):
         fixed_design(unit_factors(4), DesignChoice("fractional factorial", generators=generators))
 
 
-def test_two_factors_that_vary_together():
-    with pytest.raises(InputError, match=r"^study\.generators: given 'a b c a'"):
-        fixed_design(unit_factors(4), DesignChoice("fractional factorial", generators="a b c a"))
-
-
 # ------------------------------------------------------------------------------------------ surfaces
 
 BOX_BEHNKEN_OF_THREE = [
@@ -309,17 +277,6 @@ def test_three_given_levels_are_run_where_a_design_has_three():
         ]
 
 
-@pytest.mark.parametrize("kind", ["central composite", "box-behnken"])
-def test_choices_are_crossed_with_a_surface(kind):
-    plain = fixed_design(unit_factors(3), DesignChoice(kind)).runs
-    factors = (THREE_LABELS, *unit_factors(2), OUTLINE, Factor("C", "", -1.0, 1.0))
-    crossed = fixed_design(factors, DesignChoice(kind)).runs
-    assert len(crossed) == 6 * len(plain)
-    for labels in itertools.product(range(3), range(2)):
-        chosen = (crossed[:, 0] == labels[0]) & (crossed[:, 3] == labels[1])
-        assert rows(crossed[chosen][:, [1, 2, 4]]) == rows(plain)
-
-
 @pytest.mark.parametrize(
     ("kind", "factors", "message"),
     [
@@ -371,18 +328,6 @@ def test_space_filling_designs_are_repeatable(kind):
     )
     assert np.array_equal(first, again)
     assert not np.array_equal(first, other)
-
-
-def test_latin_hypercube_is_spread_better_than_nearly_all_random_ones():
-    unit = {"a": (0.0, 1.0), "b": (0.0, 1.0), "c": (0.0, 1.0)}
-    ours = pdist(hypercube(unit, 20, 3)).min()
-    generator = np.random.default_rng(11)
-    random = []
-    for _ in range(100):
-        strata = np.column_stack([generator.permutation(20) for _ in range(3)])
-        random.append(pdist((strata + generator.random((20, 3))) / 20).min())
-    # The best of 400 beats the 98 % quantile of 100 with all but certainty.
-    assert ours > np.quantile(random, 0.98)
 
 
 def test_sobol_sequence_is_balanced_and_goes_on():
@@ -526,19 +471,6 @@ A, B = Factor("a", "m", 1.0, 3.0), Factor("b", "m", 0.1, 0.2)
 TWO, THREE = Factor.of_labels("two", ("x", "y")), Factor.of_labels("three", ("x", "y", "z"))
 
 
-def test_corners_of_a_square():
-    corners = np.array(list(itertools.product((1.0, 3.0), (0.1, 0.2))))
-    found = design_quality((A, B), corners)
-    assert found.distance == close(1.0)
-    assert (found.correlation, found.correlated) == (0.0, ())
-    # Centered discrepancy by its definition: corners have |x - 1/2| = 1/2 in both directions, and of the
-    # 16 pairs 4 share both coordinates, 8 one, 4 none.
-    shared = (1 + 0.25 + 0.25 - 0.0) ** 2, (1 + 0.5) * (1 + 0.5 - 0.5), 1.0
-    expected = (13 / 12) ** 2 - 2 / 4 * 4 * (1 + 0.25 - 0.125) ** 2
-    expected += (4 * shared[0] + 8 * shared[1] + 4 * shared[2]) / 16
-    assert found.discrepancy == close(expected)
-
-
 def test_random_points_have_the_mean_discrepancy_told():
     """Mean over 400 sets of 20 points; its own standard error is some 2 %."""
     rng = np.random.default_rng(1)
@@ -564,11 +496,6 @@ def test_correlation_names_its_factors():
 def test_labels_of_a_choice_are_their_share_of_the_cube_apart():
     values = np.array([[1.0, 0.0], [1.0, 1.0], [1.0, 2.0]])
     assert design_quality((A, THREE), values).distance == close(1 / 3)
-
-
-def test_a_single_run():
-    found = design_quality((A, B), np.array([[2.0, 0.15]]))
-    assert (found.distance, found.correlation, found.correlated) == (None, None, ())
 
 
 @pytest.mark.parametrize("count", [2, 40])

@@ -24,7 +24,6 @@ from regression.plans.relations import (
     read_constraint,
     read_expression,
 )
-from regression.throw_values import FactorLabel, factor_label
 
 UNITS = {"pin_diameter": "m", "web_thickness": "m", "ratio": "", "counterweight.angle": "rad"}
 VALUES = {
@@ -74,11 +73,6 @@ def test_expressions(text, unit, expected):
     assert np.broadcast_to(value_of(text, unit), (2,)) == close(
         np.broadcast_to(expected, (2,)), rel=rel
     )
-
-
-def test_the_names_that_an_expression_uses():
-    read = read_expression("counterweight.angle + 2 * counterweight.angle * ratio", "x", UNITS)
-    assert read.names == ("counterweight.angle", "ratio")
 
 
 @pytest.mark.parametrize(
@@ -239,15 +233,6 @@ def test_no_field_of_a_throw_is_a_unit():
     assert is_unit("mm")
     assert is_unit("h")
     assert not is_unit("width_ratio")
-
-
-def test_one_design_and_many_give_the_same():
-    expression = read_expression("ratio * pin_diameter - 3 mm", "x", UNITS)
-    many = evaluate_expression(expression, VALUES, UNITS, "m")
-    for place in range(2):
-        one = {name: column[place] for name, column in VALUES.items()}
-        assert evaluate_expression(expression, one, UNITS, "m") == many[place]
-    assert math.isclose(many[0], 0.267, rel_tol=1e-12)
 
 
 @pytest.mark.parametrize(
@@ -428,24 +413,6 @@ def test_cubic_terms_and_their_order():
     assert term_symbols(cubic) == ("1", "a^2 b", "b^3")
 
 
-def test_category_and_unlogged_column_in_a_logarithmic_form():
-    mixed = form(
-        "power law",
-        ("web_thickness", "fillet_radius", "web_outline=rectangle"),
-        True,
-        (math.log(0.068), 0.005, 0.5),
-        (1.0, 0.005, 0.5),
-        ((), (0,), (1,), (2,)),
-        (math.log(1e-9), -2.0, 0.1, 0.05),
-        logged=(True, False, False),
-    )
-    text = equation_text(mixed, symbol="e_n", unit="m/N")
-    assert text.endswith("- 2 ln(h/mm) + 0.02 (r/mm) + 0.1 [web_outline = rectangle]")
-    point = [0.05, 0.008, 1.0]
-    values = {"h": 50.0, "r": 8.0, "web_outline_rectangle": 1.0}
-    assert evaluate_text(text, values) == close(float(mixed.predict(point)), rel=1e-4)
-
-
 def test_equation_on_groups_is_dimensionless():
     groups = form(
         "group quadratic",
@@ -465,24 +432,3 @@ def test_equation_on_groups_is_dimensionless():
         ("", "ln(y)"),
     ):
         assert equation_text(groups, symbol="y", unit=unit, basis="groups") == left + expected
-
-
-def test_equation_of_other_responses_and_units():
-    labels = {"load": FactorLabel("P", "kN", 1e3), "ratio": FactorLabel("k", "", 1.0)}
-    terms = ((), (0,), (1,))
-    plane = form(
-        "linear", ("load", "ratio"), False, (0.0, 0.0), (1e3, 1.0), terms, (5.0, 2.0, -1.0)
-    )
-    assert equation_text(plane, symbol="m", unit="kg", labels=labels) == (
-        "m = (5 + 2 P - 1 k) kg, P in kN"
-    )
-    torsional = form("linear", FACTORS[:1], False, (0.3,), (0.03,), ((), (0,)), (4e-8, 1e-9))
-    text = equation_text(torsional, symbol="e_t", unit="rad/(N m)")
-    assert text == "e_t = 1e-9 * (30 + 0.0333333 B) rad/(N m), lengths in mm"
-
-
-def test_labels_of_factors():
-    assert factor_label("temperature") == FactorLabel("temperature", "", 1.0)
-    assert factor_label("counterweight.thickness").unit == "mm"
-    assert factor_label("further_pins.0.length").unit == "mm"
-    assert factor_label("counterweight.nothing") == FactorLabel("counterweight.nothing", "", 1.0)

@@ -19,7 +19,6 @@ from regression.fits.forms import FittedForm
 from regression.fits.sensitivity import (
     constrained_indices,
     elasticities,
-    nominal_values,
     region_sample,
     sobol_indices,
 )
@@ -98,16 +97,6 @@ def test_sobol_indices_of_a_product_with_a_category():
     total = [ratios[i] * np.prod(np.delete(1 + ratios, i)) / whole for i in range(3)]
     assert found.total == close(total, abs=0.01)
     assert sum(found.first) <= 1.0
-
-
-def test_what_does_not_vary_has_no_indices():
-    assert sobol_indices(lambda x: np.full(len(x), 2e-9), (A, B)) is None
-
-
-def test_nominal_values():
-    factors = (A, B, KIND)
-    assert nominal_values(factors, (1.2, 5.0, 2.0)) == [1.2, 2.0, 2.0]
-    assert nominal_values(factors, (None, 1.0, None)) == [1.5, 1.0, 0.0]
 
 
 def test_one_factor_has_all_of_the_variance():
@@ -256,14 +245,6 @@ def test_the_worst_places_lie_outside_the_runs_and_apart(form):
     assert on_edge.all()
     distances = np.linalg.norm(chosen[:, None] - chosen, axis=2)
     assert distances[~np.eye(4, dtype=bool)].min() > 0.5
-
-
-def test_an_exact_equation_is_worst_nowhere():
-    runs = RUNS
-    fit = fit_form("linear", ("a", "b"), runs, np.ones(len(runs)))
-    equation = JudgedEquation(fit, runs, np.ones(len(runs)), PLACES, np.ones(len(PLACES)))
-    assert expected_errors(equation).squares == close(np.zeros(6), abs=1e-12)
-    assert len(set(worst_places([equation], 3))) == 3
 
 
 def test_as_many_runs_as_coefficients_tell_nothing_of_the_error():

@@ -71,14 +71,6 @@ def test_numbers_come_back_to_the_last_digit(tmp_path_factory, responses):
         assert store.outcomes(["k"])["k"].responses == responses
 
 
-def test_a_later_outcome_replaces_an_earlier_one(tmp_path):
-    with ResultStore(tmp_path / "runs.sqlite") as store:
-        store.record(FAILED)
-        better = Outcome(FAILED.key, FAILED.inputs, {"axial_compliance_pinned": 2e-9}, None, 1.0)
-        store.record(better)
-        assert store.outcomes([FAILED.key]) == {FAILED.key: better}
-
-
 @pytest.mark.parametrize("lost", [False, True])
 def test_a_result_never_gives_way_to_a_failure(tmp_path, lost):
     """Two programs may compute the same design; the slower one must not undo the other's result."""
@@ -114,14 +106,6 @@ def test_an_error_in_a_transaction_leaves_the_store_as_it_was(tmp_path):
         assert list(store.studies()) == ["s"]
 
 
-def test_the_file_is_written_ahead(tmp_path):
-    path = tmp_path / "runs.sqlite"
-    with ResultStore(path):
-        connection = sqlite3.connect(path)
-        assert connection.execute("PRAGMA journal_mode").fetchone() == ("wal",)
-        connection.close()
-
-
 def test_a_finished_design_is_in_the_file_itself(tmp_path):
     """A copy of the file without its log, taken while the study runs, has all that is finished."""
     with ResultStore(tmp_path / "runs.sqlite") as store:
@@ -150,14 +134,6 @@ def test_what_is_recorded_is_seen_by_others_at_once(tmp_path):
         assert writer.outcomes([FAILED.key]) == {FAILED.key: FAILED}
 
 
-def test_missing_folders_are_refused_and_not_made(tmp_path):
-    with pytest.raises(
-        InputError, match=r"^store: given '.*runs\.sqlite'; there is no folder .*a\.$"
-    ):
-        ResultStore(tmp_path / "a" / "runs.sqlite")
-    assert list(tmp_path.iterdir()) == []
-
-
 def test_a_study_registered_twice_stands_once(tmp_path):
     designs = [("run", "a", {}), ("run", "b", {}), ("held out", "c", {})]
     with ResultStore(tmp_path / "runs.sqlite") as store:
@@ -174,25 +150,6 @@ def test_a_study_registered_twice_stands_once(tmp_path):
         ("s", 2, "held out", "c"),
         ("t", 0, "run", "a"),
     ]
-
-
-def test_a_study_registered_anew_has_its_new_designs_alone(tmp_path):
-    """As when a later release draws other points: the view must not show those of before."""
-    with ResultStore(tmp_path / "runs.sqlite") as store:
-        store.register_study(
-            "s", {}, [("run", "a", {"x": 1.0}), ("run", "b", {}), ("run", "c", {})]
-        )
-        store.register_study("t", {}, [("run", "a", {})])
-        store.register_study("s", {}, [("run", "a", {"x": 1.0}), ("held out", "d", {"y": "round"})])
-        assert store.study_designs("s") == (
-            ("run", "a", {"x": 1.0}),
-            ("held out", "d", {"y": "round"}),
-        )
-        assert store.study_designs("t") == (("run", "a", {}),)
-        connection = sqlite3.connect(store.path)
-        rows = connection.execute("SELECT study, place, key FROM results").fetchall()
-        connection.close()
-    assert rows == [("s", 0, "a"), ("s", 1, "d"), ("t", 0, "a")]
 
 
 def test_results_can_be_read_with_plain_sql(tmp_path):
@@ -238,17 +195,6 @@ ROW = ExtraRow(
     "a.csv",
 )
 MEASURED = ExtraRow("measured", {"web_width": 0.3}, {}, None, {"mass": 171.0}, {"mass": 0.1}, "b")
-
-
-def test_rows_from_elsewhere_come_back_as_they_went_in_and_stand_once(tmp_path):
-    with ResultStore(tmp_path / "runs.sqlite") as store:
-        assert store.add_extra_rows("s", [ROW, MEASURED]) == 2
-        assert store.add_extra_rows("s", [ROW]) == 0
-        assert store.add_extra_rows("t", [ROW]) == 1
-    with ResultStore(tmp_path / "runs.sqlite", readonly=True) as store:
-        assert store.extra_rows("s") == (ROW, MEASURED)
-        assert store.extra_rows("t") == (ROW,)
-        assert store.extra_rows("u") == ()
 
 
 def test_a_computed_row_stands_once_at_its_place_in_the_study(tmp_path):
