@@ -22,12 +22,7 @@ from crankfem.analyses.shaft.sources import (
     torsional_sources,
 )
 from crankfem.analyses.study.frequency_limits import EngineFrequencies, frequency_limit
-from crankfem.analyses.throw.law_record import (
-    LAW_BANDS,
-    law_answers,
-    law_record,
-    law_sentence,
-)
+from crankfem.analyses.throw.law_record import LAW_BANDS, law_answers, law_record, law_sentence
 from crankfem.cli.commands import optimum as optimum_command
 from crankfem.cli.commands.lookup import lookup
 from crankfem.cli.commands.optimum import optimum

@@ -23,11 +23,7 @@ from dynamics.critical import major_orders
 from dynamics.cycle import order_step
 from dynamics.engine.firing import firing_order_of_angles
 from dynamics.engine.layout import EngineCylinder, EngineLayout, RotatingMass, SlavePin
-from dynamics.engine.motions import (
-    acceleration_orders,
-    cylinder_motion,
-    piston_acceleration,
-)
+from dynamics.engine.motions import acceleration_orders, cylinder_motion, piston_acceleration
 from dynamics.engine.rods import ConnectingRod
 from dynamics.engine.slider_crank import SliderCrank
 from dynamics.torque.star import leading_stars, star_diagram

@@ -179,8 +179,7 @@ def test_what_does_not_fit_is_refused():
     with pytest.raises(InputError, match="given 2 for a chain of 4 sections"):
         axial_excitation(
             forces_at_speeds(
-                cylinder_harmonics(chains_engine(), 2.0, Waves(), throws=[0, 0, 1, 1, 0, 0]),
-                SPEEDS,
+                cylinder_harmonics(chains_engine(), 2.0, Waves(), throws=[0, 0, 1, 1, 0, 0]), SPEEDS
             ),
             AXIAL,
             E_THROWS[:2],

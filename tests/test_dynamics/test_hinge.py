@@ -13,11 +13,7 @@ from crankbase.errors import InputError
 from dynamics.cycle import even_angles
 from dynamics.engine.forces import mechanism_forces
 from dynamics.engine.rods import ConnectingRod
-from dynamics.hinge.crosshead import (
-    KINEMATICS,
-    CrossheadEngine,
-    reduced_crank,
-)
+from dynamics.hinge.crosshead import KINEMATICS, CrossheadEngine, reduced_crank
 from dynamics.hinge.moment import hinge_moment
 from dynamics.hinge.profile import (
     GasSpring,

@@ -8,10 +8,7 @@ import pytest
 
 from comparing import close
 from crankbase.errors import InputError
-from crankfem.analyses.vibration.plots import (
-    plot_transient,
-    plot_transient_over_speed,
-)
+from crankfem.analyses.vibration.plots import plot_transient, plot_transient_over_speed
 from dynamics.chains.chain import Chain, Dashpot, Gear
 from dynamics.chains.engine_chains import EngineChain
 from dynamics.engine.layout import EngineCylinder, EngineLayout

@@ -19,12 +19,7 @@ from plans import FILLETED
 from regression.fits.fits import fit_form
 from regression.models.compliance_model import ComplianceModel
 from regression.models.response_model import ResponseModel
-from regression.response_kinds import (
-    END_MOMENTS,
-    NEEDED,
-    ThrowLengths,
-    end_reactions,
-)
+from regression.response_kinds import END_MOMENTS, NEEDED, ThrowLengths, end_reactions
 from regression.throw_values import throw_values
 
 THROW = FILLETED
