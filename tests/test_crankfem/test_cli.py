@@ -447,15 +447,6 @@ def test_lookup_refuses(call, model_file, pairs, fragment):
     assert answer.err.count("\n") == 1
 
 
-@pytest.mark.parametrize("content", [None, "", "[]", "{}", "no json", '{"format": "other"}'])
-def test_lookup_refuses_other_files(call, tmp_path, content):
-    if content is not None:
-        (tmp_path / "other.json").write_text(content, encoding="utf-8")
-    answer = call("lookup", "other.json", "web_width=300mm")
-    assert (answer.code, answer.out) == (2, "")
-    assert answer.err.startswith("Error: other.json: ")
-
-
 # ------------------------------------------------------------------------------- throw, formulas
 
 
@@ -558,16 +549,6 @@ def test_formulas_refuses(call, arguments, fragment):
 
 
 # -------------------------------------------------------------------------------- fit, doe, report
-
-
-def test_fit_refuses_what_is_no_store(call, tmp_path):
-    (tmp_path / "text.sqlite").write_text("no database " * 100, encoding="utf-8")
-    for given, fragment in (("nowhere.sqlite", "there is no such file"), ("text.sqlite", "store")):
-        answer = call("fit", given)
-        assert (answer.code, answer.out) == (2, "")
-        assert answer.err.startswith(f"Error: store: given '{given}'")
-        assert fragment in answer.err
-        assert not (tmp_path / "model.json").exists()
 
 
 @pytest.mark.parametrize("workers", ["0", "-1", "1000"])

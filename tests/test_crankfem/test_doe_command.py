@@ -17,7 +17,7 @@ import pytest
 from comparing import close
 from crankbase.errors import InputError
 from crankfem.analyses.study import design_export, studies
-from crankfem.analyses.study.response_fits import fit_study, surface
+from crankfem.analyses.study.response_fits import fit_study
 from crankfem.analyses.study.studies import run_grown, worst_designs
 from crankfem.cli.console import progress_text
 from fem.responses import RESPONSES
@@ -25,7 +25,7 @@ from geometry.shapes import element_volumes
 from plans import FILLETED, plan_of_levels, table_of_function
 from puppets import PRELUDE, puppet
 from regression.models.compliance_model import ComplianceModel
-from regression.plans.designs import DesignChoice, values_at
+from regression.plans.designs import DesignChoice
 from regression.plans.factors import Factor
 from regression.plans.plan import StudyPlan
 from regression.records import StudyStoppedError
@@ -474,33 +474,6 @@ def plan_of(kind, seed=1, **others):
         for name, ends in BOX.items()
     )
     return StudyPlan(GROWTH_THROW, factors, DesignChoice(kind, **given), seed=seed, **others)
-
-
-def largest_error(table):
-    """Of the chosen equation, at 2000 points that no study has."""
-    x = values_at(table.plan.factors, np.random.default_rng(99).random((2000, 3)))
-    found = fit_study(table)["axial_compliance"]
-    return np.max(np.abs(surface(table.plan, found, found.chosen)(x) / compliance(x) - 1.0))
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("kind", DESIGNS)
-def test_runs_where_the_equation_is_worst_help_more_than_as_many_random_ones(monkeypatch, kind):
-    monkeypatch.setattr(studies, "PLACES", 300)
-    before, grown, by_chance = [], [], []
-    for seed in range(1, 4):
-        plan = plan_of(kind, seed)
-        table = table_of_function(plan, compliance)
-        before.append(largest_error(table))
-        grown.append(
-            largest_error(
-                table_of_function(plan, compliance, worst_designs(table, fit_study(table), 10))
-            )
-        )
-        random = values_at(plan.factors, np.random.default_rng(seed).random((10, 3)))
-        by_chance.append(largest_error(table_of_function(plan, compliance, random)))
-    assert np.median(grown) < 0.9 * np.median(by_chance)
-    assert np.median(grown) < 0.9 * np.median(before)
 
 
 def test_added_runs_keep_constraints_and_relations_and_are_new(monkeypatch):

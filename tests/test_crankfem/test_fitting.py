@@ -230,30 +230,6 @@ def test_groups_are_not_offered_where_a_part_keeps_its_size():
     assert any("the part does not grow with the throw" in text for text in found.skipped)
 
 
-def test_categories(outlines):
-    found = fit_study(outlines)["axial_compliance"]
-    assert "web_outline=rectangle" in found.chosen.factors
-    assert found.chosen.largest_heldout_error < 0.01
-    assert "[web_outline = rectangle]" in found.equation(found.chosen)
-    # The fillet may be 0: no logarithm of it.
-    assert "ln(r" not in found.equation(found.chosen)
-
-
-def test_sensitivities(table, fits):
-    known = sensitivities(table, fits["axial_compliance"])
-    assert known.nominal == {"web_width": 0.285, "web_thickness": 0.068, "pin_length": 0.139}
-    record = THROW.model_dump(mode="json")
-    for name, found in known.elasticity.items():
-        up, down = (
-            puppet(record | {name: record[name] * (1 + step)})["axial_compliance_pinned"]
-            for step in (1e-5, -1e-5)
-        )
-        # Equation and puppet differ by less than 1 %, their slopes by a little more.
-        assert found == close(math.log(up / down) / 2e-5, abs=0.05)
-    assert max(known.sobol.first) > 0.9
-    assert sum(known.sobol.first) <= 1.0
-
-
 def test_sensitivities_under_a_constraint(capsys):
     """A plane over half of a rectangle, cut by a dimension that follows from one of the factors.
 

@@ -41,18 +41,6 @@ def test_engine_record(call):
     assert record["mean"] == close(torque.mean, rel=1e-12)
 
 
-def test_engine_as_tables(call):
-    answer = call("harmonics", "8chn26-26", "--orders", "2.5", "--cylinder", "5")
-    assert answer.code == 0
-    assert "No order is major; the strongest: 2." in answer.out
-    assert "throw 1 (cyl." in answer.out
-    assert re.search(
-        r"Cylinder 5: tangential force T on the crankpin, phases from\s+its", answer.out
-    )
-    assert "-0.00" not in answer.out
-    assert "Cylinders with hinged rods differ" in answer.out
-
-
 def test_large_torques_are_told_in_one_unit_a_table(call):
     answer = call("harmonics", "6s50mc-c", "--orders", "4")
     assert answer.code == 0

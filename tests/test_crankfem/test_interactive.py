@@ -28,7 +28,7 @@ from crankfem.report.interactive.mechanism import MECHANISM, developed_load, pol
 from crankfem.report.interactive.plot import write_figure
 from crankfem.report.interactive.study import parity, response_over_factors
 from crankfem.report.interactive.style import design_texts, plain_layout, rounded
-from crankfem.report.interactive.throw_view import DRAWN_DISPLACEMENT, MOST_STRESSED, throw_view
+from crankfem.report.interactive.throw_view import DRAWN_DISPLACEMENT, throw_view
 from crankfem.report.interactive.triangles import TriangleSurface, decimate_triangles, polylines
 from crankfem.report.interactive.vibration import VIBRATION, amplitudes_over_speed, axial_split
 from crankfem.report.plots import STUDY
@@ -656,18 +656,6 @@ def test_throw_view(throw, analysis, tmp_path, strict, monkeypatch):
         assert on_fillets == [close(1e-3 * largest)]
         # The surface shows its corner nodes: the largest of all may be a middle one.
         assert 0.8 * largest * 1e-3 < max(values)
-
-
-@pytest.mark.slow
-def test_throw_without_stresses_and_with_many_triangles(analysis, tmp_path, strict, monkeypatch):
-    module = "crankfem.report.interactive.throw_view"
-    monkeypatch.setattr(f"{module}.MOST_TRIANGLES", 2000)
-    monkeypatch.setattr(f"{module}.MOST_EDGES", 100)
-    figure = strict(throw_view(tmp_path, analysis).read_text(encoding="utf-8"))
-    assert [trace["name"] for trace in figure["data"]] == ["solid", "sharp edges", "deformed"]
-    assert 500 < len(figure["data"][0]["i"]) <= 2000 < MOST_STRESSED
-    (menu,) = figure["layout"]["updatemenus"]
-    assert len(menu["buttons"]) == 2
 
 
 @pytest.mark.slow

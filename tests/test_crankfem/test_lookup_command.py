@@ -22,7 +22,7 @@ from crankfem.analyses.shaft.sources import (
     torsional_sources,
 )
 from crankfem.analyses.study.frequency_limits import EngineFrequencies, frequency_limit
-from crankfem.analyses.throw.law_record import LAW_BANDS, law_answers, law_record, law_sentence
+from crankfem.analyses.throw.law_record import law_answers, law_record, law_sentence
 from crankfem.cli.commands import optimum as optimum_command
 from crankfem.cli.commands.lookup import lookup
 from crankfem.cli.commands.optimum import optimum
@@ -164,17 +164,6 @@ def test_gamma(run, path):
     assert "between neighbors at 90 deg" in run("lookup", path, *PAIRS, "--gamma", "-90")
     with pytest.raises(InputError, match="--gamma: given nan; allowed is a finite angle"):
         run("lookup", path, *PAIRS, "--gamma", "nan")
-
-
-def test_what_depends_on_gamma_stands_first(run, path):
-    model = ComplianceModel.load(path)
-    responses = dict(reversed(model.responses.items()))
-    ComplianceModel(**(model.model_dump() | {"responses": responses})).save(path)
-    lines = run("lookup", path, *PAIRS, "--gamma", "120").splitlines()
-    assert lines[0].startswith("axial compliance: ")
-    assert lines[1] == "Independent of --gamma:"
-    assert lines[2].startswith("mass: ")
-    assert len(lines) == len(SIZES) + 3
 
 
 def test_bands_tell_what_is_not_known(run, path):
@@ -743,20 +732,6 @@ def test_a_throw_of_pairs_or_of_an_engine_that_they_change():
     assert law_throw(LAW_PAIRS) == (LAW_THROW, STEEL)
     throw, material = load_throw(ENGINE)
     assert law_throw(["web_width=310mm"], ENGINE) == (throw.changed(web_width=0.310), material)
-
-
-def test_lookup_law(call):
-    out = call(
-        "lookup", "law", *LAW_PAIRS, "--gamma", "120 deg", "--pin-force", "0, -100 kN, 0"
-    ).out
-    assert LAW_BANDS in out
-    assert "Axial reaction neighbors 120 deg: within" in out
-    found = call("lookup", "law", *LAW_PAIRS, "--json").json()
-    assert (
-        found["axial_compliance"]["value"]
-        == law_answers(LAW_THROW, STEEL)["axial_compliance"]["value"]
-    )
-    assert "refused" not in found
 
 
 def test_check_and_formulas_tell_the_law(call):

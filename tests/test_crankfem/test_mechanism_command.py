@@ -12,13 +12,12 @@ from comparing import close
 from crankbase.drawing.diagram_style import figure
 from crankbase.errors import InputError
 from crankbase.tables.table import merged_rows
-from crankfem.analyses.mechanism import balance_records
 from crankfem.analyses.mechanism.balance_records import (
     balance_contents,
     mechanism_balance_record,
     throw_mass_table,
 )
-from crankfem.analyses.mechanism.mechanism_records import acceleration_record, mechanism_record
+from crankfem.analyses.mechanism.mechanism_records import mechanism_record
 from crankfem.analyses.mechanism.mechanism_run import run_mechanism
 from crankfem.analyses.mechanism.plots import (
     plot_accelerations,
@@ -31,14 +30,12 @@ from crankfem.analyses.mechanism.rod_models import (
     model_difference_sentence,
     model_difference_table,
 )
-from crankfem.cli import console
-from crankfem.cli.tables import mechanism_tables
 from crankfem.files.engine.engine_file import load_engine
 from crankfem.files.engine.mechanism_file import load_mechanism
 from crankfem.files.reading.data_files import data_folder, input_path
 from crankfem.jobs.outputs import check_outputs
 from crankfem.report.interactive.mechanism import MECHANISM
-from dynamics.balance.balance import balance, hinged_rod_effects
+from dynamics.balance.balance import balance
 from dynamics.balance.moving_masses import balancing_masses
 from dynamics.engine.layout import EngineCylinder, EngineLayout, SlavePin
 from dynamics.engine.loads import LoadDiagram
@@ -80,16 +77,6 @@ def test_the_mean_load_balances_over_the_bearings(v8):
 def test_models_differ_as_their_masses_do(v8):
     compared = {row.model: row for row in compare_rod_models(v8)}
     assert 0.02 < compared["three-mass"].crankpin < compared["two-mass"].crankpin < 0.05
-
-
-def test_the_balance_is_that_of_the_exact_bodies_about_the_middle(v8):
-    positions = v8.mechanism.bearing_positions
-    assert v8.balance.about == close(0.5 * positions[-1])
-    assert v8.balance.model == "rigid"
-    classical = run_mechanism(v8.mechanism, model="two-mass")
-    assert classical.balance.model == "two-mass"
-    # The rods' centers lie 9 mm beside their axes.
-    assert classical.balance.of(1).moment.major != close(v8.balance.of(1).moment.major, rel=1e-5)
 
 
 def test_the_balance_says_what_is_in_it(v8):
@@ -305,24 +292,6 @@ def vee():
             ),
         ]
     return EngineLayout(0.13, cylinders, [1, 2, 3, 4])
-
-
-def test_tables(capsys, monkeypatch):
-    monkeypatch.setattr(console.output, "width", 120)
-    mechanism_tables.print_balance(balance_records.balance_record(balance(vee(), SPEED)))
-    forces, moments = capsys.readouterr().out.split("Inertia moments")
-    second = 1e-3 * balance(vee(), SPEED).of(2).force.major
-    assert [line.split()[3] for line in forces.splitlines() if "│ 1 " in line] == ["balanced"]
-    assert f"{second:.4g}" in forces
-    assert "about z = 0.2 m" in moments
-    assert moments.count("balanced") == 3  # the second and fourth order, and the note
-    effects = hinged_rod_effects(vee(), SPEED, cylinders=[1, 2])
-    pistons = acceleration_record(vee(), SPEED, (1, 2))
-    mechanism_tables.print_hinged_rods(balance_records.hinged_rods_record(effects), pistons)
-    shown = capsys.readouterr().out
-    assert "less cylinder 2, at the same alpha: -52.8" in shown
-    assert "hinged: movement alone" in shown
-    assert "-12.2 %" in shown
 
 
 @pytest.mark.slow

@@ -1,6 +1,5 @@
 """What is printed: tables, units, and what reaches the terminal."""
 
-import math
 import re
 import sys
 from collections import Counter
@@ -20,30 +19,6 @@ from crankfem.files.reading.data_files import input_path
 INCH, POUND = 0.0254, 0.45359237
 FORCE = POUND * 9.80665
 KSI = 1e3 * FORCE / INCH**2
-
-
-@pytest.mark.parametrize(
-    ("printed", "name", "size"),
-    [
-        ("mm", "in", INCH),
-        ("um", "in", INCH),
-        ("kN", "lbf", FORCE),
-        ("kN m", "lbf in", FORCE * INCH),
-        ("MPa", "ksi", KSI),
-        ("kg", "lb", POUND),
-        ("kg m^2", "lb in^2", POUND * INCH**2),
-        ("dm^3", "in^3", INCH**3),
-        ("1e-9 m/N", "1e-9 in/lbf", 1e-9 * INCH / FORCE),
-        ("1e-9 rad/(N m)", "1e-9 rad/(lbf in)", 1e-9 / (FORCE * INCH)),
-        ("N s/m", "lbf s/in", FORCE / INCH),
-        ("1/min", "1/min", 2.0 * math.pi / 60.0),
-        ("Hz", "Hz", 1.0),
-    ],
-)
-def test_imperial_units(printed, name, size):
-    unit = parse_output_units("imperial").of(printed)
-    assert unit.name == name
-    assert unit.size == close(size, rel=1e-12)
 
 
 @pytest.mark.parametrize("name", UNITS)
@@ -197,15 +172,6 @@ INCHES = parse_output_units("in, lbf")
 )
 def test_a_column_writes_heads_and_cells(column, cell, units, head, text):
     assert (column.head(units), column.text(cell, units)) == (head, text)
-
-
-def test_numbers_written_elsewhere_get_their_digits_but_orders_stay():
-    def write(value, digits):
-        return f"{value:#.{digits}g}"
-
-    table = Table("", [Column("order", digits=None), Column("load", "kN")], [[4.5, 1600.0]])
-    assert table.texts(write=write) == [["4.5", "1.600"]]
-    assert table.texts() == [["4.5", "1.6"]]
 
 
 def test_numbers_written_with_fewer_digits_are_rounded_once():

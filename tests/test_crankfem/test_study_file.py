@@ -125,32 +125,6 @@ pin_fillet_radius = "0.07 * pin_diameter"
     assert throw["pin_fillet_radius"] == 0.0126
 
 
-@pytest.mark.parametrize(
-    ("head", "design"),
-    [
-        ('design = "full factorial"', DesignChoice()),
-        ('design = "Box-Behnken"', DesignChoice("box-behnken")),
-        ('design = "latin hypercube"\nruns = 12', DesignChoice("latin hypercube", runs=12)),
-        ('design = "sobol"\nruns = 8', DesignChoice("sobol", runs=8)),
-        (
-            'design = "fractional factorial"\nresolution = "III"',
-            DesignChoice("fractional factorial", resolution=3),
-        ),
-        (
-            'design = "fractional factorial"\ngenerators = "a b ab"',
-            DesignChoice("fractional factorial", generators="a b ab"),
-        ),
-        (
-            'design = "central composite"\nface = "inscribed"',
-            DesignChoice("central composite", face="inscribed"),
-        ),
-    ],
-)
-def test_designs(read, head, design):
-    factors = f'{RANGE}\nweb_width = ["270 mm", "330 mm"]\npin_length = ["120 mm", "158 mm"]'
-    assert read(study(head, factors)).design == design
-
-
 def test_stresses_and_constraints(read):
     plan = read(study('stresses = true\nconstraints = ["web_width > 280 mm"]'))
     assert plan.stresses is True

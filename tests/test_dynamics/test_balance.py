@@ -13,7 +13,6 @@ from comparing import close
 from crankbase.errors import InputError
 from dynamics.balance.balance import balance, hinged_rod_effects, hodograph_change
 from dynamics.balance.moving_masses import (
-    FOLD,
     Hodograph,
     balancing_masses,
     moving_masses,
@@ -25,7 +24,6 @@ from dynamics.engine.firing import firing_order_of_angles
 from dynamics.engine.layout import EngineCylinder, EngineLayout, RotatingMass, SlavePin
 from dynamics.engine.motions import acceleration_orders, cylinder_motion, piston_acceleration
 from dynamics.engine.rods import ConnectingRod
-from dynamics.engine.slider_crank import SliderCrank
 from dynamics.torque.star import leading_stars, star_diagram
 from dynamics.torque.torque import engine_torque
 from references import even_firing_angles
@@ -139,36 +137,6 @@ def test_scales_of_what_counts_as_round_off():
         assert row.moment_scale == close(scale * reach, rel=1e-14)
     alone = balance(in_line([0.0]), SPEED).rows[0]
     assert alone.moment_scale == close(alone.force_scale * 0.1, rel=1e-14)
-
-
-def test_moments_about_another_point():
-    engine = engine_with_everything()
-    here, there = balance(engine, SPEED, about=0.0), balance(engine, SPEED, about=2.0)
-    for near, far in zip(here.rows, there.rows, strict=True):
-        assert near.force == far.force
-        assert far.moment.forward == close(
-            near.moment.forward - 2j * near.force.forward, abs=ROUND_OFF * near.force_scale
-        )
-
-
-@pytest.mark.parametrize("ratio", [0.2, 0.9, 0.999])
-def test_orders_are_free_of_aliasing(ratio):
-    engine = one_cylinder(ratio)
-    found = acceleration_orders(engine, 1, SPEED)
-    angles = np.linspace(0.1, 6.0, 50)
-    drive = SliderCrank(0.1, 0.1 / ratio)
-    whole = -(SPEED**2) * drive.piston(angle_deg=np.degrees(angles)).second.real
-    largest = np.max(
-        np.abs(piston_acceleration(engine, 1, SPEED, angles_deg=np.degrees(np.linspace(0, 7, 500))))
-    )
-    np.testing.assert_array_equal(
-        piston_acceleration(engine, 1, SPEED, angles_deg=np.degrees(angles)), whole
-    )
-    # The series meets the function between the samples, too, which folded orders would forbid; near
-    # a dead mechanism cos(beta) comes down to 0.04, which makes round-off of 2e-14.
-    np.testing.assert_allclose(
-        found.at(crank_angle_deg=np.degrees(angles)), whole, rtol=0, atol=1e-13 * largest
-    )
 
 
 def test_counterweights():
@@ -417,28 +385,6 @@ def test_no_order_leads_where_all_are_balanced():
 
 parts = st.builds(cmath.rect, st.floats(0.1, 10.0), st.floats(-math.pi, math.pi, exclude_min=True))
 hodographs = st.builds(Hodograph, st.integers(1, 6), parts, parts)
-
-
-@given(hodographs)
-@settings(max_examples=30)
-def test_axes_bound_the_vector_and_are_reached(shape):
-    around = np.abs(shape.at(shaft_angle_deg=np.linspace(0.0, 360.0, 100)))
-    assert np.all(around <= shape.major * (1 + 1e-14))
-    assert np.all(around >= shape.minor - 1e-14 * shape.major)
-    if shape.angle_deg is None:
-        assert shape.minor == close(shape.major, rel=2e-12)
-        return
-    # A nearly round ellipse shows the direction of its axis only to round-off over its flatness.
-    blur = 1e-14 * shape.major / (shape.major - shape.minor)
-    assert 0.0 <= math.radians(shape.largest_at_deg) < math.pi / shape.order + blur
-    assert -90.0 < shape.angle_deg <= 90.0
-    at_largest = complex(shape.at(shaft_angle_deg=shape.largest_at_deg))
-    assert abs(at_largest) == close(shape.major, rel=1e-14)
-    across = (at_largest * cmath.exp(-1j * math.radians(shape.angle_deg))).imag
-    # An axis within FOLD of the horizontal is told as horizontal.
-    assert abs(across) <= (1e-14 + 10 * blur + FOLD) * shape.major
-    at_least = complex(shape.at(shaft_angle_deg=shape.largest_at_deg + 90.0 / shape.order))
-    assert abs(at_least) == close(shape.minor, abs=(1e-14 + blur) * shape.major)
 
 
 @given(hodographs, st.floats(-4.0, 4.0))

@@ -4,8 +4,6 @@ import math
 
 import numpy as np
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
 from scipy.signal import peak_prominences
 
 from comparing import close
@@ -24,16 +22,6 @@ from dynamics.response.order_excitation import OrderExcitation
 from dynamics.response.peak_cause import peak_cause
 from dynamics.response.resonance import refined_speeds
 from references import even_firing_angles
-
-
-def test_critical_speeds_stand_in_ascending_order_and_within_range():
-    found = critical_speeds([0.0, 100.0, 240.0], [2.0, 4.0, 5.0], (100.0, 400.0))
-    expected = [(1, 5.0), (1, 4.0), (2, 5.0), (1, 2.0), (2, 4.0)]
-    assert [(item.mode, item.order) for item in found] == expected
-    assert [item.speed for item in found] == sorted(item.speed for item in found)
-    for item in found:
-        assert item.order * item.speed == close(2.0 * math.pi * item.frequency)
-        assert item.speed_rpm == close(60.0 * item.frequency / item.order)
 
 
 def test_ends_of_the_range_belong_to_it():
@@ -71,16 +59,6 @@ def test_weights_bring_out_a_minor_order():
     # Order 0.5 fires at 0, 270, 90, 180 deg of phase: 1 - 0.5 and 0.8 + 0.2 at right angles.
     found = vector_sums([0.5], angles, [1.0, 0.8, -0.2, 0.5])
     assert found == close([math.hypot(0.5, 1.0)])
-
-
-@given(
-    st.lists(st.floats(0.0, 12.0), min_size=1, max_size=8),
-    st.floats(-7.0, 7.0),
-    st.sampled_from((0.5, 1.0, 3.0)),
-)
-def test_sum_does_not_depend_on_where_the_cycle_starts(angles, shift, order):
-    moved = vector_sums([order], np.array(angles) + shift)
-    assert moved == close(vector_sums([order], angles), abs=1e-12)
 
 
 def test_unusable_vector_sums_are_refused():
@@ -131,25 +109,6 @@ def test_a_mode_that_creeps_is_none():
     assert found[0].sentence.startswith("Order 1, mode 1: no peak (954.9 1/min undamped).")
 
 
-@pytest.mark.parametrize("ratio", [0.001, 0.05, 0.3, 0.6])
-def test_the_peak_of_one_mass(ratio):
-    """w_n sqrt(1 - 2 d^2) and 1 / (2 d sqrt(1 - d^2)), without a maximum from d = 0.707 on."""
-    speeds = np.linspace(20.0, 200.0, 40)
-    run = response(damped(MAIN, modal_damping=ratio), speeds=speeds)
-    (one, two) = damped_criticals(run, node=0)
-    peak = 100.0 * np.sqrt(1.0 - 2.0 * ratio**2)
-    assert two.speed == close(0.5 * peak, rel=1e-6)
-    assert two.amplitude == close(1e-3 * 0.5 / (ratio * np.sqrt(1.0 - ratio**2)), rel=1e-9)
-    assert two.undamped_speed == close(50.0)
-    assert (two.mode, two.place, two.in_band) == (1, "main", True)
-    assert two.mode_share == close(1.0, rel=1e-9)
-    assert two.damping_ratio == close(ratio)
-    assert two.frequency == close(two.speed / np.pi)
-    assert max(one.severity, two.severity) == 1.0
-    assert not two.unbounded
-    assert one.speed == close(peak, rel=1e-6)
-
-
 def test_at_speeds_that_hold_all_that_are_looked_at():
     chain = damped(MAIN, modal_damping=0.02)
     speeds = refined_speeds([100.0 / (2.0 * np.pi)], 0.02, [1.0], (40.0, 200.0))
@@ -163,16 +122,6 @@ def test_no_peak_with_much_damping():
     assert "has_peak no" in repr(found[0])
     assert "nan" not in repr(found[0])
     assert found[0].damping_ratio == close(0.75)
-
-
-def test_without_damping():
-    found = damped_criticals(response(ROW), node=0)
-    assert {one.amplitude for one in found} == {float("inf")}
-    for one in found:
-        assert one.speed == close(one.undamped_speed, rel=1e-9)
-        assert one.mode_share == one.severity == 1.0
-        assert one.unbounded
-    assert complex_modes(ROW).sources == ({}, {})
 
 
 @pytest.mark.parametrize("damping", [1e-3, 30.0, 1e6])

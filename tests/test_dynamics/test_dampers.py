@@ -30,7 +30,6 @@ from dynamics.chains.dampers import (
     untuned_optimum,
     viscous_damper_for,
 )
-from dynamics.chains.editing import with_damper
 from dynamics.response.harmonic import harmonic_response
 from dynamics.response.linear_system import chain_system
 from dynamics.response.order_excitation import OrderExcitation
@@ -45,31 +44,6 @@ def peak(chain, node=0, speeds=SPEEDS):
     forces[:, node] = 1.0
     motion = harmonic_response(chain_system(chain), speeds, forces).motion
     return np.max(np.abs(motion[:, node]))
-
-
-def test_viscous_damper_on_a_chain():
-    chain = with_damper(
-        Chain([1.0, 2.0], [5.0], names=["a", "b"]), "a", ViscousDamper(0.3, 4.0, 0.2)
-    )
-    assert chain.names == ("a", "b", "damper ring")
-    assert chain.inertia.tolist() == [1.2, 2.0, 0.3]
-    assert chain.damping_matrix().tolist() == [[4.0, 0.0, -4.0], [0.0, 0.0, 0.0], [-4.0, 0.0, 4.0]]
-    assert chain.stiffness.tolist() == [5.0]
-    modes = chain.modes()
-    assert modes.rigid == 2
-    assert modes.elastic_frequencies.tolist() == modes.frequencies[2:].tolist()
-    assert np.all(modes.elastic_frequencies > 0.0)
-    assert modes.strain_names == (*chain.elements, *(f"{name} - ground" for name in chain.names))
-    assert len(modes.strain_names) == len(modes.strain_shares)
-
-
-def test_rubber_damper_on_a_chain():
-    damper = RubberDamper(0.3, 7.0, loss_factor=0.2, damping=0.1, hub_inertia=0.5, name="ring")
-    chain = damper.attached(Chain([1.0], [], names=["hub"]), 0)
-    assert chain.inertia.tolist() == [1.5, 0.3]
-    assert chain.loss_matrix()[1].tolist() == close([-1.4, 1.4])
-    assert chain.damping.tolist() == [0.1]
-    assert damper.angular_frequency == close((7.0 / 0.3) ** 0.5)
 
 
 def test_axial_damper_holds_to_ground():

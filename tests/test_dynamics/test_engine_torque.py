@@ -10,10 +10,8 @@ from comparing import close
 from crankbase.errors import InputError
 from dynamics.chains.chain import Chain
 from dynamics.critical import solid_shaft_stiffness, two_mass_check, two_mass_frequency
-from dynamics.cycle import cycle_radians
 from dynamics.engine.forces import gas_forces, mechanism_forces
 from dynamics.engine.layout import EngineCylinder, EngineLayout, SlavePin
-from dynamics.engine.motions import cylinder_motion
 from dynamics.engine.rods import ConnectingRod
 from dynamics.harmonics import harmonics, read_torque_table
 from dynamics.torque.torque import engine_torque, pin_force_harmonics
@@ -79,25 +77,6 @@ def hinged_vee():
 
 
 ENGINES = pytest.mark.parametrize("engine", [in_line_two_stroke(), hinged_vee()])
-
-
-@ENGINES
-def test_indicated_work_is_the_area_of_the_pressure_over_volume_loop(engine):
-    """The polygon of 20000 corners, from pressure and piston place alone."""
-    pressure = SmoothPressure(engine.strokes)
-    found = engine_torque(engine, SPEED, pressure)
-    angles = np.linspace(0.0, cycle_radians(engine.strokes), 20001)
-    for number, cylinder in enumerate(engine.cylinders, start=1):
-        force = (
-            pressure.at(angle_deg=np.degrees(angles - np.radians(engine.firing_deg)[number - 1]))
-            - 101325.0
-        ) * cylinder.area
-        place = cylinder_motion(
-            engine, number, shaft_angles_deg=np.degrees(angles)
-        ).piston.place.real
-        work = -np.sum(0.5 * (force[1:] + force[:-1]) * np.diff(place))
-        # A polygon misses the share step^2 / 6 of the loop, 7e-8 with 4 pi / 20000.
-        assert found.indicated_work[number - 1] == close(work, rel=2e-7)
 
 
 def test_torque_is_that_of_all_forces_at_once():
@@ -253,16 +232,6 @@ def test_orders_beyond_the_samples_are_refused():
         found.index_of(13)
 
 
-def test_pin_force_harmonics_end_with_the_highest_order():
-    engine = in_line_two_stroke()
-    whole = pin_force_harmonics(engine, SPEED, SmoothPressure(2), samples=96, highest_order=48)[1]
-    cut = pin_force_harmonics(engine, SPEED, SmoothPressure(2), samples=96, highest_order=3.5)[1]
-    for name in ("tangential_gas", "tangential_inertia", "tangential", "radial"):
-        assert getattr(cut, name).orders.tolist() == [1.0, 2.0, 3.0]
-        assert np.array_equal(getattr(cut, name).cosine, getattr(whole, name).cosine[:3])
-    assert whole.radial_gas.orders.size == 48
-
-
 @pytest.fixture
 def written(tmp_path):
     def write(text):
@@ -275,16 +244,6 @@ def written(tmp_path):
 
 CRANK = "# An engine\n# Source: a book\n\ncrank_angle_deg,torque_Nm\n"
 CYCLE = "cycle_angle_deg,torque_Nm\n"
-
-
-def test_crank_angles_show_the_strokes(written):
-    four = read_torque_table(written(CRANK + "0,1\n180,2\n360,3\n540,4\n"))
-    assert four.strokes == 4
-    assert four.source == "An engine\nSource: a book"
-    assert four.crank_angle_deg.tolist() == [0.0, 180.0, 360.0, 540.0]
-    assert four.torque.tolist() == [1.0, 2.0, 3.0, 4.0]
-    two = read_torque_table(written(CRANK + "0,1\n90,2\n180,3\n270,4\n"))
-    assert two.strokes == 2
 
 
 def test_closing_sample_is_dropped(written):

@@ -8,9 +8,8 @@ import pytest
 from comparing import close
 from crankbase.errors import InputError
 from dynamics.chains.engine_chains import axial_chain, torsional_chain
-from dynamics.engine.forces import gas_forces, mechanism_forces, rod_models
+from dynamics.engine.forces import gas_forces, mechanism_forces
 from dynamics.engine.layout import EngineCylinder, EngineLayout, SlavePin
-from dynamics.engine.motions import reduced_inertia
 from dynamics.engine.rods import ConnectingRod
 from dynamics.excitation.axial_forces import compare_axial_forces
 from dynamics.excitation.chain_excitation import (
@@ -270,21 +269,6 @@ def test_orders_add_up_to_the_forces_of_the_mechanism(engine, model):
         largest = np.max(np.abs(forces.crankpin))
         assert tangential == close(forces.tangential.T, abs=1e-11 * largest)
         assert radial == close(forces.radial.T, abs=1e-11 * largest)
-
-
-@ENGINES
-def test_inertia_torque_is_half_the_slope_of_the_inertia_at_the_crank(engine):
-    """The mean of that inertia is in the chain, its slope excites: nothing counts twice."""
-    angles = CYLINDER_RANDOM.uniform(0.0, 20.0, 30)
-    _, slope = reduced_inertia(
-        engine, rod_models(engine, "rigid"), shaft_angles_deg=np.degrees(angles)
-    )
-    tangential, _ = cylinder_forces(engine, CYLINDER_SPEEDS, 36.0).at_angle(
-        1, shaft_angle_deg=np.degrees(angles)
-    )
-    torque = engine.crank_radius * tangential.sum(axis=1)
-    wanted = -0.5 * slope * CYLINDER_SPEEDS[1] ** 2
-    assert torque == close(wanted, abs=1e-10 * np.abs(wanted).max())
 
 
 def test_a_failing_cylinder_follows_the_pressure_without_combustion():

@@ -102,17 +102,6 @@ def test_loads_and_stress():
     np.testing.assert_allclose(found.elastic.values.sum(axis=2), 0.0, atol=1e-20)
 
 
-def test_excitation_over_the_cycle():
-    forces = np.zeros((2, 3, 2), dtype=complex)
-    forces[0, :, 0], forces[1, :, 1] = 2.0j, 3.0
-    own = excitation(forces)
-    angle = np.array([0.0, 0.3, 2.0])
-    expected = np.column_stack((-2.0 * np.sin(angle), 3.0 * np.cos(2.0 * angle)))
-    np.testing.assert_allclose(
-        own.at_angle(1, shaft_angle_deg=np.degrees(angle)), expected, atol=1e-15
-    )
-
-
 def test_forces_of_inertia_are_exact_between_speeds():
     forces = (SPEEDS**2)[np.newaxis, :, np.newaxis] * np.array([2.0, 1.0j]) * np.ones((2, 1, 1))
     between = excitation(forces + 5.0).at_speeds([50.0, 77.0, 149.0])
@@ -239,38 +228,6 @@ def test_any_chain(seed):
         - excitation.forces
     ) @ chain.expansion()
     assert np.max(np.abs(left)) < 1e-10 * np.max(np.abs(loads.elements.values))
-
-
-@settings(max_examples=10, deadline=None)
-@given(st.integers(0, 10_000))
-def test_reciprocity(seed):
-    """A force on one node moves another as much as one there moves the first."""
-    chain = any_chain(seed)
-    system = chain_system(chain)
-    frequency = np.random.default_rng(seed).uniform(10.0, 500.0)
-    one_each = np.eye(6, dtype=complex) @ system.expand
-    answer = harmonic_response(system, np.full(6, frequency), one_each)
-    receptance = answer.motion @ system.expand.T
-    np.testing.assert_allclose(
-        receptance, receptance.T, rtol=0.0, atol=1e-11 * np.max(np.abs(receptance))
-    )
-
-
-@pytest.mark.parametrize("method", ["modal", "direct"])
-def test_one_mass(method):
-    """X = F / (k (1 + i eta) - m w^2 + i w c), below, at and above resonance, also critically damped."""
-    speeds = np.array([3.0, 10.0, 200.0])
-    forces = np.full((1, 3, 1), 7.0 - 2.0j)
-    for damping in (0.3, 20.0):
-        chain = Chain([1.0], [], ground=[100.0], ground_damping=[damping])
-        found = forced_response(chain, OrderExcitation([1.0], speeds, forces), method=method)
-        exact = (7.0 - 2.0j) / (100.0 - speeds**2 + 1j * speeds * damping)
-        np.testing.assert_allclose(found.motion[0, :, 0], exact, rtol=1e-12)
-    chain = Chain([1.0, 1e9], [100.0], loss_factor=0.04)
-    forces = np.array([7.0, 0.0]) * np.ones((1, 3, 1))
-    found = forced_response(chain, OrderExcitation([1.0], speeds, forces), method=method)
-    exact = 7.0 / (100.0 * (1.0 + 0.04j) - speeds**2)  # beside an almost infinite mass
-    np.testing.assert_allclose(found.motion[0, :, 0], exact, rtol=1e-7)
 
 
 def test_unbounded_within_1e_9_and_a_number_beyond():

@@ -6,7 +6,6 @@ from hypothesis import strategies as st
 from comparing import close
 from crankbase.errors import InputError
 from dynamics.harmonics import harmonics
-from references import finite_sums
 
 VALUES = st.lists(
     st.floats(-1e4, 1e4, allow_nan=False, allow_subnormal=False), min_size=3, max_size=80
@@ -44,27 +43,6 @@ def test_series_meets_the_samples_wherever_they_start(values, strokes, start_deg
     assert found.at(crank_angle_deg=np.degrees(angles)) == close(
         values, abs=1e-10 * max(1.0, *map(abs, values))
     )
-
-
-@given(VALUES, STROKES)
-def test_fourier_transform_equals_the_finite_sums(values, strokes):
-    fast = harmonics(values, strokes)
-    mean, cosine, sine = finite_sums(values)
-    small = 1e-13 * max(map(abs, values)) + 1e-300
-    assert fast.mean == close(mean, abs=small)
-    assert fast.cosine == close(cosine, abs=small)
-    assert fast.sine == close(sine, abs=small)
-    assert fast.orders.size == cosine.size
-
-
-@given(VALUES, STROKES)
-def test_power_of_the_samples_is_that_of_the_harmonics(values, strokes):
-    found = harmonics(values, strokes)
-    shares = np.full(found.orders.size, 0.5)
-    if len(values) % 2 == 0:
-        shares[-1] = 1.0
-    power = found.mean**2 + shares @ found.amplitude**2
-    assert power == close(np.mean(np.square(values)), rel=1e-12, abs=1e-300)
 
 
 @given(VALUES, STROKES)

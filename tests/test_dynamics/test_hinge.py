@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from scipy.integrate import quad, solve_ivp
+from scipy.integrate import solve_ivp
 
 from comparing import close
 from crankbase.errors import InputError
@@ -42,15 +42,6 @@ def derivative(function, angles):
     return (8.0 * near + far) / (12.0 * STEP)
 
 
-def places(angles, engine=ENGINE):
-    """Rod center, piston and crank center from the triangle of the mechanism, and the rod's angle."""
-    rod, radius = engine.rod, engine.crank_radius
-    tilt = np.arcsin(radius * np.sin(angles) / rod.length)
-    pin = radius * np.exp(1j * angles)
-    center = pin + rod.center_distance * np.exp(-1j * tilt)
-    return center, pin + rod.length * np.exp(-1j * tilt), tilt
-
-
 @pytest.mark.parametrize("kinematics", KINEMATICS)
 def test_derivative_of_the_inertia(kinematics):
     found = reduced_crank(ENGINE, kinematics, angles_deg=np.degrees(ANGLES)).inertia_rate
@@ -58,23 +49,6 @@ def test_derivative_of_the_inertia(kinematics):
         lambda a: reduced_crank(ENGINE, kinematics, angles_deg=np.degrees(a)).inertia, ANGLES
     )
     np.testing.assert_allclose(found, expected, atol=1e-9 * np.abs(found).max())
-
-
-def test_exact_kinematics_from_the_triangle():
-    found = reduced_crank(ENGINE, angles_deg=np.degrees(ANGLES))
-    center, piston, tilt = (
-        derivative(lambda a, which=which: places(a)[which], ANGLES) for which in range(3)
-    )
-    inertia = (
-        ENGINE.crank_inertia
-        + ROD.mass * np.abs(center) ** 2
-        + ROD.inertia * tilt**2
-        + ENGINE.sliding_mass * np.abs(piston) ** 2
-    )
-    np.testing.assert_allclose(found.inertia, inertia, rtol=1e-9)
-    np.testing.assert_allclose(found.travel_rate, -piston.real, atol=1e-10)
-    rise = ENGINE.crank_mass * 0.2 * np.cos(ANGLES) + ROD.mass * center.imag
-    np.testing.assert_allclose(found.weight_moment, -9.81 * rise, atol=1e-7)
 
 
 def test_same_as_the_forces_of_the_mechanism():
@@ -259,19 +233,6 @@ def test_compression_beyond_the_column_is_refused(ambient, name, compression, me
         getattr(replace(SPRING, ambient=ambient), name)(compression)
 
 
-def test_largest_work_leaves_the_least_column():
-    """100 to the power of n - 1, by hand: (100^0.25 - 1) / 0.25 of A p_0 H."""
-    most = 0.031 * 5e6 * (100.0**0.25 - 1.0) / 0.25
-    assert float(SPRING.compression(most * (1.0 - 1e-9))) == close(0.99, abs=1e-9)
-    for work in (most * (1.0 + 1e-9), 1e50):
-        with pytest.raises(
-            InputError, match=r"at most 1341 kJ until 0\.01 m of the column are left"
-        ):
-            SPRING.compression(work)
-    with pytest.raises(InputError, match="the compression z must stay below the height H"):
-        replace(SPRING, ambient=101325.0).compression(1e50)
-
-
 @pytest.mark.parametrize("ambient", [0.0, 101325.0])
 def test_energy_beyond_the_gas_is_refused(ambient):
     weak = replace(SPRING, pressure=1e5, ambient=ambient)
@@ -292,40 +253,9 @@ def test_profile_gives_the_moment_by_its_energy(moment, profile):
     np.testing.assert_allclose(profile.moment, moment.moment, atol=1e-7 * largest)
 
 
-@pytest.mark.parametrize("angle", [0.4, 2.0, 5.0])
-def test_profile_is_the_printed_equation(moment, profile, angle):
-    """(11) with the integral of M_h by adaptive quadrature."""
-
-    def wanted(at):
-        reduced = reduced_crank(SURFACE_ENGINE, angles_deg=np.degrees(np.array([at])))
-        gas = smooth_force(at) * reduced.travel_rate
-        inertia = 0.5 * moment.speed**2 * reduced.inertia_rate
-        return float((inertia - gas - reduced.weight_moment + moment.load)[0])
-
-    integral = quad(wanted, 0.0, angle, epsabs=1e-6)[0]
-    n, height = SPRING.exponent, SPRING.height
-    bracket = height ** (1 - n) - (n - 1) * integral / (
-        SPRING.piston_area * SPRING.pressure * height**n
-    )
-    expected = 0.8 - 0.5 * height + 0.5 * bracket ** (1.0 / (1.0 - n))
-    assert float(profile.curve(angle)) == close(expected, abs=1e-9)
-
-
 def test_profile_is_closed_and_starts_at_its_radius(profile):
     assert profile.radius[0] == close(0.8, abs=1e-14)
     assert float(profile.curve(2.0 * np.pi)) == close(0.8, abs=1e-14)
-
-
-def test_pressure_scales_the_moment(profile):
-    """(14): with the same guides the moment is proportional to the start pressure."""
-    angles = np.linspace(0.0, 6.0, 37)
-    plain = profile.moment_at(angles_deg=np.degrees(angles))
-    np.testing.assert_allclose(
-        profile.moment_at(1.95 * 5e6, angles_deg=np.degrees(angles)), 1.95 * plain, rtol=1e-13
-    )
-    np.testing.assert_allclose(
-        profile.with_pressure(2.5e6).moment, 0.5 * profile.moment, rtol=1e-13
-    )
 
 
 def test_with_atmosphere_the_scaling_is_not_exact(moment):
@@ -334,22 +264,6 @@ def test_with_atmosphere_the_scaling_is_not_exact(moment):
     off = np.abs(twice - 2.0 * exact.moment).max() / np.abs(twice).max()
     # The atmosphere is 2 % of the pressure; it counts with (H/(H-z))^n - 1, here 0.2 to 0.6.
     assert 1e-3 < off < 0.02
-
-
-def test_curvature_of_the_guides(profile):
-    """Against the turning of the tangent between points of the curve."""
-    step = 1e-3
-    angles = np.radians(profile.angles_deg)[::97]
-
-    def place(at):
-        return profile.curve(at) * np.exp(1j * at)
-
-    middle, left, right = place(angles), place(angles - step), place(angles + step)
-    turned = np.angle((right - middle) / (middle - left))
-    length = 0.5 * (np.abs(right - middle) + np.abs(middle - left))
-    # Second order in the step; the spline's second derivative bends within it.
-    largest = np.abs(profile.curvature).max()
-    np.testing.assert_allclose(profile.curvature[::97], turned / length, atol=1e-4 * largest)
 
 
 def test_a_roller_larger_than_the_hollow_has_a_cusp():

@@ -285,12 +285,6 @@ def test_a_limit_holds_from_its_beginning_and_is_used_there():
     assert usage(limit, AmplitudeCurve("shaft", places, [2.0] * 4)).tolist() == [2.0] * 4
 
 
-def test_usage_counts_unbounded_and_leaves_out_speeds_without_a_limit():
-    limit = crankshaft_limit(100.0, strokes=4)
-    curve = AmplitudeCurve("shaft", [50.0, 100.0, 116.0], [39e6 / 2, np.inf, 1e9])
-    assert usage(limit, curve) == close([0.5, np.inf, 0.0])
-
-
 @pytest.mark.parametrize(
     ("speeds", "values", "message"),
     [

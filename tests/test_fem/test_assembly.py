@@ -1,7 +1,6 @@
 """Stiffness and mass matrices, against other assemblies and fields of constant strain."""
 
 import math
-from dataclasses import dataclass
 from itertools import product
 
 import numpy as np
@@ -19,14 +18,10 @@ from fem.assembly import (
     assemble_stiffness,
     element_masses,
     node_blocks,
-    physical_gradients,
     symmetric_product,
 )
 from fem.material import STEEL, Material
-from geometry.mesh import mesh_throw
-from geometry.shapes import EDGES, element_quadrature, shapes_for_quadrature
-from geometry.throw import CrankThrow
-from solving import solve_symmetric
+from geometry.shapes import EDGES
 
 SOFT = Material(youngs_modulus=7e10, poisson_ratio=0.45, density=2700.0)
 
@@ -70,16 +65,6 @@ def test_batches_give_the_same(mesh, monkeypatch):
     whole = assemble_stiffness(mesh.points, mesh.elements, STEEL)
     monkeypatch.setattr("fem.assembly.CHUNK", 37)
     assert abs(whole - assemble_stiffness(mesh.points, mesh.elements, STEEL)).max() == 0.0
-
-
-def test_rigid_body_motions_cost_nothing(mesh, stiffness):
-    motions = np.zeros((len(mesh.points), 3, 6))
-    motions[:, :, :3] = np.eye(3)
-    arms = mesh.points / np.abs(mesh.points).max()
-    for axis in range(3):
-        motions[:, :, 3 + axis] = np.cross(np.eye(3)[axis], arms)
-    forces = symmetric_product(stiffness, motions.reshape(-1, 6))
-    assert np.abs(forces).max() <= 1e-12 * abs(stiffness).max()
 
 
 def test_symmetric_product():
@@ -210,121 +195,3 @@ def test_the_rule_is_exact_to_seventh_order():
             exact = math.prod(map(math.factorial, powers)) / math.factorial(sum(powers) + 3)
             found = weights @ np.prod(where.T**powers, axis=1)
             assert found == close(exact, rel=1e-12)
-
-
-def test_a_curved_element_is_integrated_exactly():
-    """The next finer rule finds the same; the next coarser one, exact to sixth order, does not."""
-    points = np.vstack([np.zeros(3), np.eye(3)])
-    points = np.vstack([points, [0.5 * (points[a] + points[b]) for a, b in EDGES]])
-    points[4:] += np.random.default_rng(5).uniform(-0.1, 0.1, (6, 3))
-    elements = np.arange(10)[None]
-    ((_, found),) = element_masses(points, elements, 1.0)
-
-    def by_rule(order):
-        values = shapes_for_quadrature(order)[0]
-        return (values.T * element_quadrature(points, elements, order)[1]) @ values
-
-    exact = by_rule(9)
-    assert found[0] == close(exact, abs=1e-13 * exact.max())
-    assert np.abs(by_rule(7) - exact).max() > 1e-6 * exact.max()
-    assert np.linalg.eigvalsh(found[0]).min() > 0.0
-
-
-# Nodes of an element's four faces, corners and edge middles.
-FACES = np.array([[0, 1, 2, 4, 5, 6], [0, 1, 3, 4, 8, 7], [1, 2, 3, 5, 9, 8], [0, 2, 3, 6, 9, 7]])
-
-
-@dataclass(frozen=True)
-class Solved:
-    """Displacements (n, 3) found, and strains (p, 3, 3) at points (p, 3) spread over all elements."""
-
-    displacements: np.ndarray
-    strains: np.ndarray
-    places: np.ndarray
-
-
-def boundary_nodes(elements):
-    """Nodes on faces that belong to one element only."""
-    faces = elements[:, FACES].reshape(-1, 6)
-    corners = np.sort(faces[:, :3], axis=1)
-    _, first, count = np.unique(corners, axis=0, return_index=True, return_counts=True)
-    return np.unique(faces[first[count == 1]])
-
-
-def solve_inside(mesh, prescribed):
-    """Prescribe displacements (n, 3) on the boundary of a mesh and solve for the nodes inside."""
-    outer = np.zeros((len(mesh.points), 3), dtype=bool)
-    outer[boundary_nodes(mesh.elements)] = True
-    inside = np.flatnonzero(~outer.ravel())
-    assert len(inside) > 1000
-    stiffness = assemble_stiffness(mesh.points, mesh.elements, STEEL)
-    found = np.where(outer, prescribed, 0.0).reshape(-1, 1)
-    loads = -symmetric_product(stiffness, found)[inside]
-    found[inside] = solve_symmetric(stiffness[inside][:, inside].tocsr(), loads)[0]
-    displacements = found.reshape(-1, 3)
-    values, gradients, weights = shapes_for_quadrature(5)
-    corners = mesh.points[mesh.elements]
-    spatial, _ = physical_gradients(corners, gradients, weights)
-    slopes = np.einsum("mqaj,mai->mqij", spatial, displacements[mesh.elements]).reshape(-1, 3, 3)
-    strains = 0.5 * (slopes + slopes.transpose(0, 2, 1))
-    return Solved(displacements, strains, (values @ corners).reshape(-1, 3))
-
-
-def relative(error, size):
-    return np.abs(error).max() / np.abs(size).max()
-
-
-@pytest.fixture(scope="module")
-def sharp(dimensions):
-    """Only its cylinders are curved."""
-    return mesh_throw(CrankThrow(**{**dimensions, "fillet_radius": 0.0}), 3.0)
-
-
-@pytest.fixture(scope="module")
-def filleted(mesh):
-    return mesh
-
-
-@pytest.fixture(scope="module")
-def gradient():
-    """Gradient of a linear field: stretches, shears and a rotation, all of one size."""
-    return 1e-3 * np.random.default_rng(11).normal(size=(3, 3))
-
-
-@pytest.mark.parametrize(
-    ("kind", "of_displacements", "of_strains"), [("sharp", 1e-6, 1e-4), ("filleted", 2e-5, 2e-3)]
-)
-def test_curved_elements_with_the_own_rule(request, gradient, kind, of_displacements, of_strains):
-    """The error of the four-point rule is there, and far below the mesh's own of some percent.
-
-    Measured: 2e-7 and 1e-5 on the cylinders of a sharp throw, 2e-6 and 2e-4 with fillets of less than
-    an element; the bounds leave a factor of five to ten for the mesh of another gmsh.
-    """
-    mesh = request.getfixturevalue(kind)
-    wanted = mesh.points @ gradient.T
-    found = solve_inside(mesh, wanted)
-    strain = 0.5 * (gradient + gradient.T)
-    assert relative(found.strains - strain, strain) > 1e-9
-    assert relative(found.displacements - wanted, wanted) < of_displacements
-    assert relative(found.strains - strain, strain) < of_strains
-
-
-def bending(points):
-    """Pure bending about x of a bar along z by a unit curvature: stress E y along z, no other."""
-    x, y, z = points.T
-    nu = STEEL.poisson_ratio
-    return np.column_stack([-nu * x * y, -0.5 * (z**2 + nu * (y**2 - x**2)), y * z])
-
-
-def bending_strains(points):
-    nu = STEEL.poisson_ratio
-    return points[:, 1, None, None] * np.diag([-nu, -nu, 1.0])
-
-
-def test_curved_elements_do_not_contain_quadratic_fields(filleted):
-    """Else the tests above would say nothing of the difference between the two kinds."""
-    wanted = bending(filleted.points)
-    found = solve_inside(filleted, wanted)
-    expected = bending_strains(found.places)
-    assert 1e-6 < relative(found.displacements - wanted, wanted) < 1e-3
-    assert 1e-4 < relative(found.strains - expected, expected) < 0.2

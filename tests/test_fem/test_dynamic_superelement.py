@@ -32,7 +32,7 @@ from fem.section_motions import (
 from fem.shaft import assemble_shaft, shaft_compliances, sharing_sections
 from fem.solver import factorize
 from fem.superelement import combine_classes, superelement_of_end_forces
-from fem.supports import Neighbors, end_motions, reactions, support_throw
+from fem.supports import Neighbors, reactions
 from fem.symmetry import symmetry_classes
 from geometry.mesh import mesh_throw
 from geometry.solid import LEFT_END, RIGHT_END
@@ -168,32 +168,6 @@ def test_each_part_gives_the_same(coarse, mirror, condensed, dynamic, whole):
         assert of_free_throw(other) == close(of_free_throw(dynamic), rel=1e-8)
 
 
-def test_symmetric_and_definite_with_six_rigid_motions(dynamic, rigid_motions):
-    assert np.array_equal(dynamic.mass, dynamic.mass.T)
-    assert np.array_equal(dynamic.stiffness, dynamic.stiffness.T)
-    size = np.sqrt(np.diag(dynamic.mass))
-    assert np.linalg.eigvalsh(dynamic.mass / np.outer(size, size)).min() > 1e-4
-    frequencies, shapes = natural_modes(dynamic.stiffness, dynamic.mass)
-    assert frequencies[5] < 1e-3 * frequencies[6]
-    assert shapes.T @ dynamic.mass @ shapes == close(np.eye(len(shapes)), abs=1e-9)
-
-
-def test_converges_from_above_as_modes_are_added(plain, truth):
-    """Each mode more can only lower each frequency (Rayleigh and Ritz)."""
-    before = np.full(6, np.inf)
-    errors = []
-    for count in (0, 2, 4, 8, 16, plain.natural):
-        found = of_free_throw(plain.with_modes(count))[:6]
-        assert np.all(found <= before[: len(found)] * (1.0 + 1e-12))
-        assert np.all(found >= truth[:6] * (1.0 - 1e-9))
-        errors.append(float(np.max(found / truth[:6] - 1.0)))
-        before = found
-    # Guyan's superelement is 50 % off in one of these modes, that of 35 modes 0.3 %.
-    assert errors[0] == close(0.5, abs=0.05)
-    assert errors[-1] < 0.004
-    assert errors == sorted(errors, reverse=True)
-
-
 def test_corrections_are_worth_many_modes(coarse, coarse_classes, plain, truth):
     """Twelve corrections and no mode leave 4e-5 in the first two frequencies, twelve modes 4e-3."""
     alone = dynamic_superelement(coarse, STEEL, coarse_classes, 500.0)
@@ -223,20 +197,6 @@ def test_no_highest_frequency_is_guyans(coarse, coarse_classes, dynamic, monkeyp
     assert np.array_equal(cut.mass, guyan.mass)
     assert np.array_equal(cut.stiffness, guyan.stiffness)
     assert np.array_equal(cut.pin_loads, guyan.pin_loads)
-
-
-def test_turning(dynamic):
-    turned = dynamic.turned(angle_deg=np.degrees(0.7)).turned(angle_deg=np.degrees(0.5))
-    once = dynamic.turned(angle_deg=np.degrees(1.2))
-    for name in ("stiffness", "mass", "pin_loads"):
-        wanted = getattr(once, name)
-        assert getattr(turned, name) == close(wanted, abs=1e-12 * np.abs(wanted).max())
-    assert of_free_throw(once) == close(of_free_throw(dynamic), rel=1e-9)
-    # After a quarter turn the crank points along -x: what was y is -x.
-    quarter = dynamic.turned(angle_deg=np.degrees(np.pi / 2.0))
-    assert quarter.mass[0, 0] == close(dynamic.mass[1, 1], rel=1e-12)
-    assert quarter.mass[0, 12:] == close(-dynamic.mass[1, 12:], abs=1e-9)
-    assert np.array_equal(once.frequencies, dynamic.frequencies)
 
 
 def test_shaft_of_throws(dynamic, plain, coarse_classes):
@@ -340,15 +300,6 @@ def test_all_polynomials_and_no_more(motions):
     assert np.linalg.matrix_rank(fields / np.linalg.norm(fields, axis=0), tol=1e-7) == count
 
 
-def test_degrees_are_nested(bore):
-    whole = SectionMotions(4, 0.11, bore)
-    for sections in (1, 2):
-        lower = whole.up_to(sections)
-        assert np.array_equal(
-            whole.fields(PLACES)[:, :, : lower.count], lower.fields(PLACES)
-        ) or whole.fields(PLACES)[:, :, : lower.count] == close(lower.fields(PLACES), abs=1e-9)
-
-
 def test_mirrors_keep_motions_or_reverse_them(motions):
     fields = motions.fields(PLACES)
     mirrored = motions.fields(PLACES * (-1.0, 1.0)) * np.array([-1.0, 1.0, 1.0])[:, None]
@@ -441,30 +392,6 @@ def test_parts_have_the_same_superelement(solved, part):
     sizes = np.sqrt(np.diag(own.stiffness))
     assert np.abs(own.stiffness - other.stiffness).max() <= 1e-8 * sizes.max() ** 2
     assert other.pin_loads == close(own.pin_loads, abs=1e-7)
-
-
-@pytest.mark.slow
-def test_more_motions_soften(solved):
-    for step in (0.0, 60.0, 180.0):
-        axial = [
-            support_throw(
-                solved["quarter", 4][1].with_sections(sections), Neighbors(step, step)
-            ).axial
-            for sections in ("rigid", *DEGREES)
-        ]
-        assert np.all(np.diff(axial) > -ROUND_OFF * axial[0])
-        assert 1e-3 < axial[-1] / axial[0] - 1.0 < 0.03
-
-
-@pytest.mark.slow
-def test_helix_is_a_long_chain(solved):
-    found = solved["quarter", 2][1]
-    for support in (Neighbors(120.0, 120.0), Neighbors(120.0, 120.0 + 1e-9)):
-        answers = support_throw(found, support)
-        assert answers.axial == close(support_throw(found, Neighbors(120.0, 120.0)).axial, rel=1e-8)
-        assert end_motions(found, support).shape == (12, 8)
-    shaft = shaft_compliances([found] * 15, crank_angles_deg=120.0 * np.arange(15))
-    assert shaft.axial[7] == close(answers.axial, rel=1e-3)
 
 
 @pytest.mark.slow

@@ -20,11 +20,9 @@ from fem.loads import (
     pin_load,
     pin_surfaces,
     uniform_pin_loads,
-    unit_end_loads,
     unit_pin_loads,
 )
 from fem.symmetry import MIRROR_X, MIRROR_Z, symmetry_classes
-from geometry.solid import LEFT_END, RIGHT_END
 
 ROUND_OFF = 1e-12
 CYLINDER = 2e-3
@@ -87,22 +85,6 @@ def test_unit_loads_on_pins_have_unit_resultants(part, throw):
     assert pin_surfaces(part)[0].center == close(center, abs=5e-6)  # of a coarse mesh
 
 
-def test_work_on_rigid_motions_is_their_components(part):
-    """Reciprocal to the resultants: what the loads work on is the mean motion of the surface."""
-    motions = np.random.default_rng(7).normal(size=(6, 4))
-    checked = [(unit_pin_loads(part)[0], pin_surfaces(part)[0].center)]
-    checked += [
-        (unit_end_loads(part, end), np.array([0.0, 0.0, place]))
-        for end, place in ((LEFT_END, 0.0), (RIGHT_END, part.length))
-        if end in part.surfaces
-    ]
-    for loads, center in checked:
-        arms = places(part, loads) - center
-        moved = motions[:3] + np.cross(motions[3:], arms[..., None], axisa=0, axisb=2, axisc=2)
-        work = np.einsum("isac,isam->cm", loads.values, moved)
-        assert work == close(motions, abs=1e-11)
-
-
 @pytest.mark.parametrize("distribution", ["uniform", "cosine"])
 @settings(max_examples=60, deadline=None)
 @given(force=vectors, moment=vectors)
@@ -157,22 +139,6 @@ def test_nodal_loads_of_the_cosine_are_its_integrals(mesh, surface, throw, direc
     assert np.sum(along * s**2) == close(0.75 * radius**2, rel=CYLINDER)
     assert np.sum(along * z**2) == close(length**2 / 12.0, rel=CYLINDER)
     assert np.sum(sideways * s * t) == close(0.25 * radius**2, rel=CYLINDER)
-
-
-@pytest.mark.parametrize("angle", [0.0, 1.0, 2.5, 4.0])
-def test_a_moment_across_presses_on_opposite_halves_of_the_two_ends(surface, throw, angle):
-    """p = c |z| cos(theta), M = c a pi / 2 l^3 / 12; it pushes along M x z where z > 0."""
-    moment = np.array([np.cos(angle), np.sin(angle), 0.0])
-    push = np.cross(moment, [0.0, 0.0, 1.0])
-    traction, normals, arms, _ = tractions_of(surface, NONE, moment, "cosine")
-    radius, length = throw.pin_diameter / 2.0, throw.pin_length - 2.0 * throw.fillet_radius
-    growth = 24.0 / (np.pi * radius * length**3)
-    z = arms[:, 2]
-    pressure = -np.einsum("qa,qa->q", traction, normals)
-    expected = growth * np.abs(z) * np.maximum(0.0, -(normals @ push) * np.sign(z))
-    highest = growth * length / 2.0
-    assert np.abs(pressure - expected).max() <= CYLINDER * highest
-    assert np.abs(traction + pressure[:, None] * normals).max() <= CYLINDER * highest
 
 
 def test_what_no_pressure_can_carry_is_uniform(surface):

@@ -92,23 +92,6 @@ def test_no_load_no_motion():
     assert not solution.any()
 
 
-@pytest.mark.parametrize("solver", SOLVERS)
-def test_matrices_of_one_pattern_follow_each_other(solver):
-    shared = SharedSolver(solver)
-    rights = np.ones((50, 1))
-    chain = supported()
-    for scale in (1.0, 3.0):
-        solution = shared.factorize(scale * chain).solve(rights)
-        assert chain @ solution + chain.T @ solution - chain.diagonal()[:, None] * solution == (
-            close(rights / scale, rel=1e-10)
-        )
-    other = supported(60)
-    alone, _ = solve_symmetric(other, np.ones((60, 1)), solver)
-    assert shared.factorize(other).solve(np.ones((60, 1))) == close(alone, rel=1e-12)
-    shared.close()
-    shared.close()
-
-
 @needs_both
 def test_factors_that_were_freed_are_not_used():
     shared = SharedSolver("pardiso")

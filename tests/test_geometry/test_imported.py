@@ -16,7 +16,7 @@ from fem.material import STEEL
 from fem.symmetry import axial_class
 from geometry.gmsh_session import gmsh_session
 from geometry.imported import import_throw
-from geometry.imported_mesh import mesh_imported_throw, predict_imported_unknowns
+from geometry.imported_mesh import mesh_imported_throw
 from geometry.isolated import IsolatedProcess
 from geometry.mass import mass_properties
 from geometry.mesh import MESHING_STRATEGIES, mesh_throw
@@ -267,15 +267,6 @@ def test_units_that_differ_within_a_file(named):
 # --- import -------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("unit", ["meter", "millimeter", "inch"])
-def test_a_throw_comes_back_from_its_file(throw, folder, unit):
-    text = name_faces(step_text(throw, unit), usual_names(throw, UNITS[unit][0]))
-    imported = import_throw(write(folder / f"{unit}.step", text))
-    assert_same_throw(imported, throw)
-    assert imported.remarks == ()
-    assert (imported.turned, imported.shifted) == (0.0, close(0.0, abs=1e-12))
-
-
 def test_without_names_the_same_is_found_by_shape(throw, plain, imported, folder):
     found = import_throw(write(folder / "plain.step", plain))
     assert_same_throw(found, throw)
@@ -505,15 +496,6 @@ def test_named_faces_in_wrong_places(plain, folder, choose, field, complaint):
         import_throw(path, **arguments)
 
 
-def test_a_bore_named_as_the_pin(bored, folder):
-    def choose(kind, point, radius):
-        return PIN if abs(radius - 0.03) < 1e-6 else ""
-
-    path = write(folder / "hole.step", name_faces(step_text(bored), choose))
-    with pytest.raises(InputError, match="a cylinder that is a hole; allowed is the outside"):
-        import_throw(path, None, None)
-
-
 def test_one_name_for_two_pins(two_pins, folder):
     usual = usual_names(two_pins)
     text = name_faces(step_text(two_pins), lambda *at: usual(*at).removesuffix(" 2"))
@@ -581,20 +563,6 @@ def test_a_file_that_takes_the_process_down(imported):
 
 
 # --- mesh ---------------------------------------------------------------------------------------
-
-
-def test_the_mesh_is_that_of_the_throw(throw, imported, mesh):
-    assert (mesh.part, mesh.pins, mesh.length) == ("full", (PIN,), imported.length)
-    assert mesh.size_factor == 1.5
-    assert mesh.attempts == ()
-    assert mesh.solid.volume == close(throw.volume, rel=1e-6)
-    assert element_volumes(mesh.points, mesh.elements).sum() == close(throw.volume, rel=1e-3)
-    ours = mass_properties(mesh, 7850.0)
-    theirs = mass_properties(mesh_throw(throw, 1.5), 7850.0)
-    assert ours.mass == close(theirs.mass, rel=1e-6)
-    assert ours.center == close(theirs.center, abs=1e-7)
-    assert ours.inertia == close(theirs.inertia, rel=1e-5, abs=1e-5)
-    assert 0.5 < mesh.unknowns / predict_imported_unknowns(imported, 1.5) < 1.5
 
 
 @pytest.mark.slow

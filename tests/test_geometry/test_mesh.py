@@ -19,10 +19,9 @@ import geometry.mesh_checks
 from comparing import close
 from crankbase.errors import InputError, MeshError
 from geometry.gmsh_session import gmsh_session
-from geometry.isolated import IsolatedProcess
 from geometry.mesh import MESHING_STRATEGIES, mesh_throw
 from geometry.mesh_checks import check_quality, check_volume
-from geometry.mesher import mesh_here, mesh_isolated
+from geometry.mesher import mesh_isolated
 from geometry.shapes import (
     EDGES,
     corner_quality,
@@ -134,26 +133,6 @@ def test_sharp_corners_have_no_fillet_surface_and_small_elements(dimensions):
     assert on_corner.sum() > 0.8 * np.pi * corner / (0.05 * throw.web_thickness)
 
 
-def test_every_facet_belongs_to_one_name(coarse_mesh):
-    corners = coarse_mesh.elements[:, [[0, 1, 2], [0, 1, 3], [0, 2, 3], [1, 2, 3]]].reshape(-1, 3)
-    facets, counts = np.unique(np.sort(corners, axis=1), axis=0, return_counts=True)
-    named = np.concatenate(list(coarse_mesh.surfaces.values()))
-    named = np.unique(np.sort(named, axis=1), axis=0)
-    assert set(counts) == {1, 2}
-    assert np.array_equal(named, facets[counts == 1])
-    assert len(named) == sum(map(len, coarse_mesh.surfaces.values()))
-
-
-def test_nodes_are_numbered_without_gaps_and_edge_nodes_lie_on_their_edges(coarse_mesh):
-    assert np.array_equal(np.unique(coarse_mesh.elements), np.arange(len(coarse_mesh.points)))
-    assert coarse_mesh.unknowns == 3 * len(coarse_mesh.points)
-    where = coarse_mesh.points[coarse_mesh.elements]
-    for node, (first, second) in enumerate(EDGES, start=4):
-        off = where[:, node] - 0.5 * (where[:, first] + where[:, second])
-        length = np.linalg.norm(where[:, first] - where[:, second], axis=1)
-        assert (np.linalg.norm(off, axis=1) < 0.25 * length).all()
-
-
 def test_bit_identical_wherever_it_runs(dimensions, coarse_mesh):
     throw = CrankThrow(**dimensions)
     spawn = multiprocessing.get_context("spawn")
@@ -186,15 +165,6 @@ def straight_tetrahedra(corners, connections):
 
 CORNERS = [(0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1), (1, 1, 1)]
 TWO = [(0, 1, 2, 3), (1, 2, 3, 4)]
-
-
-def test_volumes_of_straight_tetrahedra():
-    points, elements = straight_tetrahedra(CORNERS, TWO)
-    assert element_volumes(points, elements) == close([1.0 / 6.0, 1.0 / 3.0], rel=1e-14)
-    where, volumes = element_quadrature(points, elements)
-    assert volumes.sum() == close(0.5, rel=1e-14)
-    center = (np.mean(CORNERS[:4], axis=0) / 6.0 + np.mean(CORNERS[1:], axis=0) / 3.0) / 0.5
-    assert volumes @ where / 0.5 == close(center, rel=1e-13)
 
 
 def test_volumes_of_curved_tetrahedra_are_those_of_a_quadrature_that_is_more_than_exact():
@@ -408,16 +378,6 @@ def test_volume_of_a_regular_tetrahedron():
     assert regular_volume(np.array([1.0, 0.02])) == close([expected, 8e-6 * expected])
 
 
-def test_expected_unknowns_scale_with_the_size(graded):
-    """Nodes inside grow with the third power, those on the surface with the second."""
-    counts = [graded.expected_unknowns(0.5**power) for power in range(-1, 8)]
-    growth = np.array(counts[1:]) / counts[:-1]
-    assert 4.0 <= growth.min() <= growth.max() <= 8.01
-    assert growth[-1] > 7.5
-    finer = replace(graded, sizes=0.5 * graded.sizes)
-    assert finer.expected_unknowns(2.0) == counts[1]
-
-
 def test_expected_unknowns_do_not_depend_on_the_order_of_corners(coarse_mesh):
     uniform = map_of(coarse_mesh, lambda points: np.full(len(points), 0.02))
     turned = replace(uniform, tetrahedra=uniform.tetrahedra[::-1, [1, 0, 2, 3]])
@@ -464,19 +424,6 @@ def test_a_map_whose_mesh_is_refused_is_meshed_finer(map_throw, graded, monkeypa
     mesh = mesh_throw(map_throw, sizes=graded)
     assert mesh.attempts == ("as planned: refused",)
     assert mesh.size_factor == MESHING_STRATEGIES[1].share
-
-
-@pytest.mark.slow
-def test_the_same_mesh_here_and_in_a_process_of_its_own(map_throw, graded, made):
-    process = IsolatedProcess()
-    try:
-        for _ in range(2):
-            assert same(mesh_isolated(map_throw, sizes=graded, process=process), made)
-        # The next mesh without a map knows nothing of it.
-        assert same(mesh_isolated(map_throw, 2.0, process=process), mesh_throw(map_throw, 2.0))
-    finally:
-        process.close()
-    assert same(mesh_here(map_throw, sizes=graded), made)
 
 
 def test_too_many_unknowns_are_refused_before_meshing(map_throw, graded):

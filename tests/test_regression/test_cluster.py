@@ -28,7 +28,6 @@ from regression.runs.cluster import (
     DaskCluster,
     ProcessPool,
     TaskLostError,
-    check_address,
     compute_design,
     identity,
     run_on_cluster,
@@ -467,11 +466,6 @@ def test_what_is_no_address_is_refused_before_anything_is_done(address, tmp_path
     with pytest.raises(InputError, match=r"^dask: given .*; allowed is the address of a running"):
         run_plan(STUDY, tmp_path / "runs.sqlite", dask=address)
     assert list(tmp_path.iterdir()) == []
-
-
-def test_forms_of_addresses():
-    for address in ("tcp://10.0.0.1:8786", "tls://host-1.lan:80", "ws://a:1", "[::1]:8786", "a:1"):
-        assert check_address(address) == address
 
 
 @pytest.mark.slow

@@ -118,26 +118,6 @@ def test_band_of_a_negative_response():
     assert found.lower < found.value < found.upper < 0.0
 
 
-def test_bands_without_held_out_designs_or_estimates():
-    bare = response(
-        power(1e-9, -1.0),
-        "e_n",
-        "m/N",
-        largest_heldout_error=None,
-        largest_error=0.03,
-        largest_fe_error=None,
-        band_error=None,
-    )
-    found = ComplianceModel(responses={"axial_compliance": bare}).lookup(
-        "axial_compliance", **MIDDLE
-    )
-    assert found.lower == close(found.value / 1.03, rel=1e-12)
-    assert found.upper == close(found.value / 0.97, rel=1e-12)
-    assert found.error is None
-    assert "9 fitted runs themselves, without held-out designs too small an error" in found.band
-    assert "was not estimated" in found.band
-
-
 def test_a_band_of_100_percent_is_open():
     poor = response(power(1e-9, -1.0), "e_n", "m/N", band_error=1.2)
     found = ComplianceModel(responses={"axial_compliance": poor}).lookup(
@@ -306,18 +286,6 @@ def test_band_between_neighbors_covers_the_bands_of_its_parts(model):
     assert found.value == model.axial_compliance(gamma_deg=120.0, **MIDDLE)
 
 
-def test_angles_outside_the_range_of_the_dimensions_warn_once(model):
-    with pytest.warns(OutsideRangeWarning, match="web_width") as told:
-        model.axial_compliance(gamma_deg=120.0, web_width=0.34, web_thickness=0.068)
-    assert len(told) == 1
-    assert told[0].filename == __file__
-    assert not model.lookup(
-        "axial_compliance", gamma_deg=120.0, web_width=0.34, web_thickness=0.068
-    ).inside
-    with pytest.raises(InputError, match="web_width: given 340 mm; allowed is the range"):
-        model.axial_compliance(gamma_deg=120.0, strict=True, web_width=0.34, web_thickness=0.068)
-
-
 @pytest.mark.parametrize(
     ("name", "gamma", "match"),
     [
@@ -459,20 +427,6 @@ def test_compiled_equations_are_the_fitted_ones(columns, degree, logarithmic, se
     assert np.max(np.abs(arrays - scalars) / size) <= 1e-14
     # The exponent of the plain evaluation is of the size 20 to 40: 40 * 2^-53 and a few of its sums.
     assert np.max(np.abs(arrays - fitted.predict(x)) / size) <= 1e-13
-
-
-def test_arrays_of_any_shape_in_pieces(model):
-    rng = np.random.default_rng(3)
-    widths = rng.uniform(0.27, 0.33, (7, PIECE // 2))
-    heights = rng.uniform(0.04, 0.09, (7, 1))
-    values = model.axial_compliance(web_width=widths, web_thickness=heights)
-    assert values.shape == widths.shape
-    places = [(0, 0), (3, 17), (6, PIECE // 2 - 1)]
-    for i, j in places:
-        one = model.axial_compliance(
-            web_width=float(widths[i, j]), web_thickness=float(heights[i, 0])
-        )
-        assert values[i, j] == close(one, rel=1e-14)
 
 
 def test_copies_and_processes_answer_alike(model):

@@ -173,18 +173,6 @@ def test_sizes_of_published_fractions(factors, resolution, runs):
     assert not design.sum(axis=0).any()
 
 
-@pytest.mark.parametrize("generators", ["a b c ab ac bc abc", "a b c d -abcd", "a b c d abc bcd"])
-def test_resolution_is_the_shortest_constant_product(generators):
-    design = corners_by_generators(generators, len(generators.split()))
-    lengths = [
-        length
-        for length in range(1, design.shape[1] + 1)
-        for chosen in itertools.combinations(design.T, length)
-        if np.ptp(np.prod(chosen, axis=0)) == 0.0
-    ]
-    assert resolution_of(design) == min(lengths)
-
-
 def test_all_corners_confuse_nothing():
     design = fixed_design(unit_factors(3), DesignChoice("fractional factorial", resolution=4))
     assert design.statement == "fractional factorial 2^3, all corners, 8 runs"
@@ -242,18 +230,6 @@ def test_central_composite_on_the_faces():
     stars = {tuple(row) for row in np.vstack([np.eye(3), -np.eye(3)]).tolist()}
     assert len(design.runs) == 15
     assert rows(design.runs) == corners | stars | {(0.0, 0.0, 0.0)}
-
-
-@pytest.mark.parametrize("face", ["inscribed", "circumscribed"])
-def test_central_composite_inside_the_box_is_rotatable(face):
-    design = fixed_design(unit_factors(3), DesignChoice("central composite", face=face))
-    corner = 1.0 / 8.0**0.25  # alpha = 1.682 of the published table
-    assert np.abs(design.runs).max() == 1.0
-    assert sorted(set(np.abs(design.runs).ravel().round(9))) == close([0.0, corner, 1.0])
-    # Rotatable: the fourth moments are in the proportion 3 to 1.
-    fourth = np.sum(design.runs[:, 0] ** 4)
-    mixed = np.sum(design.runs[:, 0] ** 2 * design.runs[:, 1] ** 2)
-    assert fourth == close(3.0 * mixed, rel=1e-10)
 
 
 def test_central_composite_with_a_fraction_of_its_corners():
@@ -319,15 +295,6 @@ def test_latin_hypercube_has_one_run_in_each_stratum(runs, seed):
         assert sorted(column) == list(range(runs))
     assert np.all(values >= low)
     assert np.all(values <= high)
-
-
-@pytest.mark.parametrize("kind", SPACE_FILLING)
-def test_space_filling_designs_are_repeatable(kind):
-    first, again, other = (
-        space_filling_points(unit_factors(3), kind, 12, seed) for seed in ([7], [7], [8])
-    )
-    assert np.array_equal(first, again)
-    assert not np.array_equal(first, other)
 
 
 def test_sobol_sequence_is_balanced_and_goes_on():
@@ -481,16 +448,6 @@ def test_random_points_have_the_mean_discrepancy_told():
 
 def _in_box(points):
     return np.array([1.0, 0.1]) + points * np.array([2.0, 0.1])
-
-
-def test_correlation_names_its_factors():
-    rng = np.random.default_rng(2)
-    points = _in_box(rng.random((30, 2)))
-    labels = np.arange(30) % 3
-    values = np.column_stack([points, points[:, 0] > 2.0, labels])
-    found = design_quality((A, B, TWO, THREE), values)
-    assert found.correlated == ("a", "two")
-    assert found.correlation == close(abs(np.corrcoef(values[:, 0], values[:, 2])[0, 1]))
 
 
 def test_labels_of_a_choice_are_their_share_of_the_cube_apart():

@@ -159,22 +159,6 @@ def test_an_exported_table_comes_back_with_all_digits(plan, store, tmp_path):
     assert len(back.failures) == len(table.rows)  # nothing of them is computed yet
 
 
-def test_results_of_the_study_itself_stand_before_imported_ones(store, tmp_path):
-    table = run_plan(PLAN, store)
-    export_table(table, tmp_path / "runs.csv")
-    text = (tmp_path / "runs.csv").read_text(encoding="utf-8")
-    # The same designs with another answer.
-    first = repr(float(table.responses["mass"][0]))
-    assert first in text
-    (tmp_path / "runs.csv").write_text(text.replace(first, "1.0"), encoding="utf-8")
-    assert import_results(PLAN, store, tmp_path / "runs.csv").rows == 6
-    again = run_plan(PLAN, store)
-    assert again.computed == 0
-    assert again.values.tolist() == table.values.tolist()
-    assert again.responses["mass"].tolist() == table.responses["mass"].tolist()
-    assert len(again.extra) == 6
-
-
 def test_measured_values_stand_apart(store, tmp_path):
     before = run_plan(PLAN, store)
     table_of(

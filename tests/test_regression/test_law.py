@@ -9,7 +9,6 @@ from crankbase.errors import InputError
 from fem.supports import Neighbors
 from geometry.throw import CrankThrow
 from geometry.throw_dimensions import OilHole, Web
-from regression.law.hand_formula import hand_formula
 from regression.law.superelement import law_reactions
 from regression.law.throw_law import (
     axial_law,
@@ -83,17 +82,6 @@ def test_the_band_lies_about_the_value():
     assert high - low == close(2.0 * law.errors["pinned"] * law.pinned)
 
 
-def test_between_neighbors_opposite_is_pinned_and_in_line_guided():
-    law = axial_law(THROW)
-    found = law.axial([0.0, 120.0, 180.0])
-    assert found[0] == law.guided
-    assert found[2] == law.pinned
-    cotangent = 1.0 / np.tan(np.pi / 3.0)
-    share = 1.0 / (1.0 + law.ratio * cotangent**2)
-    assert found[1] == close(law.guided + share * (law.pinned - law.guided), rel=1e-12)
-    assert law.influence(180.0) == law.influence_pinned
-
-
 @pytest.mark.parametrize(
     ("changes", "message"),
     [
@@ -150,15 +138,6 @@ def test_the_axial_reaction_is_that_of_the_compliances():
 def test_reactions_need_a_force_across_the_shaft():
     with pytest.raises(InputError, match=r"pin_force: given .*; allowed are three numbers"):
         law_reactions(THROW, (0.0, 0.0, 1.0))
-
-
-def test_the_hand_formula_is_near_the_law_and_knows_where_it_ends():
-    found = hand_formula(THROW)
-    assert found.valid
-    assert found.value == close(axial_law(THROW).pinned, rel=0.06)
-    outside = hand_formula(THROW.changed(crank_radius=0.4))
-    assert not outside.valid
-    assert "not a plain one" in outside.remarks[0]
 
 
 def test_the_mass_follows_size_and_density_and_knows_no_counterweights():

@@ -94,19 +94,6 @@ def test_lightest_throw_against_a_grid(model):
     )
 
 
-def test_fixed_factors_and_limits_on_dimensions(model):
-    limits = [
-        Limit(("axial_compliance",), at_most=1.2e-9),
-        Limit(("web_width",), at_most=0.31),
-        Limit(("mass",), at_least=100.0),
-    ]
-    found = find_optimum(model, "web_thickness", limits, fixed={"pin_length": 0.150})
-    assert found.factors["pin_length"] == 0.150
-    assert found.factors["web_width"] == close(0.31, rel=1e-8)
-    assert found.limits[2].worst >= 100.0
-    assert found.dimensions["crank_radius"] == 0.170
-
-
 def test_a_frequency_as_a_function_of_the_compliance(model):
     # A mass of 500 kg on the throw's stiffness: f = sqrt(1 / (m e)) / (2 pi).
     def frequency(compliance):

@@ -97,21 +97,6 @@ def test_a_middle_that_is_calculated_is_the_level_that_is_written():
 # ------------------------------------------------------------------------------ factors of all kinds
 
 
-def test_choices_are_run_and_held_out():
-    plan = StudyPlan(THROW, (WIDTH, OUTLINE), DesignChoice(), held_out=10)
-    planned = plan_designs(plan)
-    assert {design.values for design in of_role(planned, RUN)} == {
-        (0.27, 0.0),
-        (0.27, 1.0),
-        (0.33, 0.0),
-        (0.33, 1.0),
-    }
-    outlines = [design.inputs["throw"]["web_outline"] for design in of_role(planned, HELD_OUT)]
-    assert sorted(outlines) == ["obround"] * 5 + ["rectangle"] * 5
-    for design in planned.designs:
-        assert design.inputs["throw"]["web_outline"] == OUTLINE.format_value(design.values[1])
-
-
 def test_nested_fields_and_fields_that_are_angles():
     factors = (
         Factor("counterweight.angle", "rad", 1.0, 2.5),
@@ -447,28 +432,6 @@ RICH = CrankThrow(
     counterweight={"outer_radius": 0.25, "angle": 2.0},
     further_pins=({"angle": 2.0, "web_thickness": 0.06},),
 )
-
-
-@pytest.mark.parametrize(
-    ("spacing", "levels"),
-    [
-        ("even", (0.038, 0.058, 0.078, 0.098)),
-        ("chebyshev", (0.038, 0.053, 0.083, 0.098)),
-        ("log", tuple(0.038 * (0.098 / 0.038) ** (i / 3) for i in range(4))),
-        (
-            "log chebyshev",
-            tuple(
-                math.sqrt(0.038 * 0.098) * (0.098 / 0.038) ** (-0.5 * math.cos(math.pi * i / 3))
-                for i in range(4)
-            ),
-        ),
-    ],
-)
-def test_levels_spread_over_a_range(spacing, levels):
-    factor = Factor.spread("web_thickness", "m", 0.038, 0.098, 4, spacing)
-    assert factor.levels == close(levels, rel=1e-11)  # rounded to 12 digits
-    assert factor.levels[0] == 0.038
-    assert factor.levels[-1] == 0.098
 
 
 def test_the_middle_of_a_range_is_what_one_would_write():

@@ -63,16 +63,6 @@ def rows(path):
         return {row[0]: row for row in connection.execute("SELECT * FROM designs")}
 
 
-def test_a_store_as_a_study_leaves_it_is_sound(store):
-    before = store.read_bytes()
-    found = check_store(store)
-    assert (found.sound, found.file, dict(found.damaged)) == (True, "", {})
-    assert found.status == {"done": 40, "failed": 0, "lost": 0}
-    (study,) = found.studies
-    assert (study.study, study.damaged, study.designs, study.missing) == (PLAN.key, "", 40, 0)
-    assert store.read_bytes() == before
-
-
 @pytest.mark.parametrize(
     ("statement", "told"),
     [

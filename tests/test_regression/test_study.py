@@ -78,17 +78,6 @@ def small_run(tmp_path_factory):
     return store, table, told
 
 
-def test_a_small_study(small_run):
-    _, table, told = small_run
-    assert table.computed == 5
-    assert table.failures == ()
-    assert table.values.shape == (5, 2)
-    assert table.held_out.tolist() == [False] * 4 + [True]
-    assert [call[:2] for call in told] == [(done, 5) for done in range(6)]
-    assert told[0][2] is None
-    assert all(newest.responses for _, _, newest in told[1:])
-
-
 def test_results_are_those_of_the_throw_alone(small_run):
     _, table, _ = small_run
     throw = SHARP.model_copy(update={"web_width": 0.280, "pin_length": 0.150})
@@ -112,17 +101,6 @@ def test_the_table_tells_the_throws_as_built(small_run):
     assert [row.role for row in table.rows] == [RUN] * 4 + [HELD_OUT]
     assert all(row.unknowns > 1000 for row in table.rows)
     assert table.extra == table.excluded == ()
-
-
-def test_a_second_run_computes_nothing(small_run):
-    store, table, _ = small_run
-    told = []
-    again = run_plan(SMALL, store, 2, lambda *call: told.append(call))
-    assert again.computed == 0
-    assert told == [(5, 5, None)]
-    assert again.responses.keys() == table.responses.keys()
-    for name, column in table.responses.items():
-        assert again.responses[name].tolist() == column.tolist()
 
 
 @pytest.mark.slow

@@ -257,18 +257,6 @@ def test_a_finer_study_may_take_longer():
     assert design_limits(0.001, 60.0, 2e9) == Limits(60.0, 2e9)
 
 
-@needs_proc
-@pytest.mark.parametrize("error", [KeyboardInterrupt, RuntimeError])
-def test_an_error_of_the_coordinator_ends_all_workers(puppets, mark, error):
-    def fail(_):
-        assert len(marked(mark)) == 3
-        raise error
-
-    with pytest.raises(error):
-        run_designs([(k, {}) for k in ("a", "hang 1", "hang 2", "hang 3")], fail, 3)
-    assert marked(mark) == []
-
-
 @pytest.mark.usefixtures("interruptible")
 def test_ctrl_c_does_not_cost_the_design_that_is_just_being_stored(puppets):
     stored = []
