@@ -232,8 +232,9 @@ def exceeded_ranges(
                 low=_crossing(limit, curve, used, first, -1),
                 high=min(_crossing(limit, curve, used, last, 1), highest),
                 peaks=_peaks_to(curve, tops[(tops >= first) & (tops <= last)], highest),
-                cut_off=first == 0
-                or (last == speeds.size - 1 and at_most(float(speeds[last]), highest)),
+                cut_off=bool(
+                    first == 0 or (last == speeds.size - 1 and at_most(speeds[last], highest))
+                ),
                 used=float(np.max(used[judged])),
             )
         )
