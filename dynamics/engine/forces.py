@@ -1,9 +1,9 @@
-"""Forces in the mechanism of every cylinder, by equilibrium of pistons and rods."""
+"""Gas pressures and forces in the mechanism of every cylinder, by equilibrium of pistons and rods."""
 
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
-from typing import Protocol
+from dataclasses import dataclass, replace
+from typing import Protocol, TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -26,7 +26,10 @@ from dynamics.engine import RodModelName
 from dynamics.engine.layout import EngineCylinder, EngineLayout
 from dynamics.engine.motions import CylinderMotion, checked_cylinder, parts_motion
 from dynamics.engine.rods import RodModel
-from dynamics.gas.pressure import ATMOSPHERE
+from dynamics.gas.cycle_values import GasCycle
+from dynamics.gas.cylinder_volume import Position
+from dynamics.gas.gas_cycle import FullLoad, GasCycleResult, gas_cycle
+from dynamics.gas.pressure import ATMOSPHERE, GasPressure
 from dynamics.plots.curves import FROM_FIRING, draw_over_angle
 from dynamics.plots.quantities import KILO, angle_axis, number_axis
 
@@ -402,7 +405,7 @@ def gas_forces(
     return np.array(forces)
 
 
-def piston_position(engine: EngineLayout, number: int) -> Callable[[FloatArray], FloatArray]:
+def piston_position(engine: EngineLayout, number: int) -> Position:
     """Return the position of a cylinder's piston over the angle from its firing top.
 
     Parameters
@@ -425,3 +428,80 @@ def piston_position(engine: EngineLayout, number: int) -> Callable[[FloatArray],
     own = checked_cylinder(engine, number)
     firing = np.radians(engine.firing_deg[own - 1])
     return lambda angle: parts_motion(engine, own, firing + angle).piston.place.real
+
+
+Result = TypeVar("Result")
+
+
+def for_each_cylinder(
+    engine: EngineLayout, calculate: Callable[[Position, float], Result]
+) -> tuple[Result, ...]:
+    """Calculate something of each cylinder's piston and area, once for all whose pistons move alike."""
+    results: dict[object, Result] = {}
+    places = []
+    for number, cylinder in enumerate(engine.cylinders, start=1):
+        main = engine.cylinders[engine.main_of(number) - 1]
+        turned = round(math.radians(cylinder.bank_angle_deg - main.bank_angle_deg), 12)
+        pin = None if cylinder.slave_pin is None else cylinder.slave_pin.place
+        alike = (cylinder.bore, cylinder.rod, cylinder.pin_offset, main.rod, turned, pin)
+        if alike not in results:
+            results[alike] = calculate(piston_position(engine, number), cylinder.area)
+        places.append(alike)
+    return tuple(results[alike] for alike in places)
+
+
+def full_load_parameters(load: FullLoad, engine: EngineLayout) -> tuple[GasCycle, tuple[str, ...]]:
+    """Return the cycle's parameters in all cylinders, from the first main one, and remarks on them.
+
+    Raises
+    ------
+    InputError
+        If they do not fit.
+    """
+    number = engine.main_of(1)
+    return load.parameters(
+        engine.strokes, piston_position(engine, number), engine.cylinders[number - 1].area
+    )
+
+
+def full_load_cycles(load: FullLoad, engine: EngineLayout) -> tuple[GasCycleResult, ...]:
+    """Return the cycle in each cylinder that reaches the pressures of full load, (n,).
+
+    Raises
+    ------
+    InputError
+        If the cycle cannot reach them.
+    """
+    cycle, remarks = full_load_parameters(load, engine)
+
+    def fired(position: Position, area: float) -> GasCycleResult:
+        result = gas_cycle(
+            cycle,
+            position,
+            area,
+            peak_pressure=load.peak_pressure,
+            mean_effective_pressure=load.mean_effective_pressure,
+        )
+        return replace(result, pressure=_with_remarks(result.pressure, remarks))
+
+    return for_each_cylinder(engine, fired)
+
+
+def motored_pressures(load: FullLoad, engine: EngineLayout) -> tuple[GasPressure, ...]:
+    """Return the pressure in each cylinder of the engine turned without combustion, (n,).
+
+    Raises
+    ------
+    InputError
+        If the cycle's parameters do not fit.
+    """
+    cycle, remarks = full_load_parameters(load, engine)
+
+    def motored(position: Position, area: float) -> GasPressure:
+        return _with_remarks(gas_cycle(cycle, position, area, heat=0.0).pressure, remarks)
+
+    return for_each_cylinder(engine, motored)
+
+
+def _with_remarks(pressure: GasPressure, remarks: tuple[str, ...]) -> GasPressure:
+    return replace(pressure, remarks=remarks + pressure.remarks)

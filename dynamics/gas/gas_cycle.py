@@ -1,7 +1,7 @@
 """The pressure over a whole cycle by the cycle model, from heat, peak or mean pressure."""
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from typing import Any, Literal, get_args
 
@@ -17,8 +17,15 @@ from crankbase.errors import InputError
 from crankbase.library_types import Axes, DataFrame
 from crankbase.summaries import summarized
 from crankbase.tables.frames import table
+from crankbase.units.quantity import format_quantity
 from dynamics.cycle import even_angles
-from dynamics.gas.cycle_values import BOTTOM, GasCycle, assumption_remarks, name_of_field
+from dynamics.gas.cycle_values import (
+    BOTTOM,
+    GasCycle,
+    assumption_remarks,
+    name_of_field,
+    usual_gas_cycle,
+)
 from dynamics.gas.cylinder_volume import (
     CylinderVolume,
     Position,
@@ -29,6 +36,8 @@ from dynamics.gas.cylinder_volume import (
 from dynamics.gas.pressure import HIGHEST_PEAK, GasPressure, gas_pressure
 from dynamics.plots.quantities import MEGA
 
+# Peak pressure over that without combustion, usual for diesel engines at rated load: 1.4 to 1.8.
+USUAL_PRESSURE_RISE = 1.6
 # The combustion is integrated over r, where r^4 is the share of its duration: the rate of heat
 # release, which may begin as any power of the share, begins smoothly over r. Parts besides those
 # between the angles asked for, and Gauss points in each, bring the integral to 1e-12 for
@@ -566,6 +575,55 @@ def gas_cycle(
         mean_effective_pressure=work / volume.swept,
         compression_pressure=float(motored_pressure(cycle, volume, volume.top_angle_deg)),
     )
+
+
+@dataclass(frozen=True)
+class FullLoad:
+    """What is known of the cycle of an engine at full load.
+
+    Parameters
+    ----------
+    compression_ratio : float
+        Largest over smallest volume.
+    known : mapping of str to float
+        Further parameters of `GasCycle`; the others are the usual ones.
+    peak_pressure : float, optional
+        Highest absolute pressure [Pa].
+    mean_effective_pressure : float, optional
+        Indicated [Pa]; it or the peak is required.
+    """
+
+    compression_ratio: float
+    known: Mapping[str, float]
+    peak_pressure: float | None = None
+    mean_effective_pressure: float | None = None
+
+    def parameters(
+        self, strokes: int, position: Position, area: float
+    ) -> tuple[GasCycle, tuple[str, ...]]:
+        """Return the cycle's parameters, and remarks on an intake pressure that suits the peak.
+
+        Position and area are those of one cylinder; all breathe from one receiver.
+
+        Raises
+        ------
+        InputError
+            If the parameters do not fit.
+        """
+        cycle = usual_gas_cycle(self.compression_ratio, strokes, **self.known)
+        if "intake_pressure" in self.known or self.peak_pressure is None:
+            return cycle, ()
+        plain = gas_cycle(cycle, position, area, heat=0.0)
+        rise = self.peak_pressure / plain.compression_pressure
+        intake = cycle.intake_pressure * rise / USUAL_PRESSURE_RISE
+        suited = usual_gas_cycle(
+            self.compression_ratio, strokes, **(dict(self.known) | {"intake_pressure": intake})
+        )
+        remark = (
+            f"Assumed: intake_pressure {format_quantity(intake, 'Pa', 4)}, so that combustion raises the "
+            f"pressure {USUAL_PRESSURE_RISE:g} times, as is usual for diesel engines at rated load."
+        )
+        return suited, (remark,)
 
 
 def _shortest_duration(cycle: GasCycle, samples: int) -> float:
