@@ -97,10 +97,6 @@ def check_even_cycle(field: str, angles_deg: FloatArray, cycle_deg: float) -> No
         Two angles or more [deg], starting anywhere.
     cycle_deg : float
         Length of the cycle [deg].
-
-    Raises
-    ------
-    InputError
     """
     given = f"given {angles_deg.size} angles from {angles_deg[0]:g} to {angles_deg[-1]:g} deg"
     falling, uneven = first_not_increasing(angles_deg), first_uneven(angles_deg)

@@ -69,7 +69,6 @@ def index_of_name(field: str, given: object, names: Sequence[str], what: str, re
     ----------
     field : str
         Name of the item in the message.
-    given : object
     names : sequence of str
     what, reason : str
         Owner of the names, and why it has to be one of them.

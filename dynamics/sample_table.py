@@ -118,12 +118,7 @@ class SampleRows:
         )
 
     def check_closing(self, values: FloatArray, tolerance: float) -> None:
-        """Refuse a closing sample that differs from the first by more than a share of the largest.
-
-        Raises
-        ------
-        InputError
-        """
+        """Refuse a closing sample that differs from the first by more than a share of the largest."""
         if abs(values[-1] - values[0]) > tolerance * np.max(np.abs(values)):
             raise self.value_error(
                 -1,

@@ -151,7 +151,6 @@ def speed_ratios(
 
     Parameters
     ----------
-    pairs : tuple of pairs of int
     gears : sequence of Gear
     count : int
         Number of nodes.

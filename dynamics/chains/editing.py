@@ -31,8 +31,6 @@ def find_node(chain: Chain, node: str | int, field: str = "node") -> int:
 
     Parameters
     ----------
-    chain : Chain
-    node : str or int
     field : str, optional
         Name of the node in messages.
 
@@ -67,7 +65,6 @@ def add_node(
 
     Parameters
     ----------
-    chain : Chain
     name : str
         Of the new node.
     inertia : float
@@ -273,12 +270,7 @@ def with_names(chain: Chain, names: Sequence[str]) -> Chain:
 
 
 def check_new_names(taken: Sequence[str], names: Sequence[str]) -> None:
-    """Refuse a name that a node already has.
-
-    Raises
-    ------
-    InputError
-    """
+    """Refuse a name that a node already has."""
     for name in names:
         if name in taken:
             raise InputError(

@@ -489,9 +489,6 @@ def cylinder_inertia(
 
     Parameters
     ----------
-    engine : EngineLayout
-    number : int
-        Of the cylinder, from 1.
     rod : ConnectingRod or RodModel
         Model of its rod.
     angles : ndarray of shape (m,)

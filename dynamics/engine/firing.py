@@ -54,10 +54,6 @@ def _order_fault(given: list[int], cylinders: int) -> str | None:
 def firing_order_from_text(text: str) -> tuple[int, ...]:
     """Return the cylinders of a firing order written in the usual way.
 
-    Raises
-    ------
-    InputError
-
     Examples
     --------
     >>> firing_order_from_text("1-5-3-6-2-4")
@@ -83,8 +79,6 @@ def firing_angles_of_order(
         Cylinder numbers from 1.
     top_angles : sequence of n float
         A shaft angle at which each cylinder's crank is along its axis, away from the shaft [rad].
-    strokes : int
-        Strokes per cycle, 2 or 4.
 
     Returns
     -------
@@ -126,7 +120,6 @@ def firing_intervals(firing_angles: Sequence[float], strokes: int) -> tuple[floa
     ----------
     firing_angles : sequence of n float
         In any order, all within one cycle [rad].
-    strokes : int
 
     Returns
     -------
@@ -176,8 +169,6 @@ def even_firing_order(firing_angles: Sequence[float], strokes: int) -> tuple[int
     ----------
     firing_angles : sequence of n float
         Shaft angle at which each cylinder fires now [rad].
-    strokes : int
-        Strokes per cycle, 2 or 4.
 
     Returns
     -------
@@ -214,8 +205,6 @@ def least_uneven_order(
     ----------
     firing_angles : sequence of n float
         Shaft angle at which each cylinder fires now [rad].
-    strokes : int
-        Strokes per cycle, 2 or 4.
 
     Returns
     -------
@@ -284,12 +273,6 @@ def check_order_of_angles(
         Each cylinder number from 1 once.
     firing_angles : sequence of n float
         Shaft angle at which each cylinder fires, in any cycle [rad].
-    strokes : int
-        Strokes per cycle, 2 or 4.
-
-    Raises
-    ------
-    InputError
     """
     cycle = math.radians(cycle_degrees(strokes))
     angles = [firing_angles[number - 1] for number in firing_order]
@@ -313,8 +296,6 @@ def firing_order_of_angles(
     ----------
     firing_angles : sequence of n float
         Shaft angle at which each cylinder fires, in any cycle [rad].
-    strokes : int
-        Strokes per cycle, 2 or 4.
     first : int
         Number of the cylinder to begin with.
 

@@ -106,17 +106,6 @@ class MechanismForces:
     def plot(self, axes: Axes | None = None, cylinder: int = 1) -> Axes:
         """Draw gas force, tangential force and side force of a cylinder over its cycle.
 
-        Parameters
-        ----------
-        axes : matplotlib.axes.Axes, optional
-            Where to draw; new axes by default.
-        cylinder : int, optional
-            Its number, from 1.
-
-        Returns
-        -------
-        matplotlib.axes.Axes
-
         Raises
         ------
         InputError
@@ -143,19 +132,7 @@ class MechanismForces:
         )
 
     def to_xarray(self) -> Dataset:
-        """Return all forces over cylinder and shaft angle, with the speed.
-
-        Returns
-        -------
-        xarray.Dataset
-            Units in the ``attrs["units"]`` of each array and coordinate.
-
-        Raises
-        ------
-        MissingLibraryError
-            If xarray is not installed.
-            Vectors are complex, in the frames given in the class description.
-        """
+        """Return all forces over cylinder and shaft angle, with the speed."""
         over = ("cylinder", "shaft_angle")
         return grid(
             {
@@ -190,7 +167,6 @@ def mechanism_forces(
 
     Parameters
     ----------
-    engine : EngineLayout
     speed : float or ndarray of shape (m,)
         Of the shaft [rad/s].
     gas : array_like of shape (n, m), (m,) or a number
@@ -203,10 +179,6 @@ def mechanism_forces(
         Force on each piston along its axis, positive away from the shaft [N].
     crank_acceleration : float or ndarray of shape (m,), optional
         [rad/s^2]
-
-    Returns
-    -------
-    MechanismForces
 
     Raises
     ------
@@ -277,7 +249,6 @@ def spread_array(field: str, values: ArrayLike, shape: tuple[int, ...], reason: 
     field, reason : str
         Name of the values in messages, and why they must fit.
     values : number or array_like
-    shape : tuple of int
 
     Raises
     ------
@@ -365,7 +336,6 @@ def gas_forces(
 
     Parameters
     ----------
-    engine : EngineLayout
     pressure : GasPressure or sequence of n GasPressure
         One for all cylinders, each counted from its own firing top, or one for each cylinder.
     crankcase_pressure : float, optional
@@ -407,12 +377,6 @@ def gas_forces(
 
 def piston_position(engine: EngineLayout, number: int) -> Position:
     """Return the position of a cylinder's piston over the angle from its firing top.
-
-    Parameters
-    ----------
-    engine : EngineLayout
-    number : int
-        Of the cylinder, from 1.
 
     Returns
     -------

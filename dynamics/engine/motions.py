@@ -54,9 +54,6 @@ def cylinder_motion(
 
     Parameters
     ----------
-    engine : EngineLayout
-    number : int
-        Of the cylinder, from 1.
     shaft_angles_deg : array_like of shape (m,)
         [deg]
 
@@ -99,7 +96,6 @@ def reduced_inertia(
 
     Parameters
     ----------
-    engine : EngineLayout
     models : tuple of n RodModel
         Of each cylinder's rod.
     shaft_angles_deg : array_like of shape (m,)
@@ -222,7 +218,6 @@ def piston_acceleration(
 
     Parameters
     ----------
-    engine : EngineLayout
     number : int
         Of the cylinder, from 1; its rod may be hinged to another.
     speed : float
@@ -257,9 +252,6 @@ def acceleration_orders(
 
     Parameters
     ----------
-    engine : EngineLayout
-    number : int
-        Of the cylinder, from 1.
     speed : float
         Of the shaft [rad/s].
     highest : int, optional

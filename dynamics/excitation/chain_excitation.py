@@ -26,7 +26,6 @@ def torque_excitation(forces: CylinderForces, engine_chain: "EngineChain") -> Or
 
     Parameters
     ----------
-    forces : CylinderForces
     engine_chain : EngineChain
         Torsional. Crank radius times T of each cylinder acts on the node of its throw; cylinders on
         one throw add up.
@@ -61,7 +60,6 @@ def node_torques(
 
     Parameters
     ----------
-    harmonics : CylinderHarmonics
     engine_chain : EngineChain
         Torsional.
     speed : number or array_like of shape (m,)
@@ -99,7 +97,6 @@ def axial_throw_forces(
 
     Parameters
     ----------
-    forces : CylinderForces
     compliances : array_like of shape (n,)
         Axial compliance e of each throw, as in the axial chain [m/N].
     influence : array_like of shape (n,), (n, p) or (n, p, 2)
@@ -143,7 +140,6 @@ def axial_excitation(
 
     Parameters
     ----------
-    forces : CylinderForces
     engine_chain : EngineChain
         Axial, with a section before and one after each throw.
     compliances, influence, pins

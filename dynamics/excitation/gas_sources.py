@@ -62,7 +62,6 @@ def gas_sources(
 
     Parameters
     ----------
-    engine : EngineLayout
     pressure : Pressure, PressureMap or sequence of n of them
     misfire : mapping of int to float, optional
         Number of each failing cylinder to the share of its combustion that is missing, 0 to 1.

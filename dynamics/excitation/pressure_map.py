@@ -64,8 +64,6 @@ def order_indices(orders: ArrayLike, strokes: int, samples: int, what: str) -> N
     ----------
     orders : array_like of shape (K,)
         In cycles per crankshaft revolution, above zero and ascending.
-    strokes : int
-        Strokes per cycle, 2 or 4.
     samples : int
         Over the cycle.
     what : str
@@ -401,16 +399,10 @@ class PressureMap:
 
         Parameters
         ----------
-        axes : matplotlib.axes.Axes, optional
-            Where to draw; new axes by default.
         speed : float, optional
             Speed at which one diagram is interpolated [rad/s]; by default those of all speeds of the map.
         load : float, optional
             If the map has loads: any with a speed, one of the map's without; the highest by default.
-
-        Returns
-        -------
-        matplotlib.axes.Axes
 
         Raises
         ------
@@ -472,10 +464,6 @@ def pressure_map(
         at each speed, as along a propeller's curve.
     method : {"cubic", "linear"}, optional
         Interpolation between the diagrams, along either axis.
-
-    Returns
-    -------
-    PressureMap
 
     Raises
     ------
@@ -590,10 +578,6 @@ def pressure_map_from_cycles(
         cycle. With a turbocharger both rise together.
     method : {"cubic", "linear"}, optional
         Interpolation between the points.
-
-    Returns
-    -------
-    PressureMap
 
     Raises
     ------

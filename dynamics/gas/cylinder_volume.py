@@ -147,11 +147,9 @@ def cylinder_volume(position: Position, area: float, compression_ratio: float) -
 
 
 def _extreme(position: Position, place: float, step: float, sign: float) -> tuple[float, float]:
-    """Return angle and value of the highest (sign 1) or lowest (-1) position near an angle.
-
-    The vertex of the parabola through three points about the angle is the next angle. Four rounds,
-    each ten times closer, leave the angle within 1e-8 rad and the value within round-off.
-    """
+    """Return angle and value of the highest (sign 1) or lowest (-1) position near an angle."""
+    # The vertex of the parabola through three points about the angle is the next angle. Four rounds,
+    # each ten times closer, leave the angle within 1e-8 rad and the value within round-off.
     angle = float(place)
     for _ in range(4):
         values = sign * position(np.array([angle - step, angle, angle + step]))
@@ -175,8 +173,6 @@ def indicated_work(pressure: ArrayLike, volume_slope: ArrayLike, strokes: int = 
     volume_slope : array_like of shape (m,)
         Derivative of the volume by the crank angle there [m^3/rad]: piston area times the
         piston's travel towards the shaft per radian.
-    strokes : int, optional
-        Strokes per cycle, 2 or 4.
 
     Returns
     -------

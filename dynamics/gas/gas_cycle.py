@@ -221,11 +221,9 @@ def pressure_rise_per_heat(
 
 
 def _part_integrals(cycle: GasCycle, volume: CylinderVolume, ends: FloatArray) -> FloatArray:
-    """Return the integrals of (V / V_closing)^(g - 1) dx between neighboring ends of shape (n,).
-
-    The ends are roots r of the share t = r^q of the duration; dx = a (m + 1) t^m exp(-a t^(m + 1))
-    dt / c and dt = q r^(q - 1) dr.
-    """
+    """Return the integrals of (V / V_closing)^(g - 1) dx between neighboring ends of shape (n,)."""
+    # The ends are roots r of the share t = r^q of the duration; dx = a (m + 1) t^m exp(-a t^(m + 1))
+    # dt / c and dt = q r^(q - 1) dr.
     nodes, weights = np.polynomial.legendre.leggauss(GAUSS_POINTS)
     half = 0.5 * np.diff(ends)[:, np.newaxis]
     root = ends[:-1, np.newaxis] + half * (1.0 + nodes)
@@ -245,12 +243,7 @@ def _part_integrals(cycle: GasCycle, volume: CylinderVolume, ends: FloatArray) -
 
 
 def allowed_heat(state: CycleSamples, heat: float) -> float:
-    """Return a heat [J] whose peak is not above that of real engines.
-
-    Raises
-    ------
-    InputError
-    """
+    """Return a heat [J] whose peak is not above that of real engines."""
     nonnegative_number("heat", heat, "J", "combustion releases heat")
     most = state.heat_for_peak(HIGHEST_PEAK)
     if heat > most:
@@ -262,23 +255,13 @@ def allowed_heat(state: CycleSamples, heat: float) -> float:
 
 
 def heat_for_peak(state: CycleSamples, peak_pressure: float) -> float:
-    """Return the heat [J] that gives a peak pressure [Pa].
-
-    Raises
-    ------
-    InputError
-    """
+    """Return the heat [J] that gives a peak pressure [Pa]."""
     peak = checked_peak(peak_pressure, state.peak(0.0))
     return max(state.heat_for_peak(peak), 0.0)
 
 
 def checked_peak(peak: float, lowest: float) -> float:
-    """Return a peak [Pa] from the lowest, that of compression alone, to the highest of real engines.
-
-    Raises
-    ------
-    InputError
-    """
+    """Return a peak [Pa] from the lowest, that of compression alone, to the highest of real engines."""
     # The lowest peak is found to round-off, and it may be what is asked for.
     if not is_number(peak) or not lowest * (1.0 - 1e-12) <= peak <= HIGHEST_PEAK:
         raise InputError(
@@ -290,12 +273,7 @@ def checked_peak(peak: float, lowest: float) -> float:
 
 
 def heat_for_mean_pressure(state: CycleSamples, mean_pressure: float) -> float:
-    """Return the heat [J] that gives an indicated mean effective pressure [Pa].
-
-    Raises
-    ------
-    InputError
-    """
+    """Return the heat [J] that gives an indicated mean effective pressure [Pa]."""
     lowest = state.mean_pressure(0.0)
     if state.work_per_heat <= 0.0:
         raise no_work_error(mean_pressure)
@@ -401,14 +379,8 @@ class GasCycleResult:
 
         Parameters
         ----------
-        axes : matplotlib.axes.Axes, optional
-            Where to draw; new axes by default.
         show : {"indicator diagram", "pressure"}, optional
             Pressure over volume, or over the crank angle.
-
-        Returns
-        -------
-        matplotlib.axes.Axes
 
         Raises
         ------
@@ -437,18 +409,7 @@ class GasCycleResult:
         return axes
 
     def to_pandas(self) -> DataFrame:
-        """Return crank angle, volume and pressure, a row for each sample.
-
-        Returns
-        -------
-        pandas.DataFrame
-            Units of the columns in ``attrs["units"]``.
-
-        Raises
-        ------
-        MissingLibraryError
-            If pandas is not installed.
-        """
+        """Return crank angle, volume and pressure, a row for each sample."""
         return table(
             {
                 "crank_angle": (self.pressure.angles_deg, "deg"),

@@ -174,7 +174,6 @@ def piston_gas_force(
 
     Parameters
     ----------
-    engine : CrossheadEngine
     pressure : GasPressure
         Two-stroke, over the angle from the top.
     pressure_below : float, optional
@@ -204,7 +203,6 @@ def two_stroke_cycle(
 
     Parameters
     ----------
-    engine : CrossheadEngine
     compression_ratio : float
         Largest over smallest volume.
     peak_pressure, mean_effective_pressure, intake_pressure : float
@@ -251,10 +249,6 @@ def read_gas_force(path: GivenFile) -> GasForce:
     ``crank_angle_deg,gas_force_N`` (or ``kN``, ``MN``), then one sample a line. Angles count from the top
     dead center and cover a revolution, wherever it starts, in steps of up to 10 deg; the force is positive
     towards the shaft. A closing sample that repeats the first is dropped.
-
-    Parameters
-    ----------
-    path : path
 
     Returns
     -------
@@ -330,7 +324,6 @@ def reduced_crank(
 
     Parameters
     ----------
-    engine : CrossheadEngine
     kinematics : str, optional
         "exact"; "series", in which velocities end at the second harmonic; or "printed", the series
         with the sign of the rod's second harmonic as printed in the source.

@@ -74,11 +74,6 @@ def turn_curves(function: Callable[[FloatArray], FloatArray]) -> TurnCurves:
 def engine_curves(engine: EngineLayout, models: tuple[RodModel, ...]) -> TurnCurves:
     """Return the curves of an engine: positions of the n pistons, inertia, static moment upwards.
 
-    Parameters
-    ----------
-    engine : EngineLayout
-    models : tuple of n RodModel
-
     Returns
     -------
     TurnCurves

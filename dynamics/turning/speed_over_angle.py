@@ -87,9 +87,6 @@ def work_counter(field: str, given: float, unit: str, most: int) -> Callable[[fl
     ----------
     field : str
         How far it is followed; the counter is called with how far it has come.
-    given : float
-    unit : str
-    most : int
     """
 
     def refusal(reached: float) -> InputError:
@@ -305,17 +302,7 @@ class SpeedOverAngle:
         return float((self.speed.max() - self.speed.min()) / self.mean_speed)
 
     def plot(self, axes: Axes | None = None) -> Axes:
-        """Draw the speed over the shaft angle.
-
-        Parameters
-        ----------
-        axes : matplotlib.axes.Axes, optional
-            Where to draw; new axes by default.
-
-        Returns
-        -------
-        matplotlib.axes.Axes
-        """
+        """Draw the speed over the shaft angle."""
         axes = new_axes(axes)
         draw_over_angle(
             axes,
@@ -328,18 +315,7 @@ class SpeedOverAngle:
         return axes
 
     def to_pandas(self) -> DataFrame:
-        """Return a row for each angle: speed, time, kinetic energy.
-
-        Returns
-        -------
-        pandas.DataFrame
-            Units of the columns in ``attrs["units"]``.
-
-        Raises
-        ------
-        MissingLibraryError
-            If pandas is not installed.
-        """
+        """Return a row for each angle: speed, time, kinetic energy."""
         return table(
             {
                 "angle": (self.angle_deg, "deg"),
@@ -369,8 +345,6 @@ def speed_over_angle(
         (speed [rad/s], angle [rad]) -> Q [N m], all moments reduced to the shaft, positive when
         they drive, without the part of the inertia. It may jump with the angle, not with
         the speed.
-    start_angle_deg : float
-        [deg]
     start_speed : float
         Above zero [rad/s].
     turns : float
@@ -478,11 +452,9 @@ def _integrate_speed(
 def _energy_after_step(
     shaft: _Shaft, begin: float, step: float, energy: float, halvings: int
 ) -> tuple[float, float]:
-    """Return the energy after a step and its duration, halving the step if necessary.
-
-    An energy that falls to zero does not prove that the shaft stops: too long a step with a
-    steep moment does the same. Near a true stop the steps become short, and at rest this remains.
-    """
+    """Return the energy after a step and its duration, halving the step if necessary."""
+    # An energy that falls to zero does not prove that the shaft stops: too long a step with a
+    # steep moment does the same. Near a true stop the steps become short, and at rest this remains.
     found = _collocated(shaft, begin, step, energy)
     if found is not None:
         return found
@@ -586,14 +558,8 @@ def steady_turning(
         Angle of the period divided by its time [rad/s].
     turns : float
         Period of inertia and moment, in revolutions of the shaft: 2 for a four-stroke engine.
-    start_angle_deg : float, optional
-        [deg]
     samples : int, optional
         Per turn.
-
-    Returns
-    -------
-    SteadyTurning
 
     Raises
     ------
@@ -666,10 +632,8 @@ def steady_turning(
 def _beginning(
     inertia: Inertia, moment: Moment, speed: float, first: float, period: float
 ) -> tuple[float, float, bool]:
-    """Return load and initial energy from the moments at the mean speed, and whether it can turn.
-
-    Energies are sums over even angles, which is accurate for smooth curves.
-    """
+    """Return load and initial energy from the moments at the mean speed, and whether it can turn."""
+    # Energies are sums over even angles, which is accurate for smooth curves.
     count = max(1, round(SEARCH_SAMPLES * period / (2.0 * math.pi)))
     angles = (first + even_angles(period, count)).tolist()
     inertias = np.array([checked_inertia(inertia(angle), angle) for angle in angles])
