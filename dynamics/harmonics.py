@@ -379,8 +379,6 @@ def read_torque_table(path: GivenFile, *, strokes: int | None = None) -> TorqueT
 
     Parameters
     ----------
-    path : path
-        The file.
     strokes : int, optional
         Strokes per cycle, 2 or 4. Crank angles determine it; for cycle angles it is 4
         by default.
@@ -389,12 +387,6 @@ def read_torque_table(path: GivenFile, *, strokes: int | None = None) -> TorqueT
     -------
     TorqueTable
         Crank angles [deg], torques [N m], source and strokes.
-
-    Raises
-    ------
-    InputError
-        With file and line, if the file cannot be read, the header or a number is wrong, the angles
-        are not evenly spaced over one cycle, or the closing sample differs from the first.
     """
     cycles = possible_cycles(strokes)
     rows = read_sample_rows(path, TABLE)

@@ -421,8 +421,6 @@ def reciprocating_forces(
         One for each cylinder [kg].
     speed : float
         Of the shaft [rad/s].
-    orders : sequence of int
-        Cycles per revolution of the shaft.
 
     Returns
     -------
@@ -452,8 +450,6 @@ def cylinder_forces(
     ----------
     forces : callable
         Takes shaft angles (m,) [rad] and returns forces s + i n (n, m) [N].
-    orders : sequence of int
-        Cycles per revolution of the shaft.
 
     Returns
     -------

@@ -166,8 +166,6 @@ def elastic_modes(rows: FloatArray, mass: FloatArray, count: int) -> tuple[Float
         C: one row for each spring, the root of its stiffness times its elongation.
     mass : ndarray of shape (q, q)
         M, positive definite.
-    count : int
-        Number of elastic modes: q less the number of rigid-body modes.
 
     Returns
     -------

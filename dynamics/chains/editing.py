@@ -27,18 +27,7 @@ class Attachable(Protocol):
 
 
 def find_node(chain: Chain, node: str | int, field: str = "node") -> int:
-    """Return the number of a node, given by its name or its number from 0.
-
-    Parameters
-    ----------
-    field : str, optional
-        Name of the node in messages.
-
-    Raises
-    ------
-    InputError
-        If there is no such node.
-    """
+    """Return the number of a node, given by its name or its number from 0."""
     if not isinstance(node, str):
         return node_index(field, node, len(chain.names))
     if node not in chain.names:

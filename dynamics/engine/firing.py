@@ -22,13 +22,7 @@ MOST_CYLINDERS = 48
 
 
 def check_firing_order(firing_order: Sequence[int], cylinders: int) -> None:
-    """Refuse an order that repeats or omits a cylinder.
-
-    Raises
-    ------
-    InputError
-        Also if a number is not whole by its type.
-    """
+    """Refuse an order that repeats or omits a cylinder."""
     given = list(firing_order)
     fault = _order_fault(given, cylinders)
     if fault is not None:
@@ -75,8 +69,6 @@ def firing_angles_of_order(
 
     Parameters
     ----------
-    firing_order : sequence of n int
-        Cylinder numbers from 1.
     top_angles : sequence of n float
         A shaft angle at which each cylinder's crank is along its axis, away from the shaft [rad].
 
@@ -86,12 +78,6 @@ def firing_angles_of_order(
         Firing angles by cylinder [rad], from that of the first to fire, which is within the first
         revolution, to less than one cycle more. Each cylinder fires at the first of its tops after the
         preceding cylinder has fired.
-
-    Raises
-    ------
-    InputError
-        If the order repeats or omits a cylinder, or its tops do not follow within one cycle in that
-        order.
     """
     tops = finite_vector("top_angles", list(top_angles)).tolist()
     check_firing_order(firing_order, len(tops))
@@ -269,8 +255,6 @@ def check_order_of_angles(
 
     Parameters
     ----------
-    firing_order : sequence of n int
-        Each cylinder number from 1 once.
     firing_angles : sequence of n float
         Shaft angle at which each cylinder fires, in any cycle [rad].
     """
@@ -296,13 +280,6 @@ def firing_order_of_angles(
     ----------
     firing_angles : sequence of n float
         Shaft angle at which each cylinder fires, in any cycle [rad].
-    first : int
-        Number of the cylinder to begin with.
-
-    Returns
-    -------
-    tuple of n int
-        Lower numbers first where several fire at the same angle.
     """
     cycle, start = math.radians(cycle_degrees(strokes)), firing_angles[first - 1]
     later = [round(_angle_after(start, angle, cycle), 9) for angle in firing_angles]

@@ -246,14 +246,7 @@ def spread_array(field: str, values: ArrayLike, shape: tuple[int, ...], reason: 
 
     Parameters
     ----------
-    field, reason : str
-        Name of the values in messages, and why they must fit.
     values : number or array_like
-
-    Raises
-    ------
-    InputError
-        If a value is not finite, or the values cannot be broadcast.
     """
     given = finite_array(field, values)
     try:
@@ -415,13 +408,7 @@ def for_each_cylinder(
 
 
 def full_load_parameters(load: FullLoad, engine: EngineLayout) -> tuple[GasCycle, tuple[str, ...]]:
-    """Return the cycle's parameters in all cylinders, from the first main one, and remarks on them.
-
-    Raises
-    ------
-    InputError
-        If they do not fit.
-    """
+    """Return the cycle's parameters in all cylinders, from the first main one, and remarks on them."""
     number = engine.main_of(1)
     return load.parameters(
         engine.strokes, piston_position(engine, number), engine.cylinders[number - 1].area
@@ -429,13 +416,7 @@ def full_load_parameters(load: FullLoad, engine: EngineLayout) -> tuple[GasCycle
 
 
 def full_load_cycles(load: FullLoad, engine: EngineLayout) -> tuple[GasCycleResult, ...]:
-    """Return the cycle in each cylinder that reaches the pressures of full load, (n,).
-
-    Raises
-    ------
-    InputError
-        If the cycle cannot reach them.
-    """
+    """Return the cycle in each cylinder that reaches the pressures of full load, (n,)."""
     cycle, remarks = full_load_parameters(load, engine)
 
     def fired(position: Position, area: float) -> GasCycleResult:
@@ -452,13 +433,7 @@ def full_load_cycles(load: FullLoad, engine: EngineLayout) -> tuple[GasCycleResu
 
 
 def motored_pressures(load: FullLoad, engine: EngineLayout) -> tuple[GasPressure, ...]:
-    """Return the pressure in each cylinder of the engine turned without combustion, (n,).
-
-    Raises
-    ------
-    InputError
-        If the cycle's parameters do not fit.
-    """
+    """Return the pressure in each cylinder of the engine turned without combustion, (n,)."""
     cycle, remarks = full_load_parameters(load, engine)
 
     def motored(position: Position, area: float) -> GasPressure:

@@ -150,8 +150,6 @@ def turn_spectrum(
     ----------
     function : callable
         Takes shaft angles (m,) [rad] and returns values (..., m).
-    highest : int
-        The highest order required.
 
     Returns
     -------
@@ -159,11 +157,6 @@ def turn_spectrum(
         c_k in the order of the fast Fourier transform: 0, 1 ... N/2 - 1, -N/2 ... -1. The number of
         samples N over a revolution is so large that orders from 3/8 of it are round-off. The aliases of
         all required orders are beyond these, so they are round-off, too.
-
-    Raises
-    ------
-    InputError
-        If this takes too many samples: the crank is nearly as long as the rod.
     """
     count = FEWEST
     while count * 3 // 8 <= highest:
@@ -182,13 +175,7 @@ def turn_spectrum(
 
 
 def checked_orders(orders: Sequence[int]) -> tuple[int, ...]:
-    """Return orders as integers.
-
-    Raises
-    ------
-    InputError
-        If there is none, or one is not a whole number of 1 or more, or is given twice.
-    """
+    """Return orders as integers."""
     given = list(orders)
     whole = [order for order in given if is_whole(order) and order >= 1]
     if not given or len(whole) != len(given) or len(set(given)) != len(given):
@@ -200,13 +187,7 @@ def checked_orders(orders: Sequence[int]) -> tuple[int, ...]:
 
 
 def checked_cylinder(engine: EngineLayout, number: int) -> int:
-    """Return the number of a cylinder.
-
-    Raises
-    ------
-    InputError
-        If the engine has no such cylinder.
-    """
+    """Return the number of a cylinder."""
     count = len(engine.cylinders)
     return whole_within("cylinder", number, 1, count, f"the engine has {count} cylinders")
 

@@ -111,11 +111,6 @@ def axial_throw_forces(
     complex ndarray of shape (K, S, n)
         P_i = (sum over j of c_ij Z_j) / e_i [N].
 
-    Raises
-    ------
-    InputError
-        If shapes do not fit throws and pins, or a compliance is not above zero.
-
     Notes
     -----
     A throw with free ends would lengthen by c Z. The chain's spring 1/e between its ends lengthens
@@ -168,18 +163,11 @@ def axial_section_forces(pressing: ComplexArray, engine_chain: "EngineChain") ->
     ----------
     pressing : complex ndarray of shape (K, S, n)
         P of each throw [N].
-    engine_chain : EngineChain
-        Axial.
 
     Returns
     -------
     complex ndarray of shape (K, S, nodes)
         -P on the section before each throw, +P on that after it [N].
-
-    Raises
-    ------
-    InputError
-        If the chain is not axial or has another number of throws.
     """
     if engine_chain.kind != "axial":
         raise InputError(

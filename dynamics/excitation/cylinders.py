@@ -236,13 +236,7 @@ def _one_diagram(at_all_speeds: Sequence[bool]) -> str:
 
 
 def throw_of_each(engine: EngineLayout, throws: Sequence[int] | None) -> tuple[int, ...]:
-    """Return the throw of each cylinder from 0, given or found from the layout.
-
-    Raises
-    ------
-    InputError
-        If given throws do not fit the cylinders.
-    """
+    """Return the throw of each cylinder from 0, given or found from the layout."""
     groups = throws_along_shaft(engine) if throws is None else checked_throws(engine, throws)
     found = {number: throw for throw, group in enumerate(groups) for number in group}
     return tuple(found[number] for number in range(1, len(engine.cylinders) + 1))

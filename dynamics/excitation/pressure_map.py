@@ -64,16 +64,6 @@ def order_indices(orders: ArrayLike, strokes: int, samples: int, what: str) -> N
     ----------
     orders : array_like of shape (K,)
         In cycles per crankshaft revolution, above zero and ascending.
-    samples : int
-        Over the cycle.
-    what : str
-        Whose samples, for the message.
-
-    Raises
-    ------
-    InputError
-        If an order is not a multiple of the cycle's, or the samples do not resolve it: it would appear
-        as a lower order (aliasing).
     """
     values, step = checked_orders(orders), order_step(strokes)
     places = np.round(values / step)
@@ -97,13 +87,7 @@ def order_indices(orders: ArrayLike, strokes: int, samples: int, what: str) -> N
 
 
 def requested_orders(orders: ArrayLike | float, strokes: int) -> FloatArray:
-    """Return the requested orders (K,): those given, or all up to a highest one.
-
-    Raises
-    ------
-    InputError
-        If they are not above zero and ascending.
-    """
+    """Return the requested orders (K,): those given, or all up to a highest one."""
     if np.ndim(orders) == 0:
         return engine_orders(strokes, cast(float, orders))
     return checked_orders(orders)
@@ -153,13 +137,7 @@ def propeller_load(
 
 
 def load_at(load: Load, speeds: FloatArray) -> FloatArray:
-    """Return the load at each speed (S,).
-
-    Raises
-    ------
-    InputError
-        If there is not one finite number for all speeds, or one for each.
-    """
+    """Return the load at each speed (S,)."""
     values = finite_array("load", load(speeds) if callable(load) else load)
     if values.shape not in ((), speeds.shape):
         raise InputError(

@@ -86,19 +86,6 @@ def cylinder_volume(position: Position, area: float, compression_ratio: float) -
         axis. It is smooth and repeats every revolution.
     area : float
         Piston area [m^2].
-    compression_ratio : float
-        Largest over smallest volume, above 1.
-
-    Returns
-    -------
-    CylinderVolume
-        Its clearance follows from the highest and lowest position, wherever they are.
-
-    Raises
-    ------
-    InputError
-        If area or ratio is out of range, the position is not finite, does not repeat every
-        revolution, does not move, or is highest more than 30 deg away from the angle zero.
 
     Examples
     --------
@@ -215,11 +202,6 @@ def indicated_mean_effective_pressure(work: float, swept: float) -> float:
     -------
     float
         Mean effective pressure [Pa].
-
-    Raises
-    ------
-    InputError
-        If the volume is not above zero.
     """
     return work / positive_number("swept", swept, "m^3", "the work is taken per swept volume")
 
@@ -231,8 +213,6 @@ def periodic_slope(values: FloatArray, period: float) -> FloatArray:
     ----------
     values : ndarray of shape (m,)
         Samples over one period, without the closing one.
-    period : float
-        Length of the period.
 
     Returns
     -------

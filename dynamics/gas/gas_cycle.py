@@ -107,17 +107,8 @@ def cycle_samples(cycle: GasCycle, volume: CylinderVolume, angles_deg: FloatArra
 
     Parameters
     ----------
-    cycle : GasCycle
-        Its parameters.
-    volume : CylinderVolume
-        The volume over the piston.
     angles_deg : ndarray of shape (m,)
         Even crank angles from zero over the cycle, the closing one left out.
-
-    Returns
-    -------
-    CycleSamples
-        Pressure and volume slope there.
     """
     # 1 where the cylinder is closed, 0 where it is open, between in the blow-down.
     share = 1.0 - _smooth_step(angles_deg, cycle.exhaust_opens_deg, BOTTOM)
@@ -155,10 +146,6 @@ def motored_pressure(cycle: GasCycle, volume: CylinderVolume, angle_deg: ArrayLi
 
     Parameters
     ----------
-    cycle : GasCycle
-        Intake pressure, intake closing and ratio of heat capacities g.
-    volume : CylinderVolume
-        Volume V over the piston.
     angle_deg : array_like of any shape
         Crank angles within the closed part.
 
@@ -178,10 +165,6 @@ def pressure_rise_per_heat(
 
     Parameters
     ----------
-    cycle : GasCycle
-        Combustion and ratio of heat capacities g.
-    volume : CylinderVolume
-        Volume V over the piston.
     angle_deg : array_like of shape (m,)
         Crank angles within the closed part, in any order.
 
@@ -190,11 +173,6 @@ def pressure_rise_per_heat(
     ndarray of shape (m,)
         (g - 1) / V(angle)^g times the integral of V^(g - 1) dx from the start of the combustion, x
         the burnt share [Pa/J].
-
-    Raises
-    ------
-    InputError
-        If an angle is not a finite number.
 
     Notes
     -----
@@ -565,11 +543,6 @@ class FullLoad:
         """Return the cycle's parameters, and remarks on an intake pressure that suits the peak.
 
         Position and area are those of one cylinder; all breathe from one receiver.
-
-        Raises
-        ------
-        InputError
-            If the parameters do not fit.
         """
         cycle = usual_gas_cycle(self.compression_ratio, strokes, **self.known)
         if "intake_pressure" in self.known or self.peak_pressure is None:

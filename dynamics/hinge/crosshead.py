@@ -255,13 +255,6 @@ def read_gas_force(path: GivenFile) -> GasForce:
     callable
         Force [N] at crank angles [rad] from the top: the periodic cubic spline through the
         samples.
-
-    Raises
-    ------
-    InputError
-        With file and, where there is one, line: if the file cannot be read, the header or a number is
-        wrong, angles do not increase, do not cover one revolution or leave a gap wider than 10 deg, or the
-        closing sample differs from the first by more than a thousandth of the largest force.
     """
     rows = read_sample_rows(path, TABLE)
     rows.strokes(

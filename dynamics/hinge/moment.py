@@ -201,13 +201,7 @@ def hinge_moment(
 
 
 def as_function(gas_force: GasForce | ArrayLike) -> GasForce:
-    """Return a gas force as a function of angles [rad]; samples are interpolated by a periodic spline.
-
-    Raises
-    ------
-    InputError
-        If samples are too few or not finite.
-    """
+    """Return a gas force as a function of angles [rad]; samples are interpolated by a periodic spline."""
     if callable(gas_force):
         return gas_force
     given = finite_vector("gas_force", gas_force)

@@ -41,13 +41,7 @@ def samples_and_gas(
     samples: int,
     crankcase_pressure: float,
 ) -> tuple[FloatArray, FloatArray]:
-    """Return shaft angles evenly over a cycle (m,) [rad], and forces on the pistons (n, m) [N].
-
-    Raises
-    ------
-    InputError
-        If there are less than 3 samples, or pressures or forces do not fit.
-    """
+    """Return shaft angles evenly over a cycle (m,) [rad], and forces on the pistons (n, m) [N]."""
     count = whole_number("samples", samples, 3, "fewer show no harmonic")
     angles = even_angles(cycle_radians(engine.strokes), count)
     shape = (len(engine.cylinders), count)
@@ -130,13 +124,7 @@ def _shares(engine: EngineLayout, throw: list[int], number: int) -> bool:
 
 
 def checked_throws(engine: EngineLayout, throws: Sequence[int]) -> tuple[tuple[int, ...], ...]:
-    """Return the numbers of the cylinders on each throw from the throw of each cylinder, from 0.
-
-    Raises
-    ------
-    InputError
-        If there is not one for each cylinder, one is not a whole number, or a throw has none.
-    """
+    """Return the numbers of the cylinders on each throw from the throw of each cylinder, from 0."""
     given = list(throws)
     if len(given) != len(engine.cylinders):
         raise InputError(

@@ -26,13 +26,7 @@ MOST_EVALUATIONS, MOST_MOMENTS = 150_000, 500_000
 
 
 def run_time(field: str, value: float) -> float:
-    """Return the duration of a motion [s], checked.
-
-    Raises
-    ------
-    InputError
-        If it is not a finite number above zero, or more than a day.
-    """
+    """Return the duration of a motion [s], checked."""
     time = positive_number(field, value, "s", "time runs forward")
     if time > LONGEST_RUN:
         raise InputError(
@@ -43,13 +37,7 @@ def run_time(field: str, value: float) -> float:
 
 
 def turns_followed(field: str, turns: float) -> float:
-    """Return a number of revolutions of a motion, checked.
-
-    Raises
-    ------
-    InputError
-        If it is not a finite number above zero, or too large.
-    """
+    """Return a number of revolutions of a motion, checked."""
     number = positive_number(field, turns, "", "the shaft turns forward")
     if number > MOST_TURNS:
         raise InputError(
@@ -62,15 +50,7 @@ def turns_followed(field: str, turns: float) -> float:
 def evaluation_counter(
     refusal: Callable[[float], InputError], most: int
 ) -> Callable[[float], None]:
-    """Return what an integration calls at each evaluation, and what ends it after too many.
-
-    Parameters
-    ----------
-    refusal : callable
-        Returns the error for the time or angle at which the last evaluation is.
-    most : int
-        Evaluations that are allowed.
-    """
+    """Return what an integration calls at each evaluation, and what ends it after too many."""
     left = iter(range(most))
 
     def evaluated(reached: float) -> None:
@@ -81,13 +61,7 @@ def evaluation_counter(
 
 
 def work_counter(field: str, given: float, unit: str, most: int) -> Callable[[float], None]:
-    """Return an `evaluation_counter` whose error is that a motion is followed too far.
-
-    Parameters
-    ----------
-    field : str
-        How far it is followed; the counter is called with how far it has come.
-    """
+    """Return an `evaluation_counter` whose error is that a motion is followed too far."""
 
     def refusal(reached: float) -> InputError:
         allowed = f"{0.99 * reached:.4g} {unit}".strip()
@@ -117,19 +91,12 @@ def checked_moment(
 
     Parameters
     ----------
-    field : str
-        Whose moment it is.
     given : float
         [N m]
     speed, angle : float
         Where the function was asked [rad/s, rad].
     largest : float, optional
         [N m]
-
-    Raises
-    ------
-    InputError
-        If it is not a finite number, or larger than that.
     """
     moment = _number(given)
     if not (math.isfinite(moment) and abs(moment) <= largest):
@@ -143,13 +110,7 @@ def checked_moment(
 
 
 def checked_inertia(given: float, angle: float, least: float = 0.0) -> float:
-    """Return an inertia [kg m^2] at an angle [rad].
-
-    Raises
-    ------
-    InputError
-        If it is not a finite number above `least`.
-    """
+    """Return an inertia [kg m^2] at an angle [rad]."""
     inertia = _number(given)
     if not least < inertia < math.inf:
         raise InputError(
