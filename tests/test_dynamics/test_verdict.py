@@ -516,6 +516,12 @@ def test_a_flank_at_the_highest_speed_belongs_to_the_peak_beyond():
     assert found.high == 49.0
     assert found.peaks == close((50.0,))
     assert not found.cut_off
+    # What is used beyond, or that speeds end there, does not count.
+    assert found.used == close(resonance(49.0, 50.0) / 10.0)
+    until = speeds <= 50.0
+    short = AmplitudeCurve("shaft", speeds[until], curve.values[until])
+    (ending,) = exceeded_ranges(LIMIT, short, 49.0)
+    assert not ending.cut_off
     (barred,) = barred_ranges([(LIMIT, curve)], RULE, (20.0, 49.0))
     assert (barred.low, barred.high) == close(RULE.bounds(50.0))
     # On the falling side the peak lies within.

@@ -43,6 +43,7 @@ from dynamics.assessment.uncertainty import (
     scaled_chain,
 )
 from dynamics.assessment.verdict import Decision, Status, Trial, Verdict, changes, decide
+from dynamics.assessment.wording import conclusion_sentence
 from dynamics.chains.chain import Chain
 from dynamics.critical import engine_orders
 from dynamics.excitation.cylinders import CylinderHarmonics
@@ -408,12 +409,8 @@ class Assessment:
     @property
     def conclusion(self) -> str:
         """What can be concluded despite the assumptions, then the verdict with the values used."""
-        decision, said = self.decision, self.verdict.sentence
-        if decision.status == "undecided":
-            with_used = f"{said[0].lower()}{said[1:]}"
-            return f"Undecided: {decision.sentence}. With the values used, {with_used}"
-        depends = "It depends on assumed or uncertain values"
-        return f"{said} {depends}: {decision.sentence}." if decision.sentence else said
+        undecided = self.decision.status == "undecided"
+        return conclusion_sentence(self.verdict.sentence, self.decision.sentence, undecided)
 
     def limit_curve(self, name: str, speeds: FloatArray) -> dict[str, FloatArray]:
         """Return a limit over speeds [rad/s] with its name in a legend; empty if there is none."""
