@@ -51,11 +51,12 @@ from dynamics.chains.chain import Chain as Chain
 from dynamics.chains.chain_modes import Modes as Modes
 from dynamics.chains.engine_chains import axial_chain as axial_chain
 from dynamics.chains.engine_chains import torsional_chain as torsional_chain
-from dynamics.engine.cylinder import EngineCylinder as EngineCylinder
+from dynamics.engine.layout import EngineCylinder as EngineCylinder
 from dynamics.engine.layout import EngineLayout as EngineLayout
+from dynamics.engine.rods import ConnectingRod as ConnectingRod
 from dynamics.harmonics import Harmonics as Harmonics
+from dynamics.harmonics import TorqueTable as TorqueTable
 from dynamics.harmonics import harmonics as harmonics
-from dynamics.mechanism.rods import ConnectingRod as ConnectingRod
 from dynamics.response.forced import ForcedResponse as ForcedResponse
 from dynamics.response.forced import forced_response as forced_response
 from dynamics.response.linear_system import damped as damped
@@ -66,7 +67,6 @@ from dynamics.response.resonance import Resonance as Resonance
 from dynamics.response.resonance import resonances as resonances
 from dynamics.torque.torque import EngineTorque as EngineTorque
 from dynamics.torque.torque import engine_torque as engine_torque
-from dynamics.torque_table import TorqueTable as TorqueTable
 from fem.analysis import analyze_throw as analyze_throw
 from fem.material import STEEL as STEEL
 from fem.material import Material as Material

@@ -39,7 +39,7 @@ from crankfem.files.hinge.hinge_file import HingeFile, load_hinge
 from crankfem.files.reading.toml_file import InputRecord, TomlFile
 from crankfem.files.sections.crank_throws import PLAIN
 from crankfem.files.sections.engine_sections import Engine
-from dynamics.torque_table import read_torque_table
+from dynamics.harmonics import read_torque_table
 from fem.material import STEEL, Material
 from geometry.throw import CrankThrow
 from regression.plans.plan import PlannedStudy

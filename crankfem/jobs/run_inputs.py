@@ -12,7 +12,7 @@ from crankfem.files.engine.file_kinds import engine_sections
 from crankfem.files.engine.input_files import engine_inputs
 from crankfem.files.engine.mechanism_file import MechanismFile, mechanism_of
 from crankfem.files.reading.toml_file import TomlFile
-from dynamics.torque_table import TorqueTable, read_torque_table
+from dynamics.harmonics import TorqueTable, read_torque_table
 from regression.models.compliance_model import ComplianceModel
 from regression.plans.plan import StudyPlan
 

@@ -15,7 +15,7 @@ from dynamics.assessment.uncertainty import Spread, frequency_bounds
 from dynamics.assessment.wording import shown_range
 from dynamics.chains.chain import Chain
 from dynamics.critical import CriticalSpeed
-from dynamics.running_limits import within
+from dynamics.indices import within
 
 # Share of the excitation's frequency by which a torsional natural frequency should differ from it: as
 # recommended by API 617, quoted by Q. Wang, T. D. Feese, B. C. Pettinato, Torsional natural frequencies:
@@ -156,8 +156,8 @@ def critical_ranges(
     Notes
     -----
     Without damping the bounds are exact: those of `frequency_bounds` over the order. With damping each
-    chain has its own peaks; those nearest to the nominal one count, and each of them shifts with the
-    spreads as the frequency does.
+    chain has its own peaks, paired with the nominal ones where each is the other's nearest; a peak without
+    a partner shifts with its mode's frequency alone. Each shifts with the spreads as the frequency does.
     """
     excited = positive_vector("orders", orders, "", "they count cycles per revolution")
     first, last = checked_running_range(running_range)
@@ -173,9 +173,9 @@ def critical_ranges(
             ]
             for shift in shifts[0]:
                 ends = [
-                    (near * low[mode], near * high[mode])
-                    for (_, low, high), own in zip(each, shifts, strict=True)
-                    for near in sorted(own, key=lambda one: abs(one - shift))[:1]
+                    (partner * low[mode], partner * high[mode])
+                    for (_, low, high), peaks in zip(each, shifts, strict=True)
+                    for partner in [_partner(shift, shifts[0], peaks)]
                 ]
                 middle = per_hertz * shift * float(modes.frequencies[mode])
                 least = per_hertz * float(min(low for low, _ in ends))
@@ -186,6 +186,12 @@ def critical_ranges(
                 if margin <= within:
                     found.append(CriticalRange(number, order, middle, least, most, margin, own))
     return tuple(sorted(found, key=lambda one: (one.nominal, one.mode, one.order)))
+
+
+def _partner(shift: float, nominal: Sequence[float], peaks: Sequence[float]) -> float:
+    """Return the peak that belongs to a nominal one, or that one's own shift if none does."""
+    nearest = min(peaks, key=lambda peak: abs(peak - shift), default=shift)
+    return nearest if min(nominal, key=lambda peak: abs(peak - nearest)) == shift else shift
 
 
 MAJOR_SOURCE = "Korean Register, Rules for Steel Ships 2025, Part 5, Chapter 4, 204"

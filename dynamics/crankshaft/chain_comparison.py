@@ -18,11 +18,11 @@ from dynamics.crankshaft.assembly import CLASSES, MOTION_OF, AssembledShaft, Sta
 from dynamics.crankshaft.coupled_response import CoupledResponse
 from dynamics.crankshaft.shaft_modes import CrankshaftSystem, ShaftModes, crankshaft_modes
 from dynamics.crankshaft.surroundings import RX, RY, RZ, UZ
+from dynamics.indices import within
 from dynamics.plots.curves import draw_named_curves
 from dynamics.plots.quantities import in_unit
 from dynamics.response.forced import ForcedResponse
 from dynamics.response.series import synthesis
-from dynamics.running_limits import within
 
 # A mode of the shaft is looked for within this factor of the chain's frequency.
 SEARCHED = 2.0
@@ -451,7 +451,10 @@ class FlywheelTilt:
         found = " and ".join(
             f"{one:.1f}" for one in sorted(filter(None, (self.shaft, self.further)))
         )
-        return f"{name} from {self.without:.1f} Hz without to {found} Hz with it"
+        # Inertia raises no frequency in its place of the row: a mode told higher has changed places.
+        passed = self.shown and self.further is None and self.shaft > self.without
+        below = " (which brings another mode below it)" if passed else ""
+        return f"{name} from {self.without:.1f} Hz without to {found} Hz with it{below}"
 
 
 def _elastic(chain: EngineChain, mode: int) -> float:

@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cached_property, reduce
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -19,7 +19,7 @@ from crankbase.tables.frames import grid
 from crankbase.units.units import RPM
 from dynamics.crankshaft.assembly import PIN_MOTIONS
 from dynamics.crankshaft.shaft_modes import CrankshaftSystem
-from dynamics.excitation.combined_excitation import combined_excitation
+from dynamics.excitation.chain_excitation import combined_excitation
 from dynamics.excitation.cylinders import CylinderForces
 from dynamics.plots.quantities import (
     SPEED_LABEL,
@@ -28,12 +28,12 @@ from dynamics.plots.quantities import (
     name_axis,
     orders_and_speeds,
 )
-from dynamics.response.damped_criticals import BAND
+from dynamics.response.damped_criticals import LEAST_PEAK, DampedCritical, criticals_of
 from dynamics.response.forced import ForcedResponse, forced_response
 from dynamics.response.linear_system import DEFAULT_MAGNIFIER
+from dynamics.response.loads import LinearQuantities, motion_rows
 from dynamics.response.order_excitation import OrderExcitation
 from dynamics.response.series import OrderSeries, synthesis
-from dynamics.running_limits import within
 
 
 def shaft_excitation(
@@ -155,10 +155,22 @@ class CoupledResponse:
         """(S,) [rad/s]."""
         return self.tangential.speeds
 
+    @cached_property
+    def total(self) -> ForcedResponse:
+        """Under all forces."""
+        acting = reduce(np.add, [part.excitation.forces for part in self.parts])
+        return replace(
+            self.tangential,
+            motion=reduce(np.add, [part.motion for part in self.parts]),
+            unbounded=reduce(np.logical_or, [part.unbounded for part in self.parts]),
+            excitation=OrderExcitation(self.orders, self.speeds, acting),
+            unknowns=reduce(np.add, [part.unknowns for part in self.parts]),
+        )
+
     @property
     def unbounded(self) -> NDArray[np.bool_]:
         """Where one of the responses is unbounded, (K, S)."""
-        return np.asarray(np.any([one.unbounded for one in self.parts], axis=0))
+        return self.total.unbounded
 
     def motion(self, point: str) -> ComplexArray:
         """Return the motion (K, S) of a point such as "main bearing 1 uz" under all forces.
@@ -168,8 +180,7 @@ class CoupledResponse:
         InputError
             If there is no such point.
         """
-        row = self.crankshaft.point(point)
-        return np.asarray(np.sum([one.motion[:, :, row] for one in self.parts], axis=0))
+        return self.total.motion[:, :, self.crankshaft.point(point)]
 
     def elastic_motion(self, point: str) -> ComplexArray:
         """Return the motion (K, S) of a point under all forces without rigid-body motion.
@@ -179,13 +190,13 @@ class CoupledResponse:
         InputError
             If there is no such point.
         """
-        return np.asarray(np.sum(self._elastic(point), axis=0))
+        return self._elastic(self.total, point)
 
-    def _elastic(self, point: str) -> list[ComplexArray]:
+    def _elastic(self, response: ForcedResponse, point: str) -> ComplexArray:
         rigid = self.crankshaft.system.rigid.shape[1]
         # Amplitudes of modes are the unknowns of this system, rigid motions first.
         row = self.crankshaft.system.expand[self.crankshaft.point(point), rigid:]
-        return [one.unknowns[:, :, rigid:] @ row for one in self.parts]
+        return np.asarray(response.unknowns[:, :, rigid:] @ row)
 
     def split(self, point: str) -> "SplitMotion":
         """Return the motion of a point by each kind of force and by all, by order and synthesized.
@@ -208,24 +219,40 @@ class CoupledResponse:
         It balances what lies between the free end and the bearing: minus its angular momentum's rate of
         change and the moment of its pins' forces. The small part of modal damping there is left out.
         """
-        shaft = self.crankshaft.shaft
-        first = 6 * shaft.section_count
-        pins = slice(first, first + len(shaft.pins))
-        acting = self.tangential.excitation.forces + self.radial.excitation.forces
-        moved = np.sum([one.unknowns for one in self.parts], axis=0) @ self.crankshaft.momenta.T
-        squared = (self.orders[:, np.newaxis] * self.speeds) ** 2
-        values = -squared[:, :, np.newaxis] * moved - acting[:, :, pins] @ shaft.moments.T
-        names = tuple(f"main bearing {place}" for place in range(1, shaft.section_count + 1))
-        values = np.where(self.unbounded[:, :, np.newaxis], 0.0, values)
-        return OrderSeries(self.orders, self.speeds, values, self.unbounded, names)
+        return self.bearing_torques.series(self.total)
+
+    @property
+    def bearing_torques(self) -> LinearQuantities:
+        """See `torque`, of motion and forces."""
+        crankshaft = self.crankshaft
+        count, pins = crankshaft.shaft.section_count, len(crankshaft.shaft.pins)
+        direct = np.zeros((count, len(crankshaft.names)))
+        direct[:, 6 * count : 6 * count + pins] = -crankshaft.shaft.moments
+        return LinearQuantities(
+            names=tuple(f"main bearing {place}" for place in range(1, count + 1)),
+            rows=np.zeros_like(crankshaft.momenta),
+            loads=np.ones(count, dtype=bool),
+            inertia=-crankshaft.momenta,
+            direct=direct,
+        )
+
+    @property
+    def axial_motions(self) -> LinearQuantities:
+        """Motions of the main bearings along the shaft less the rigid body's [m]."""
+        count = self.crankshaft.shaft.section_count
+        names = tuple(f"main bearing {number}" for number in range(1, count + 1))
+        points = [self.crankshaft.point(f"{name} uz") for name in names]
+        return LinearQuantities(
+            names, motion_rows(self.total, points)[0], np.zeros(count, dtype=bool)
+        )
 
     @cached_property
     def _splits(self) -> "dict[str, SplitMotion]":
         return {}
 
     def _split(self, point: str) -> "SplitMotion":
-        each = self._elastic(point)
-        motions = {"tangential": each[0], "radial": each[1], "both": np.sum(each, axis=0)}
+        responses = {"tangential": self.tangential, "radial": self.radial, "both": self.total}
+        motions = {name: self._elastic(each, point) for name, each in responses.items()}
         unbounded, found = self.unbounded, {}
         for name, motion in motions.items():
             found[name] = np.where(unbounded, np.inf, np.abs(motion))
@@ -460,141 +487,30 @@ def split_curves(
     )
 
 
-# Maxima of one order at several places within this share of the speed are one critical speed.
-TOGETHER = 0.03
-# Maxima below this share of the largest one of their place are left out.
-LEAST_PEAK = 0.05
-
-
-@summarized("order", "speed [rad/s]", "place", "value", "frequency [Hz]", "damping_ratio")
-@dataclass(frozen=True)
-class ShaftCritical:
-    """A speed at which an order alone makes a quantity largest.
-
-    Attributes
-    ----------
-    order : float
-        In cycles per revolution.
-    speed : float
-        [rad/s]
-    place : str
-        Where it is largest.
-    value : float
-        There, of this order alone [m or N m]; inf where unbounded.
-    mode : int
-        Number of the elastic mode of the whole crankshaft at resonance, 1 the lowest; 0 for none.
-    frequency : float or None
-        Natural frequency of the mode [Hz]; None for none.
-    damping_ratio : float or None
-        Of the mode, share of critical damping; None for none.
-    share : float
-        Of a place's largest maximum, at the place where that is most.
-    """
-
-    order: float
-    speed: float
-    place: str
-    value: float
-    mode: int
-    frequency: float | None
-    damping_ratio: float | None
-    share: float = 1.0
-
-
 def shaft_criticals(
-    coupled: CoupledResponse, series: OrderSeries, speed_range: tuple[float, float]
-) -> tuple[tuple[ShaftCritical, ...], int]:
+    coupled: CoupledResponse, quantities: LinearQuantities, speed_range: tuple[float, float]
+) -> tuple[tuple[DampedCritical, ...], int]:
     """Find the critical speeds of a whole crankshaft in a quantity at several places.
 
     Parameters
     ----------
     coupled : CoupledResponse
-    series : OrderSeries
-        Motions or torques of it, at its orders and speeds.
+    quantities : LinearQuantities
+        Of its system, all of one unit.
     speed_range : tuple of two floats
         [rad/s]
 
     Returns
     -------
-    criticals : tuple of ShaftCritical
+    criticals : tuple of DampedCritical
         In ascending speed, each at the place with the largest value.
     left_out : int
-        Number of maxima that are below `LEAST_PEAK` of the largest one at every place.
-
-    Notes
-    -----
-    Between the speeds of the series a maximum lies where a parabola through 1 / value^2 has its least,
-    which is exact near a resonance. The mode is that with the largest amplitude among those whose magnifier
-    is at least half of its largest there.
+        Number of those that are below `LEAST_PEAK` of the largest one at every place.
     """
-    sizes = np.where(series.unbounded[:, :, np.newaxis], np.inf, np.abs(series.values))
-    top = (sizes[:, 1:-1] > sizes[:, :-2]) & (sizes[:, 1:-1] >= sizes[:, 2:])
-    orders, centers, places = np.nonzero(top)
-    beside = (centers[:, np.newaxis] + np.arange(3)).T
-    with np.errstate(divide="ignore", invalid="ignore"):
-        speeds, values = _vertex(series.speeds[beside], sizes[orders, beside, places])
-    inside = within(speeds, *speed_range)
-    found = np.column_stack((orders, centers + 1, places))[inside]
-    speeds, values = speeds[inside], values[inside]
-    largest = np.zeros(len(series.names))
-    finite = np.isfinite(values)
-    np.maximum.at(largest, found[finite, 2], values[finite])
-    shares = np.minimum(values / np.where(largest > 0.0, largest, 1.0)[found[:, 2]], 1.0)
-    told: dict[int, float] = {}
-    # What is worth a row first, the largest value first.
-    for row in np.lexsort((-values, shares < LEAST_PEAK)).tolist():
-        same = [
-            one
-            for one in told
-            if found[one, 0] == found[row, 0]
-            and abs(speeds[one] - speeds[row]) <= TOGETHER * speeds[row]
-        ]
-        told[(same or [row])[0]] = max(shares[row], told.get((same or [row])[0], 0.0))
-    kept = {row: share for row, share in told.items() if share >= LEAST_PEAK}
-    criticals = [
-        ShaftCritical(
-            float(series.orders[found[row, 0]]),
-            float(speeds[row]),
-            series.names[found[row, 2]],
-            float(values[row]),
-            *_mode(coupled, found[row, 0], found[row, 1], float(speeds[row])),
-            float(share),
-        )
-        for row, share in kept.items()
+    peaks = [
+        critical
+        for critical in criticals_of(coupled.total, quantities, speed_range, least=LEAST_PEAK)
+        if critical.has_peak
     ]
-    return tuple(sorted(criticals, key=lambda one: one.speed)), len(told) - len(kept)
-
-
-def _vertex(speeds: FloatArray, sizes: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Return speed and size (m,) of maxima from three neighboring values (3, m), the middle one largest."""
-    inverse = 1.0 / sizes**2
-    before, after = speeds[0] - speeds[1], speeds[2] - speeds[1]
-    left, right = (inverse[0] - inverse[1]) / before, (inverse[2] - inverse[1]) / after
-    bend = (right - left) / (after - before)
-    slope = left - bend * before
-    shift = np.clip(np.where(bend > 0.0, -slope / (2.0 * bend), 0.0), before, after)
-    lowest = inverse[1] + shift * (slope + bend * shift)
-    known = np.isfinite(sizes[1]) & np.isfinite(shift) & (lowest > 0.0)
-    return (
-        speeds[1] + np.where(known, shift, 0.0),
-        np.where(known, 1.0 / np.sqrt(np.where(known, lowest, 1.0)), sizes[1]),
-    )
-
-
-def _mode(
-    coupled: CoupledResponse, order: int, index: int, speed: float
-) -> tuple[int, float | None, float | None]:
-    """Return number, frequency [Hz] and damping ratio of the mode at resonance."""
-    system = coupled.tangential.system
-    rigid, ratios = system.rigid.shape[1], system.damping_ratios()
-    natural = system.natural[rigid:]
-    moved = np.abs(np.sum([one.unknowns[order, index, rigid:] for one in coupled.parts], axis=0))
-    share = float(coupled.orders[order]) * speed / natural
-    with np.errstate(divide="ignore"):
-        magnifiers = 1.0 / np.abs(1.0 - share**2 + 2j * ratios * share)
-        highest = 0.5 / (ratios * np.sqrt(np.maximum(1.0 - ratios**2, 0.0)))
-    own = (magnifiers >= BAND * highest) & (ratios < np.sqrt(0.5))
-    if not np.any(own[: coupled.crankshaft.kept]):
-        return 0, None, None
-    best = int(np.argmax(np.where(own, moved, -1.0)[: coupled.crankshaft.kept]))
-    return best + 1, float(natural[best] / (2.0 * np.pi)), float(ratios[best])
+    kept = [critical for critical in peaks if critical.severity >= LEAST_PEAK]
+    return tuple(sorted(kept, key=lambda critical: critical.speed)), len(peaks) - len(kept)

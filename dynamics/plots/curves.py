@@ -13,8 +13,8 @@ from crankbase.drawing.legends import legend_above, legend_below, legend_inside,
 from crankbase.errors import InputError
 from crankbase.library_types import Axes
 from crankbase.units.units import RPM
+from dynamics.indices import within
 from dynamics.plots.quantities import SPEED_LABEL, QuantityDisplay
-from dynamics.running_limits import within
 
 # Ticks stand this far apart over a turn, over a cycle of two, and over longer spans [deg].
 TICKS = ((360.0, 60.0), (720.0, 90.0))

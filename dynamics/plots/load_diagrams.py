@@ -27,7 +27,7 @@ SHORT = 14
 
 
 class Curve(Protocol):
-    """A closed curve; `dynamics.balance.hodograph.Hodograph` is one."""
+    """A closed curve; `dynamics.balance.moving_masses.Hodograph` is one."""
 
     @property
     def major(self) -> float:

@@ -1,7 +1,7 @@
 """Vibratory torque or force in each element, the stress from it, and the power balance."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Literal, Unpack
 
 import numpy as np
@@ -241,6 +241,61 @@ def dashpot_names(chain: Chain) -> tuple[str, ...]:
     return tuple(
         f"{chain.names[dashpot.left]} - {chain.names[dashpot.right]}" for dashpot in chain.dashpots
     )
+
+
+@dataclass(frozen=True, eq=False)
+class LinearQuantities:
+    """Quantities y = (rows + w^2 inertia) x + direct f of motion x and forces f at the frequency w.
+
+    Parameters
+    ----------
+    names : tuple of p str
+    rows : ndarray of shape (p, q)
+        Per motion of the unknowns.
+    loads : ndarray of shape (p,), bool
+        Which are loads; the others are motions.
+    inertia : ndarray of shape (p, q), optional
+    direct : ndarray of shape (p, n), optional
+        Per force on the nodes.
+    """
+
+    names: tuple[str, ...]
+    rows: FloatArray
+    loads: NDArray[np.bool_]
+    inertia: FloatArray | None = None
+    direct: FloatArray | None = None
+
+    def at(self, w: FloatArray, motion: ComplexArray, forces: ComplexArray) -> ComplexArray:
+        """Return all values (..., p) at frequencies (...) [rad/s]."""
+        values = motion @ self.rows.T
+        if self.inertia is not None:
+            values = values + w[..., np.newaxis] ** 2 * (motion @ self.inertia.T)
+        return values if self.direct is None else values + forces @ self.direct.T
+
+    def rows_at(self, places: NDArray[np.intp], w: FloatArray) -> FloatArray:
+        """Return rows + w^2 inertia of one quantity at each frequency, (m, q)."""
+        rows = self.rows[places]
+        return rows if self.inertia is None else rows + w[:, np.newaxis] ** 2 * self.inertia[places]
+
+    def each(
+        self, places: NDArray[np.intp], w: FloatArray, motion: ComplexArray, forces: ComplexArray
+    ) -> ComplexArray:
+        """Return the value of one quantity at each frequency, (m,)."""
+        values = np.sum(motion * self.rows_at(places, w), axis=1)
+        return np.asarray(
+            values if self.direct is None else values + np.sum(forces * self.direct[places], axis=1)
+        )
+
+    def under(self, nodes: NDArray[np.intp]) -> "LinearQuantities":
+        """Return the same for forces on some of the nodes."""
+        return self if self.direct is None else replace(self, direct=self.direct[:, nodes])
+
+    def series(self, response: ForcedResponse) -> OrderSeries:
+        """Return them by order and speed, 0 where the response is unbounded."""
+        forces = response.excitation.forces
+        values = self.at(response.angular_frequencies, response.unknowns, forces)
+        values = np.where(response.unbounded[:, :, np.newaxis], 0.0, values)
+        return OrderSeries(response.orders, response.speeds, values, response.unbounded, self.names)
 
 
 Rows = tuple[FloatArray, tuple[str, ...]]

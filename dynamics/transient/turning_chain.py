@@ -18,17 +18,16 @@ from crankbase.checks.arrays import (
 from crankbase.checks.choices import check_choice
 from crankbase.errors import InputError
 from crankbase.summaries import summarized
-from dynamics.chains.engine_chains import EngineChain
-from dynamics.chains.throw_inertias import cylinder_inertia
+from dynamics.chains.engine_chains import EngineChain, cylinder_inertia
+from dynamics.engine import RodModelName
 from dynamics.engine.forces import rod_models
 from dynamics.engine.layout import EngineLayout
 from dynamics.excitation.cylinders import CylinderForces
 from dynamics.indices import node_index
-from dynamics.mechanism.rod_model_names import RodModelName
 from dynamics.response.order_excitation import checked_speed_index
 from dynamics.transient.applied_forces import cycle_turns
 from dynamics.transient.propagator import ViscousDamping, ViscousSystem, viscous_system
-from dynamics.turning.curves import TurnCurves, turn_curves
+from dynamics.turning.shaft_moments import TurnCurves, turn_curves
 
 # Harmonics of the inertia below this share of its mean are left out.
 NEGLIGIBLE = 1e-14

@@ -16,13 +16,6 @@ from crankbase.library_types import Dataset
 from crankbase.summaries import summarized
 from dynamics.chains.chain import Chain
 from dynamics.cycle import even_angles
-from dynamics.running_limits import (
-    MOST_EVALUATIONS,
-    MOST_TURNS,
-    evaluation_counter,
-    run_time,
-    too_many_turns,
-)
 from dynamics.transient.applied_forces import cycle_turns
 from dynamics.transient.motions import CycleMotion, ShaftRun
 from dynamics.transient.propagator import ViscousSystem
@@ -33,6 +26,13 @@ from dynamics.transient.turning_chain import (
     TurningChain,
     TurningState,
     check_method,
+)
+from dynamics.turning.speed_over_angle import (
+    MOST_EVALUATIONS,
+    MOST_TURNS,
+    evaluation_counter,
+    run_time,
+    too_many_turns,
 )
 
 # The cycle closes to this share of the sizes of motion, after so many trials at most.

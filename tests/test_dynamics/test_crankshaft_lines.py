@@ -7,8 +7,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from comparing import close
-from dynamics.chains.chain import Chain
-from dynamics.chains.connections import Dashpot, Gear
+from dynamics.chains.chain import Chain, Dashpot, Gear
 from dynamics.chains.engine_chains import axial_chain, torsional_chain
 from dynamics.crankshaft.assembly import assemble_crankshaft
 from dynamics.crankshaft.chain_comparison import match_modes

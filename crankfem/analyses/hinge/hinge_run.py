@@ -16,12 +16,17 @@ from crankbase.tables.frames import table
 from crankbase.units.units import RPM
 from crankfem.analyses.record import Record, assumed_values, attributes
 from crankfem.files.hinge.hinge_file import HingeFile
+from dynamics.hinge.crosshead import KINEMATICS, Kinematics
 from dynamics.hinge.moment import HingeMoment
-from dynamics.hinge.profile import HingeProfile
-from dynamics.hinge.reduced_crank import KINEMATICS, Kinematics
-from dynamics.hinge.simulation import SteadyHingeTurn, simulate_hinge, steady_hinge_turn
-from dynamics.hinge.speed_smoothing import BestPressure, best_pressure, flywheel_for
-from dynamics.hinge.spring import GasSpring
+from dynamics.hinge.profile import GasSpring, HingeProfile
+from dynamics.hinge.simulation import (
+    BestPressure,
+    SteadyHingeTurn,
+    best_pressure,
+    flywheel_for,
+    simulate_hinge,
+    steady_hinge_turn,
+)
 from dynamics.turning.speed_over_angle import SpeedOverAngle
 
 if TYPE_CHECKING:

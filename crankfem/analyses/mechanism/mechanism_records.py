@@ -22,10 +22,9 @@ from dynamics.engine.firing import firing_intervals
 from dynamics.engine.forces import pin_groups
 from dynamics.engine.layout import EngineLayout
 from dynamics.engine.loads import LoadDiagram
-from dynamics.engine.orders import acceleration_orders, order_part, piston_acceleration
-from dynamics.harmonics import Harmonics
+from dynamics.engine.motions import acceleration_orders, order_part, piston_acceleration
+from dynamics.harmonics import Harmonics, TorqueTable
 from dynamics.torque.star import Star, leading_stars, same_stars, star_diagram
-from dynamics.torque_table import TorqueTable
 
 COLUMNS = ("orders", "cosine", "sine", "amplitude", "phase_deg")
 # How far the samples are from the sum up to an order, and how a table calls it.

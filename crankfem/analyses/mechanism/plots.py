@@ -14,17 +14,16 @@ from crankbase.drawing.legends import legend_below, plain_text, write_title
 from crankbase.errors import InputError
 from crankfem.analyses.mechanism.rod_models import ModelDifference
 from crankfem.analyses.titles import add_title
-from dynamics.balance.balance import Balance
-from dynamics.balance.hinged_rods import hinged_rod_effects
+from dynamics.balance.balance import Balance, hinged_rod_effects
 from dynamics.engine.layout import EngineLayout
 from dynamics.engine.loads import LoadDiagram
-from dynamics.engine.orders import (
+from dynamics.engine.motions import (
     acceleration_orders,
     checked_cylinder,
     order_part,
     piston_acceleration,
 )
-from dynamics.harmonics import Harmonics
+from dynamics.harmonics import Harmonics, TorqueTable
 from dynamics.plots.harmonics import (
     KIND_COLORS,
     STAR_STEP,
@@ -47,7 +46,6 @@ from dynamics.plots.load_diagrams import (
 from dynamics.plots.quantities import KILO
 from dynamics.torque.star import Star, same_stars, star_diagram
 from dynamics.torque.torque import EngineTorque
-from dynamics.torque_table import TorqueTable
 
 MOST_IN_A_ROW = 4
 

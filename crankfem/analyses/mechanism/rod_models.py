@@ -11,10 +11,10 @@ from crankbase.tables.output_units import SI, OutputUnits
 from crankbase.tables.table import Column, Table, format_names
 from crankfem.analyses.mechanism.mechanism_run import MechanismRun
 from crankfem.analyses.record import Record, attributes
+from dynamics.engine import ROD_MODELS, RodModelName
 from dynamics.engine.forces import MechanismForces, mechanism_forces
 from dynamics.engine.layout import EngineLayout
 from dynamics.engine.loads import LoadDiagram, crankpin_loads
-from dynamics.mechanism.rod_model_names import ROD_MODELS, RodModelName
 
 # Shares below this are round-off.
 ROUND_OFF = 1e-12

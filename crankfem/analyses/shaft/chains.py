@@ -15,10 +15,15 @@ from crankfem.analyses.shaft.throw_analyses import Analyses, crank_analyses
 from crankfem.files.chain.shaft_lines import PLANT, plant_chain
 from crankfem.files.engine.engine_file import EngineFile
 from crankfem.files.engine.mechanism_file import layout_of
-from dynamics.chains.attachments import DrivenMachine
 from dynamics.chains.dampers import TorsionalDamper
-from dynamics.chains.engine_chains import EngineChain, Kind, axial_chain, torsional_chain
-from dynamics.chains.throw_inertias import throw_inertias
+from dynamics.chains.engine_chains import (
+    EngineChain,
+    Kind,
+    axial_chain,
+    throw_inertias,
+    torsional_chain,
+)
+from dynamics.chains.shaft_line import DrivenMachine
 from dynamics.crankshaft.surroundings import (
     AxialSupport,
     EndBody,

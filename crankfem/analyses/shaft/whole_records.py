@@ -12,7 +12,7 @@ from crankfem.analyses.shaft.whole_shaft import ShaftComparison, WholeShaft
 from crankfem.files.engine.engine_file import EngineFile
 from dynamics.crankshaft.chain_comparison import ChainVerdict
 from dynamics.crankshaft.coupled_response import CoupledResponse
-from dynamics.running_limits import within
+from dynamics.indices import within
 from fem.shaft import ShaftCompliances
 from fem.throw_analysis import ThrowAnalysis
 from geometry.crankshaft import Crankshaft

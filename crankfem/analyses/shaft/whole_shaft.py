@@ -44,7 +44,7 @@ from dynamics.crankshaft.shaft_modes import (
     rotation_ratio,
 )
 from dynamics.crankshaft.surroundings import MainBearings, ShaftThrow
-from dynamics.excitation.combined_excitation import combined_excitation
+from dynamics.excitation.chain_excitation import combined_excitation
 from dynamics.excitation.cylinders import CylinderForces
 from dynamics.excitation.propeller import propeller_excitation
 from dynamics.response.forced import ForcedResponse

@@ -15,8 +15,8 @@ from crankfem.analyses.vibration.run import EngineVibration
 from crankfem.files.engine.engine_file import EngineFile
 from crankfem.files.engine.mechanism_file import MechanismFile
 from dynamics.chains.engine_chains import EngineChain
+from dynamics.indices import within
 from dynamics.response.series import OrderSeries, synthesis
-from dynamics.running_limits import within
 
 # Highest order that the rule asks for, by strokes.
 HIGHEST_ORDER = {2: 15.0, 4: 12.0}

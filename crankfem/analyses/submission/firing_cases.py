@@ -32,11 +32,11 @@ from crankfem.files.sections.excitation_sections import Misfire
 from crankfem.files.sections.limits_sections import LimitsInput
 from dynamics.assessment.limits import VibrationLimit
 from dynamics.chains.chain import Chain
-from dynamics.excitation.cylinder_harmonics import CylinderHarmonics
+from dynamics.excitation.cylinders import CylinderHarmonics
+from dynamics.indices import at_most, within
 from dynamics.response.forced import ForcedResponse
 from dynamics.response.loads import alternating_stress, section_modulus
 from dynamics.response.series import OrderSeries
-from dynamics.running_limits import at_most, within
 
 Flags = NDArray[np.bool_]
 # Speeds are calculated up to this share of the rated one, as class rules ask.

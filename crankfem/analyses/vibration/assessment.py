@@ -43,12 +43,13 @@ from dynamics.assessment.uncertainty import (
     scaled_chain,
 )
 from dynamics.assessment.verdict import Decision, Status, Trial, Verdict, changes, decide
+from dynamics.assessment.wording import conclusion_sentence
 from dynamics.chains.chain import Chain
 from dynamics.critical import engine_orders
-from dynamics.excitation.cylinder_harmonics import CylinderHarmonics
+from dynamics.excitation.cylinders import CylinderHarmonics
+from dynamics.indices import within
 from dynamics.response.forced import forced_response
 from dynamics.response.series import synthesis
-from dynamics.running_limits import within
 from fem.shaft import ShaftCompliances
 from regression.models.compliance_model import ComplianceModel
 
@@ -330,12 +331,8 @@ class Assessment:
     @property
     def conclusion(self) -> str:
         """What can be concluded despite the assumptions, then the verdict with the values used."""
-        decision, said = self.decision, self.verdict.sentence
-        if decision.status == "undecided":
-            with_used = f"{said[0].lower()}{said[1:]}"
-            return f"Undecided: {decision.sentence}. With the values used, {with_used}"
-        depends = "It depends on assumed or uncertain values"
-        return f"{said} {depends}: {decision.sentence}." if decision.sentence else said
+        undecided = self.decision.status == "undecided"
+        return conclusion_sentence(self.verdict.sentence, self.decision.sentence, undecided)
 
     def limit_curve(self, name: str, speeds: FloatArray) -> dict[str, FloatArray]:
         """Return a limit over speeds [rad/s] with its name in a legend; empty if there is none."""

@@ -39,7 +39,8 @@ from dynamics.crankshaft.chain_comparison import DIVIDED, followed_modes, mode_l
 from dynamics.crankshaft.shaft_modes import ShaftModes, crankshaft_modes
 from dynamics.crankshaft.surroundings import UX, UY
 from dynamics.critical import critical_speeds
-from dynamics.excitation.cylinder_harmonics import CylinderHarmonics
+from dynamics.excitation.cylinders import CylinderHarmonics
+from dynamics.indices import at_most
 from fem.shaft import ShaftCompliances
 from regression.models.compliance_model import ComplianceModel
 
@@ -99,6 +100,8 @@ class BearingSweep:
         3 % of a peak, except for the nominal stiffness. Empty if nothing is assessed.
     statuses : tuple of k str, or empty
         Verdict at each stiffness.
+    beyond : tuple of str
+        Limits of which most is used above the running range, at one stiffness or more.
     """
 
     bearings: BearingStiffness
@@ -108,6 +111,7 @@ class BearingSweep:
     used: dict[str, FloatArray]
     statuses: tuple[Status, ...]
     further: dict[str, FloatArray] = field(default_factory=dict)
+    beyond: tuple[str, ...] = ()
 
     @property
     def flips(self) -> bool:
@@ -149,7 +153,9 @@ class BearingSweep:
         found = [f"{over}: {'; '.join(found)}."]
         if self.used:
             uses = ", ".join(
-                f"{_range(100.0 * own, '.0f')} % ({name})" for name, own in self.used.items()
+                f"{_range(100.0 * used, '.0f')} % ({name}"
+                f"{', above the running range included' if name in self.beyond else ''})"
+                for name, used in self.used.items()
             )
             said = (
                 f"the verdict changes within this range: {self.status_by_stiffness}"
@@ -262,22 +268,26 @@ def bearing_sweep(
         ]
     )
     limits = dict.fromkeys(check.limit.name for own in verdicts for check in own.checks)
+    worst = {
+        name: [
+            max((c for c in own.checks if c.limit.name == name), key=lambda c: c.used)
+            for own in verdicts
+        ]
+        for name in limits
+    }
     return BearingSweep(
         bearings=held,
         stiffness=np.array([own.stiffness for own in each]),
         chains=chains,
         shaft=matched,
-        used={
-            name: np.array(
-                [
-                    max(check.used for check in own.checks if check.limit.name == name)
-                    for own in verdicts
-                ]
-            )
-            for name in limits
-        },
+        used={name: np.array([c.used for c in checks]) for name, checks in worst.items()},
         statuses=tuple(own.status for own in verdicts),
         further=further,
+        beyond=tuple(
+            name
+            for name, checks in worst.items()
+            if any(not at_most(c.worst_speed, c.highest_running) for c in checks)
+        ),
     )
 
 

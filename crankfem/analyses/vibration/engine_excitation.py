@@ -41,22 +41,28 @@ from crankfem.files.sections.excitation_sections import (
 )
 from dynamics.chains.engine_chains import EngineChain, Kind
 from dynamics.critical import engine_orders
-from dynamics.excitation.axial_comparison import AxialForceComparison, compare_axial_forces
-from dynamics.excitation.chain_excitation import axial_excitation
-from dynamics.excitation.combined_excitation import combined_excitation
-from dynamics.excitation.cylinder_harmonics import CylinderHarmonics, cylinder_harmonics
-from dynamics.excitation.cylinders import CylinderForces, forces_at_speeds
-from dynamics.excitation.engine_load import load_at
+from dynamics.excitation.axial_forces import AxialForceComparison, compare_axial_forces
+from dynamics.excitation.chain_excitation import (
+    axial_excitation,
+    axial_excitation_of_torsion,
+    combined_excitation,
+    torsion_influence,
+)
+from dynamics.excitation.cylinders import (
+    CylinderForces,
+    CylinderHarmonics,
+    cylinder_harmonics,
+    forces_at_speeds,
+)
 from dynamics.excitation.gas_sources import constant_weight
-from dynamics.excitation.pressure_map import PressureMap
+from dynamics.excitation.pressure_map import PressureMap, load_at
 from dynamics.excitation.propeller import propeller_excitation
-from dynamics.excitation.torsion_to_axial import axial_excitation_of_torsion, torsion_influence
 from dynamics.gas.pressure import GasPressure
+from dynamics.indices import within
 from dynamics.response.forced import ForcedResponse
 from dynamics.response.linear_system import DEFAULT_MAGNIFIER, DampedChain
 from dynamics.response.order_excitation import OrderExcitation
 from dynamics.response.resonance import refined_speeds
-from dynamics.running_limits import within
 from fem.shaft import ShaftCompliances
 
 # Shares of the rated speed at which the load is told, beside lowest, rated and highest speed.

@@ -40,10 +40,10 @@ from dynamics.assessment.limits import AmplitudeCurve, usage
 from dynamics.assessment.response_curves import refined_maxima
 from dynamics.chains.engine_chains import EngineChain
 from dynamics.critical import major_orders
-from dynamics.excitation.axial_comparison import AxialForceComparison
+from dynamics.excitation.axial_forces import AxialForceComparison
 from dynamics.excitation.chain_excitation import torque_excitation
-from dynamics.excitation.cylinder_harmonics import CylinderHarmonics
-from dynamics.excitation.cylinders import CylinderForces
+from dynamics.excitation.cylinders import CylinderForces, CylinderHarmonics
+from dynamics.indices import at_most, within
 from dynamics.plots.quantities import Quantity
 from dynamics.response.complex_modes import ComplexModes, complex_modes
 from dynamics.response.damped_criticals import LEAST_PEAK, DampedCritical, damped_criticals
@@ -60,7 +60,6 @@ from dynamics.response.loads import (
 from dynamics.response.order_excitation import OrderExcitation
 from dynamics.response.peak_cause import PeakCause, peak_cause
 from dynamics.response.series import OrderSeries
-from dynamics.running_limits import at_most, within
 from fem.shaft import ShaftCompliances
 from geometry.throw import CrankThrow
 

@@ -28,7 +28,8 @@ from dynamics.assessment.barred_ranges import BarredRange
 from dynamics.assessment.limits import worst_use
 from dynamics.assessment.verdict import SAME, LimitCheck, Verdict
 from dynamics.chains.engine_chains import CRANKSHAFT_MODE
-from dynamics.excitation.axial_comparison import AxialForceComparison
+from dynamics.crankshaft.coupled_response import CoupledResponse
+from dynamics.excitation.axial_forces import AxialForceComparison
 from dynamics.response.damped_criticals import DampedCritical
 from dynamics.response.peak_cause import PeakCause
 from dynamics.response.series import OrderSeries
@@ -268,9 +269,11 @@ def _whole_criticals(run: EngineVibration, highest: float) -> Record:
                 "left_out": left_out,
                 "peaks": [
                     {
-                        **attributes(one, "order", "place", "value", "mode", "frequency"),
-                        **attributes(one, "damping_ratio", "share"),
-                        "speed_rpm": one.speed * RPM,
+                        **attributes(one, "order", "place"),
+                        "value": one.amplitude,
+                        **_mode_at_resonance(one, run.comparison.coupled),
+                        "share": one.severity,
+                        "speed_rpm": one.speed_rpm,
                         "in_running_range": one.speed <= highest * (1.0 + 1e-9),
                         "unit": "m" if kind == "axial" else "N m",
                     }
@@ -280,6 +283,17 @@ def _whole_criticals(run: EngineVibration, highest: float) -> Record:
             for kind, (criticals, left_out) in found.items()
         }
     )
+
+
+def _mode_at_resonance(critical: DampedCritical, coupled: CoupledResponse | None) -> Record:
+    """Return number, undamped frequency [Hz] and damping ratio of the mode that makes a peak, if one does."""
+    if coupled is None or not critical.in_band:
+        return {"mode": 0, "frequency": None, "damping_ratio": None}
+    return {
+        "mode": critical.mode,
+        "frequency": coupled.total.system.elastic_frequencies[critical.mode - 1],
+        "damping_ratio": critical.damping_ratio,
+    }
 
 
 def _axial_force(run: EngineVibration) -> Record | None:

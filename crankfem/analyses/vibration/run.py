@@ -47,7 +47,7 @@ from crankfem.files.engine.mechanism_file import MechanismFile, layout_of, mecha
 from dynamics.assessment.verdict import LimitCheck
 from dynamics.chains.chain import Chain
 from dynamics.critical import engine_orders
-from dynamics.excitation.axial_cycle import AxialForceOverCycle
+from dynamics.excitation.axial_forces import AxialForceOverCycle
 from dynamics.plots.campbell import draw_campbell
 from fem.shaft import ShaftCompliances
 from fem.throw_analysis import ThrowAnalysis

@@ -125,7 +125,7 @@ def _torque_table_harmonics(source: str, asked: _Request) -> dict[str, Any]:
     from crankfem.cli.firing_options import firing_angles_deg
     from crankfem.files.reading.data_files import torque_path
     from crankfem.jobs.outputs import check_outputs
-    from dynamics.torque_table import read_torque_table
+    from dynamics.harmonics import read_torque_table
 
     for name, value, lacks in (
         ("cylinder", asked.cylinder, "cylinders"),
@@ -161,8 +161,7 @@ def _engine_harmonics(source: str, asked: _Request) -> dict[str, Any]:
     from crankfem.files.engine.mechanism_file import load_mechanism
     from crankfem.files.engine.mechanism_load import full_load_only, pressures_at
     from crankfem.jobs.outputs import check_outputs
-    from dynamics.torque.pin_harmonics import pin_force_harmonics
-    from dynamics.torque.torque import engine_torque
+    from dynamics.torque.torque import engine_torque, pin_force_harmonics
 
     mechanism = load_mechanism(source)
     engine, strokes, cylinder = mechanism.layout, asked.strokes, asked.cylinder

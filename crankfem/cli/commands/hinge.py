@@ -65,7 +65,7 @@ def hinge(
     from crankfem.cli.tables.hinge_tables import print_hinge
     from crankfem.files.hinge.hinge_file import load_hinge
     from crankfem.jobs.outputs import check_outputs
-    from dynamics.hinge.reduced_crank import KINEMATICS
+    from dynamics.hinge.crosshead import KINEMATICS
 
     other = None if speed is None else parse_quantity(speed, "rad/s", "--speed")
     loaded = load_hinge(file)

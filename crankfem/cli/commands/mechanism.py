@@ -10,7 +10,7 @@ from crankbase.errors import InputError
 from crankfem.cli import console
 from crankfem.cli.commands.options import EngineArgument, Output, SpeedOption, with_output
 from crankfem.cli.console import print_json
-from dynamics.mechanism.rod_model_names import ROD_MODELS, RodModelName
+from dynamics.engine import ROD_MODELS, RodModelName
 
 ROD_MODELS_FILE = "rod_models.svg"
 

@@ -18,9 +18,8 @@ from crankfem.analyses.record import Record
 from crankfem.cli.column_file import write_rows
 from crankfem.cli.console import number, print_line, print_notes, print_table
 from crankfem.files.engine.mechanism_file import MechanismFile
-from dynamics.torque.pin_harmonics import PinForceHarmonics
 from dynamics.torque.star import star_diagram
-from dynamics.torque.torque import EngineTorque
+from dynamics.torque.torque import EngineTorque, PinForceHarmonics
 
 SUMMED = "torque of all cylinders"
 PARTS = ("gas", "inertia", "gas and inertia")
