@@ -105,11 +105,6 @@ def solid_shaft_stiffness(diameter: float, length: float, shear_modulus: float) 
     float
         C_np [N m/rad].
 
-    Raises
-    ------
-    InputError
-        If a value is not a finite number above zero.
-
     Notes
     -----
     C_np = G J / L_np with J = pi d_b^4 / 32, (10) in Makushev, Polyakova, Omsk Scientific Bulletin
@@ -136,11 +131,6 @@ def two_mass_frequency(stiffness: float, inertia_1: float, inertia_2: float) -> 
     -------
     float
         w_c1 [rad/s].
-
-    Raises
-    ------
-    InputError
-        If a value is not a finite number above zero.
 
     Notes
     -----
@@ -354,11 +344,6 @@ def vector_sums(
     ndarray of shape (K,)
         | sum over j of w_j exp(i order angle_j) |; the number of cylinders at a major order when
         all weights are 1.
-
-    Raises
-    ------
-    InputError
-        If an order is not above zero, a value is not finite, or the lengths differ.
     """
     excited = positive_vector("orders", orders, "", "they count cycles per revolution")
     angles = finite_vector("firing_angles", firing_angles)
@@ -391,11 +376,6 @@ def major_orders(orders: ArrayLike, firing_angles: ArrayLike) -> FloatArray:
     ndarray of shape (L,)
         The major orders, in the sequence given; for even firing, the multiples of the number of
         ignitions per revolution.
-
-    Raises
-    ------
-    InputError
-        As `vector_sums`.
     """
     sums = vector_sums(orders, firing_angles)
     cylinders = np.size(firing_angles)

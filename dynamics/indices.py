@@ -16,13 +16,7 @@ AT_END = 8.0 * float(np.finfo(np.float64).eps)
 
 
 def node_index(field: str, node: object, count: int) -> int:
-    """Return the index of a node of a chain of `count` nodes, from 0.
-
-    Raises
-    ------
-    InputError
-        If the node is not a whole number from 0 to count - 1.
-    """
+    """Return the index of a node of a chain of `count` nodes, from 0."""
     return whole_within(field, node, 0, count - 1, f"the chain has {count} nodes")
 
 
@@ -33,17 +27,8 @@ def values_at_nodes(
 
     Parameters
     ----------
-    field, unit, reason : str
-        Name of the values in messages, their unit, and why none may be negative.
     values : array_like of shape (count,), mapping or None
         Nodes missing in a mapping, and all nodes for None, get zero.
-    count : int
-        Number of nodes.
-
-    Raises
-    ------
-    InputError
-        If the length or a node number does not fit, or a value is negative or not finite.
     """
     if values is None:
         return np.zeros(count)
@@ -63,22 +48,7 @@ def values_at_nodes(
 
 
 def index_of_name(field: str, given: object, names: Sequence[str], what: str, reason: str) -> int:
-    """Return the index, from 0, of an item given by its name or that index.
-
-    Parameters
-    ----------
-    field : str
-        Name of the item in the message.
-    given : object
-    names : sequence of str
-    what, reason : str
-        Owner of the names, and why it has to be one of them.
-
-    Raises
-    ------
-    InputError
-        If there is no such name or number.
-    """
+    """Return the index, from 0, of an item given by its name or that index."""
     if isinstance(given, str) and given in names:
         return names.index(given)
     if is_whole_within(given, 0, len(names) - 1):

@@ -152,8 +152,6 @@ class Balance:
 
         Parameters
         ----------
-        axes : matplotlib.axes.Axes, optional
-            Where to draw; new axes by default.
         show : {"force", "moment"}, optional
 
         Returns
@@ -178,19 +176,7 @@ class Balance:
         return draw_hodographs(axes, curves, MOMENT_LABELS, title=title, empty=empty)
 
     def to_pandas(self) -> DataFrame:
-        """Return one row for each order: semi-axes, direction and amplitudes of force and moment.
-
-        Returns
-        -------
-        pandas.DataFrame
-            Units of the columns in ``attrs["units"]``.
-
-        Raises
-        ------
-        MissingLibraryError
-            If pandas is not installed.
-            The direction is NaN where the curve is a circle or a point.
-        """
+        """Return one row for each order: semi-axes, direction and amplitudes of force and moment."""
         columns: dict[str, tuple[list[object], str]] = {
             "order": ([row.order for row in self.rows], "1")
         }
@@ -238,10 +224,6 @@ def balance(
         "rigid": pistons and rods exactly. "two-mass": masses at the ends of the rods only; a
         hinged rod's foot is distributed to the main rod's ends. They differ if a mass is off a
         rod's axis.
-
-    Returns
-    -------
-    Balance
 
     Raises
     ------
@@ -429,32 +411,11 @@ class HingedRodEffects:
         }
 
     def plot(self, axes: Axes | None = None) -> Axes:
-        """Draw the four forces as seen from the free end: y up, x to the left.
-
-        Parameters
-        ----------
-        axes : matplotlib.axes.Axes, optional
-            Where to draw; new axes by default.
-
-        Returns
-        -------
-        matplotlib.axes.Axes
-        """
+        """Draw the four forces as seen from the free end: y up, x to the left."""
         return draw_hodographs(axes, self.curves, FORCE_LABELS, title=f"order {self.order}")
 
     def to_pandas(self) -> DataFrame:
-        """Return one row for each of the four forces: semi-axes and amplitudes.
-
-        Returns
-        -------
-        pandas.DataFrame
-            Units of the columns in ``attrs["units"]``.
-
-        Raises
-        ------
-        MissingLibraryError
-            If pandas is not installed.
-        """
+        """Return one row for each of the four forces: semi-axes and amplitudes."""
         own = list(self.curves.values())
         return table(
             {

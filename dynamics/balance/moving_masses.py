@@ -175,8 +175,6 @@ class Hodograph:
 
         Parameters
         ----------
-        axes : matplotlib.axes.Axes, optional
-            Where to draw; new axes by default.
         quantity : {"force", "moment"}, optional
             Quantity of the vector, for the labels; N and N m are shown as kN and kN m.
 
@@ -205,17 +203,10 @@ class Hodograph:
         count : int, optional
             Two or more.
 
-        Returns
-        -------
-        pandas.DataFrame
-            Units of the columns in ``attrs["units"]``.
-
         Raises
         ------
         InputError
             If the count is not a whole number of 2 or more.
-        MissingLibraryError
-            If pandas is not installed.
         """
         most = whole_number("count", count, 2, "a turn has two ends")
         angles = np.linspace(0.0, 360.0, most)
@@ -319,10 +310,6 @@ class MovingMasses:
 
 def moving_masses(engine: EngineLayout) -> tuple[MovingMasses, ...]:
     """Return the masses of each cylinder's moving parts.
-
-    Parameters
-    ----------
-    engine : EngineLayout
 
     Returns
     -------
@@ -430,13 +417,10 @@ def reciprocating_forces(
 
     Parameters
     ----------
-    engine : EngineLayout
     masses : sequence of n float
         One for each cylinder [kg].
     speed : float
         Of the shaft [rad/s].
-    orders : sequence of int
-        Cycles per revolution of the shaft.
 
     Returns
     -------
@@ -464,11 +448,8 @@ def cylinder_forces(
 
     Parameters
     ----------
-    engine : EngineLayout
     forces : callable
         Takes shaft angles (m,) [rad] and returns forces s + i n (n, m) [N].
-    orders : sequence of int
-        Cycles per revolution of the shaft.
 
     Returns
     -------

@@ -336,13 +336,7 @@ def _with_machine(chain: Chain, machine: DrivenMachine) -> Chain:
 
 
 def throw_names(cylinders: int | Sequence[int], count: int) -> list[str]:
-    """Return the names of the cranks' nodes, from the free end.
-
-    Raises
-    ------
-    InputError
-        If the numbers of cylinders are not one for each throw, or one of them is below 1.
-    """
+    """Return the names of the cranks' nodes, from the free end."""
     given = [cylinders] * count if isinstance(cylinders, int | np.integer) else list(cylinders)
     if len(given) != count:
         raise InputError(
@@ -489,11 +483,6 @@ def cylinder_inertia(
 
     Parameters
     ----------
-    engine : EngineLayout
-    number : int
-        Of the cylinder, from 1.
-    rod : ConnectingRod or RodModel
-        Model of its rod.
     angles : ndarray of shape (m,)
         Of the shaft [rad].
 

@@ -381,7 +381,6 @@ def shaft_cylinder(
         Diameter of the bore [m].
     material : optional
         Anything with youngs_modulus, shear_modulus and density; steel by default.
-    name : str, optional
 
     Raises
     ------
@@ -409,7 +408,6 @@ def shaft_flange(
         Diameter of the bore [m].
     material : optional
         Anything with youngs_modulus, shear_modulus and density; steel by default.
-    name : str, optional
 
     Raises
     ------

@@ -167,8 +167,6 @@ def hinged_foot(
     ----------
     crank_radius : float
         R [m].
-    main, hinged : EngineCylinder
-        The cylinder whose rod is on the crankpin, and the one whose rod is hinged to that rod.
     shaft_angles : ndarray of shape (m,)
         [rad]
 
@@ -371,13 +369,7 @@ class EngineLayout:
 
 
 def check_distinct_positions(engine: EngineLayout) -> None:
-    """Refuse cylinders of one bank at the same position, where moments and bearing loads are needed.
-
-    Raises
-    ------
-    InputError
-        Names two of them.
-    """
+    """Refuse cylinders of one bank at the same position, where moments and bearing loads are needed."""
     standing: list[tuple[int, EngineCylinder]] = []
     for number, cylinder in enumerate(engine.cylinders, start=1):
         for other, earlier in standing:

@@ -140,16 +140,6 @@ def rod_turn(foot: PointMotion, length: float, pin_offset: float) -> TurnMotion:
     pin_offset : float
         The piston pin runs on n = e [m].
 
-    Returns
-    -------
-    TurnMotion
-        The angle is -beta of the papers: sin beta = (n_foot - e) / L.
-
-    Raises
-    ------
-    InputError
-        If the rod cannot reach its line because the foot is too far aside.
-
     Notes
     -----
     From L sin beta = n - e: beta' = n' / (L cos beta), beta'' = n'' / (L cos beta) + beta'^2 tan beta.
@@ -172,10 +162,6 @@ def carried_point(foot: PointMotion, turn: TurnMotion, place: complex) -> PointM
 
     Parameters
     ----------
-    foot : PointMotion
-        The rod's end at the crank.
-    turn : TurnMotion
-        Its rotation, zero when it is along the cylinder axis.
     place : complex
         Position on the rod, u + i v: u from the foot towards the piston pin, v across [m].
 
@@ -307,13 +293,7 @@ class SliderCrank:
 
 
 def check_reach(field: str, crank_radius: float, rod_length: float, pin_offset: float) -> None:
-    """Refuse a crank that cannot complete a revolution.
-
-    Raises
-    ------
-    InputError
-        If the crank radius is not shorter than the rod less the offset.
-    """
+    """Refuse a crank that cannot complete a revolution."""
     offset = abs(float(finite_array("pin_offset", pin_offset)))
     if not crank_radius < rod_length - offset:
         raise InputError(

@@ -102,8 +102,6 @@ class AxialForceComparison:
 
         Parameters
         ----------
-        axes : matplotlib.axes.Axes, optional
-            Where to draw; new axes by default.
         throw : int, optional
             Its number, from 1 at the free end.
         main_orders : int, optional
@@ -152,7 +150,6 @@ def compare_axial_forces(
 
     Parameters
     ----------
-    forces : CylinderForces
     compliances : array_like of shape (n,)
         e of each throw, as in the axial chain [m/N].
     own : array_like of shape (n,)
@@ -166,10 +163,6 @@ def compare_axial_forces(
         Pin of each cylinder, from 0.
     shapes : array_like of shape (q, n + 1), optional
         Axial mode shapes at the sections, to show the effect of the difference on each mode.
-
-    Returns
-    -------
-    AxialForceComparison
 
     Raises
     ------
@@ -246,17 +239,7 @@ class AxialForceOverCycle:
         )
 
     def plot(self, axes: Axes | None = None) -> Axes:
-        """Draw the force on the thrust bearing, and on held ends, over the shaft angle.
-
-        Parameters
-        ----------
-        axes : matplotlib.axes.Axes, optional
-            Where to draw; new axes by default.
-
-        Returns
-        -------
-        matplotlib.axes.Axes
-        """
+        """Draw the force on the thrust bearing, and on held ends, over the shaft angle."""
         axes = new_axes(axes)
         draw_curves(axes, self.curves())
         legend_below(axes, 2)
@@ -274,18 +257,7 @@ class AxialForceOverCycle:
         return found
 
     def to_pandas(self) -> DataFrame:
-        """Return a row for each shaft angle.
-
-        Returns
-        -------
-        pandas.DataFrame
-            Units of the columns in ``attrs["units"]``.
-
-        Raises
-        ------
-        MissingLibraryError
-            If pandas is not installed.
-        """
+        """Return a row for each shaft angle."""
         angles, *forces = self.columns().items()
         named = {name.removesuffix("_N"): (own, "N") for name, own in forces}
         return table({"shaft_angle": (angles[1], "deg")} | named)
@@ -316,10 +288,6 @@ def axial_force_over_cycle(
         Lengthening of throw i per Z and T on pin j, the shaft axially free [m/N].
     thrust_bearing : ndarray of shape (m,), optional
         Force on the thrust bearing, if known [N].
-
-    Returns
-    -------
-    AxialForceOverCycle
 
     Raises
     ------

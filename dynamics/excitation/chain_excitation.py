@@ -26,7 +26,6 @@ def torque_excitation(forces: CylinderForces, engine_chain: "EngineChain") -> Or
 
     Parameters
     ----------
-    forces : CylinderForces
     engine_chain : EngineChain
         Torsional. Crank radius times T of each cylinder acts on the node of its throw; cylinders on
         one throw add up.
@@ -61,7 +60,6 @@ def node_torques(
 
     Parameters
     ----------
-    harmonics : CylinderHarmonics
     engine_chain : EngineChain
         Torsional.
     speed : number or array_like of shape (m,)
@@ -99,7 +97,6 @@ def axial_throw_forces(
 
     Parameters
     ----------
-    forces : CylinderForces
     compliances : array_like of shape (n,)
         Axial compliance e of each throw, as in the axial chain [m/N].
     influence : array_like of shape (n,), (n, p) or (n, p, 2)
@@ -113,11 +110,6 @@ def axial_throw_forces(
     -------
     complex ndarray of shape (K, S, n)
         P_i = (sum over j of c_ij Z_j) / e_i [N].
-
-    Raises
-    ------
-    InputError
-        If shapes do not fit throws and pins, or a compliance is not above zero.
 
     Notes
     -----
@@ -143,7 +135,6 @@ def axial_excitation(
 
     Parameters
     ----------
-    forces : CylinderForces
     engine_chain : EngineChain
         Axial, with a section before and one after each throw.
     compliances, influence, pins
@@ -172,18 +163,11 @@ def axial_section_forces(pressing: ComplexArray, engine_chain: "EngineChain") ->
     ----------
     pressing : complex ndarray of shape (K, S, n)
         P of each throw [N].
-    engine_chain : EngineChain
-        Axial.
 
     Returns
     -------
     complex ndarray of shape (K, S, nodes)
         -P on the section before each throw, +P on that after it [N].
-
-    Raises
-    ------
-    InputError
-        If the chain is not axial or has another number of throws.
     """
     if engine_chain.kind != "axial":
         raise InputError(

@@ -176,10 +176,6 @@ def cylinder_harmonics(
     engine, orders, pressure, misfire, motored, model, inertia, samples, throws, crankcase_pressure
         As for `cylinder_forces`.
 
-    Returns
-    -------
-    CylinderHarmonics
-
     Raises
     ------
     InputError
@@ -240,13 +236,7 @@ def _one_diagram(at_all_speeds: Sequence[bool]) -> str:
 
 
 def throw_of_each(engine: EngineLayout, throws: Sequence[int] | None) -> tuple[int, ...]:
-    """Return the throw of each cylinder from 0, given or found from the layout.
-
-    Raises
-    ------
-    InputError
-        If given throws do not fit the cylinders.
-    """
+    """Return the throw of each cylinder from 0, given or found from the layout."""
     groups = throws_along_shaft(engine) if throws is None else checked_throws(engine, throws)
     found = {number: throw for throw, group in enumerate(groups) for number in group}
     return tuple(found[number] for number in range(1, len(engine.cylinders) + 1))
@@ -373,18 +363,10 @@ class CylinderForces:
 
         Parameters
         ----------
-        axes : matplotlib.axes.Axes, optional
-            Where to draw; new axes by default.
-        cylinder : int, optional
-            Its number, from 1.
         show : {"tangential", "radial"}, optional
             Which of the forces on the crankpin.
         main_orders : int, optional
             Number of orders, those with the largest peaks.
-
-        Returns
-        -------
-        matplotlib.axes.Axes
 
         Raises
         ------
@@ -406,18 +388,7 @@ class CylinderForces:
         return axes
 
     def to_xarray(self) -> Dataset:
-        """Return complex T and Z over order, speed and cylinder, and their means.
-
-        Returns
-        -------
-        xarray.Dataset
-            Units in the ``attrs["units"]`` of each array and coordinate.
-
-        Raises
-        ------
-        MissingLibraryError
-            If xarray is not installed.
-        """
+        """Return complex T and Z over order, speed and cylinder, and their means."""
         over, mean = ("order", "speed", "cylinder"), ("speed", "cylinder")
         return grid(
             {
@@ -483,10 +454,6 @@ def cylinder_forces(
         equal crank angles and nearly equal positions share one.
     crankcase_pressure : float, optional
         Absolute pressure under the pistons [Pa].
-
-    Returns
-    -------
-    CylinderForces
 
     Raises
     ------

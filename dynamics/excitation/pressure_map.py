@@ -64,18 +64,6 @@ def order_indices(orders: ArrayLike, strokes: int, samples: int, what: str) -> N
     ----------
     orders : array_like of shape (K,)
         In cycles per crankshaft revolution, above zero and ascending.
-    strokes : int
-        Strokes per cycle, 2 or 4.
-    samples : int
-        Over the cycle.
-    what : str
-        Whose samples, for the message.
-
-    Raises
-    ------
-    InputError
-        If an order is not a multiple of the cycle's, or the samples do not resolve it: it would appear
-        as a lower order (aliasing).
     """
     values, step = checked_orders(orders), order_step(strokes)
     places = np.round(values / step)
@@ -99,13 +87,7 @@ def order_indices(orders: ArrayLike, strokes: int, samples: int, what: str) -> N
 
 
 def requested_orders(orders: ArrayLike | float, strokes: int) -> FloatArray:
-    """Return the requested orders (K,): those given, or all up to a highest one.
-
-    Raises
-    ------
-    InputError
-        If they are not above zero and ascending.
-    """
+    """Return the requested orders (K,): those given, or all up to a highest one."""
     if np.ndim(orders) == 0:
         return engine_orders(strokes, cast(float, orders))
     return checked_orders(orders)
@@ -155,13 +137,7 @@ def propeller_load(
 
 
 def load_at(load: Load, speeds: FloatArray) -> FloatArray:
-    """Return the load at each speed (S,).
-
-    Raises
-    ------
-    InputError
-        If there is not one finite number for all speeds, or one for each.
-    """
+    """Return the load at each speed (S,)."""
     values = finite_array("load", load(speeds) if callable(load) else load)
     if values.shape not in ((), speeds.shape):
         raise InputError(
@@ -401,16 +377,10 @@ class PressureMap:
 
         Parameters
         ----------
-        axes : matplotlib.axes.Axes, optional
-            Where to draw; new axes by default.
         speed : float, optional
             Speed at which one diagram is interpolated [rad/s]; by default those of all speeds of the map.
         load : float, optional
             If the map has loads: any with a speed, one of the map's without; the highest by default.
-
-        Returns
-        -------
-        matplotlib.axes.Axes
 
         Raises
         ------
@@ -472,10 +442,6 @@ def pressure_map(
         at each speed, as along a propeller's curve.
     method : {"cubic", "linear"}, optional
         Interpolation between the diagrams, along either axis.
-
-    Returns
-    -------
-    PressureMap
 
     Raises
     ------
@@ -590,10 +556,6 @@ def pressure_map_from_cycles(
         cycle. With a turbocharger both rise together.
     method : {"cubic", "linear"}, optional
         Interpolation between the points.
-
-    Returns
-    -------
-    PressureMap
 
     Raises
     ------

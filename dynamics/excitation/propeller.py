@@ -132,7 +132,6 @@ def propeller_excitation(
 
     Parameters
     ----------
-    propeller : PropellerForces
     chain : Chain
         Torsional or axial, with node 0 in the crankshaft.
     node : int

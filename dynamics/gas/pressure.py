@@ -157,17 +157,7 @@ class GasPressure:
         return _periodic_curve(self.angles_deg, self.pressure, self.cycle_deg)
 
     def plot(self, axes: Axes | None = None) -> Axes:
-        """Draw the pressure over the crank angle from the firing top dead center.
-
-        Parameters
-        ----------
-        axes : matplotlib.axes.Axes, optional
-            Where to draw; new axes by default.
-
-        Returns
-        -------
-        matplotlib.axes.Axes
-        """
+        """Draw the pressure over the crank angle from the firing top dead center."""
         axes = draw_over_angle(
             axes,
             np.radians(self.angles_deg),
@@ -180,18 +170,7 @@ class GasPressure:
         return axes
 
     def to_pandas(self) -> DataFrame:
-        """Return crank angles from the firing top and pressures, a row for each sample.
-
-        Returns
-        -------
-        pandas.DataFrame
-            Units of the columns in ``attrs["units"]``.
-
-        Raises
-        ------
-        MissingLibraryError
-            If pandas is not installed.
-        """
+        """Return crank angles from the firing top and pressures, a row for each sample."""
         return table({"crank_angle": (self.angles_deg, "deg"), "pressure": (self.pressure, "Pa")})
 
 
@@ -209,8 +188,6 @@ def gas_pressure(
     ----------
     pressure : array_like of shape (m,)
         Absolute pressure [Pa], positive.
-    strokes : int, optional
-        Strokes per cycle, 2 or 4.
     angles_deg : array_like of shape (m,)
         Crank angles from the firing top dead center [deg], strictly ascending over one cycle that
         may start anywhere, no gap wider than 10 deg, the closing sample left out.

@@ -88,12 +88,7 @@ def smallest_hollow(curvature: FloatArray) -> float:
 
 
 def check_roller(roller_radius: float, curvature: FloatArray) -> None:
-    """Refuse a roller whose guide would have a cusp.
-
-    Raises
-    ------
-    InputError
-    """
+    """Refuse a roller whose guide would have a cusp."""
     hollow = smallest_hollow(curvature)
     if roller_radius >= hollow:
         raise InputError(
@@ -516,13 +511,7 @@ class HingeProfile:
 
         Parameters
         ----------
-        axes : matplotlib.axes.Axes, optional
-            Where to draw; new axes by default.
         show : {"guide", "moment", "radius"}, optional
-
-        Returns
-        -------
-        matplotlib.axes.Axes
 
         Raises
         ------
@@ -561,18 +550,7 @@ class HingeProfile:
         return axes
 
     def to_pandas(self) -> DataFrame:
-        """Return a row for each crank angle: radius, spring, forces, moment.
-
-        Returns
-        -------
-        pandas.DataFrame
-            Units of the columns in ``attrs["units"]``.
-
-        Raises
-        ------
-        MissingLibraryError
-            If pandas is not installed.
-        """
+        """Return a row for each crank angle: radius, spring, forces, moment."""
         guide = self.guide()
         return table(
             {
@@ -601,7 +579,6 @@ def hinge_profile(
     ----------
     moment : HingeMoment
         Its M_h is required.
-    spring : GasSpring
     start_radius : float
         rho_0 at the top dead center [m].
     roller_radius : float, optional

@@ -60,17 +60,7 @@ class SteadyHingeTurn:
         return float((self.speed.max() - self.speed.min()) / self.mean_speed)
 
     def plot(self, axes: Axes | None = None) -> Axes:
-        """Draw the speed over the crank angle.
-
-        Parameters
-        ----------
-        axes : matplotlib.axes.Axes, optional
-            Where to draw; new axes by default.
-
-        Returns
-        -------
-        matplotlib.axes.Axes
-        """
+        """Draw the speed over the crank angle."""
         curves = {"speed": RPM * self.speed}
         title = f"Speed over a turn, fluctuation {self.fluctuation:.2g}"
         return draw_over_angle(
@@ -83,18 +73,7 @@ class SteadyHingeTurn:
         )
 
     def to_pandas(self) -> DataFrame:
-        """Return crank angles and speeds.
-
-        Returns
-        -------
-        pandas.DataFrame
-            Units of the columns in ``attrs["units"]``.
-
-        Raises
-        ------
-        MissingLibraryError
-            If pandas is not installed.
-        """
+        """Return crank angles and speeds."""
         return table({"crank_angle": (self.angles_deg, "deg"), "speed": (self.speed, "rad/s")})
 
 
@@ -133,10 +112,6 @@ def steady_hinge_turn(
         Mean speed of the revolution [rad/s], by default that of `point`.
     top_speed : float, optional
         Speed at the top dead center [rad/s], instead of the mean speed.
-
-    Returns
-    -------
-    SteadyHingeTurn
 
     Raises
     ------
@@ -187,10 +162,6 @@ def simulate_hinge(
         Angle to integrate over.
     samples : int, optional
         Steps per revolution of the result.
-
-    Returns
-    -------
-    SpeedOverAngle
 
     Raises
     ------
@@ -400,10 +371,6 @@ def best_pressure(
         Smallest and largest pressure considered, as multiples of the design's.
     flywheel : float, optional
         Inertia added [kg m^2].
-
-    Returns
-    -------
-    BestPressure
 
     Raises
     ------

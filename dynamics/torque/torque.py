@@ -41,13 +41,7 @@ def samples_and_gas(
     samples: int,
     crankcase_pressure: float,
 ) -> tuple[FloatArray, FloatArray]:
-    """Return shaft angles evenly over a cycle (m,) [rad], and forces on the pistons (n, m) [N].
-
-    Raises
-    ------
-    InputError
-        If there are less than 3 samples, or pressures or forces do not fit.
-    """
+    """Return shaft angles evenly over a cycle (m,) [rad], and forces on the pistons (n, m) [N]."""
     count = whole_number("samples", samples, 3, "fewer show no harmonic")
     angles = even_angles(cycle_radians(engine.strokes), count)
     shape = (len(engine.cylinders), count)
@@ -130,13 +124,7 @@ def _shares(engine: EngineLayout, throw: list[int], number: int) -> bool:
 
 
 def checked_throws(engine: EngineLayout, throws: Sequence[int]) -> tuple[tuple[int, ...], ...]:
-    """Return the numbers of the cylinders on each throw from the throw of each cylinder, from 0.
-
-    Raises
-    ------
-    InputError
-        If there is not one for each cylinder, one is not a whole number, or a throw has none.
-    """
+    """Return the numbers of the cylinders on each throw from the throw of each cylinder, from 0."""
     given = list(throws)
     if len(given) != len(engine.cylinders):
         raise InputError(
@@ -205,16 +193,10 @@ class PinForceHarmonics:
 
         Parameters
         ----------
-        axes : matplotlib.axes.Axes, optional
-            Where to draw; new axes by default.
         show : {"tangential", "radial"}, optional
             Which of the forces on the crankpin.
         highest_order : float, optional
             Highest order drawn; all by default.
-
-        Returns
-        -------
-        matplotlib.axes.Axes
 
         Raises
         ------
@@ -233,18 +215,7 @@ class PinForceHarmonics:
         return draw_harmonics(axes, found["both"].orders, bars, "amplitude [kN]", title=title)
 
     def to_pandas(self) -> DataFrame:
-        """Return one row for each order: amplitude and phase of T and Z by cause.
-
-        Returns
-        -------
-        pandas.DataFrame
-            Units of the columns in ``attrs["units"]``.
-
-        Raises
-        ------
-        MissingLibraryError
-            If pandas is not installed.
-        """
+        """Return one row for each order: amplitude and phase of T and Z by cause."""
         columns: dict[str, tuple[FloatArray, str]] = {"order": (self.tangential.orders, "1")}
         for name in CAUSES:
             own: Harmonics = getattr(self, name)
@@ -431,14 +402,8 @@ class EngineTorque:
 
         Parameters
         ----------
-        axes : matplotlib.axes.Axes, optional
-            Where to draw; new axes by default.
         throw : int, optional
             Number of the throw, from 1 at the free end; by default the whole engine.
-
-        Returns
-        -------
-        matplotlib.axes.Axes
 
         Raises
         ------
@@ -470,18 +435,7 @@ class EngineTorque:
         return axes
 
     def to_xarray(self) -> Dataset:
-        """Return the torques over cylinder, throw and shaft angle.
-
-        Returns
-        -------
-        xarray.Dataset
-            Units in the ``attrs["units"]`` of each array and coordinate.
-
-        Raises
-        ------
-        MissingLibraryError
-            If xarray is not installed.
-        """
+        """Return the torques over cylinder, throw and shaft angle."""
         by_cylinder, by_throw = ("cylinder", "shaft_angle"), ("throw", "shaft_angle")
         return grid(
             {
@@ -504,12 +458,7 @@ class EngineTorque:
 
 
 def check_energy(torque: EngineTorque) -> None:
-    """Refuse a torque whose work over a cycle differs from that of the gas.
-
-    Raises
-    ------
-    SolveError
-    """
+    """Refuse a torque whose work over a cycle differs from that of the gas."""
     if not abs(torque.energy_error) <= LARGEST_ENERGY_ERROR:
         raise SolveError(
             f"Work of the torque and work of the gas differ by a share of {abs(torque.energy_error):.1e} "
@@ -531,7 +480,6 @@ def engine_torque(
 
     Parameters
     ----------
-    engine : EngineLayout
     speed : float
         Of the shaft, constant [rad/s].
     pressure : GasPressure, sequence of n GasPressure, array_like or None
@@ -546,10 +494,6 @@ def engine_torque(
         with equal crank angles and nearly equal positions share one.
     crankcase_pressure : float, optional
         Absolute pressure under the pistons [Pa].
-
-    Returns
-    -------
-    EngineTorque
 
     Raises
     ------

@@ -122,13 +122,7 @@ class FreeTurning:
 
         Parameters
         ----------
-        axes : matplotlib.axes.Axes, optional
-            Where to draw; new axes by default.
         show : {"speed", "moment", "work"}, optional
-
-        Returns
-        -------
-        matplotlib.axes.Axes
 
         Raises
         ------
@@ -148,18 +142,7 @@ class FreeTurning:
         return axes
 
     def to_pandas(self) -> DataFrame:
-        """Return a row for each time: angle, speed, energy, moments and works.
-
-        Returns
-        -------
-        pandas.DataFrame
-            Units of the columns in ``attrs["units"]``.
-
-        Raises
-        ------
-        MissingLibraryError
-            If pandas is not installed.
-        """
+        """Return a row for each time: angle, speed, energy, moments and works."""
         columns = {
             "time": (self.time, "s"),
             "angle": (self.angle_deg, "deg"),
@@ -269,11 +252,9 @@ def turn_freely(
 def _integrated(
     moments: ShaftMoments, start: tuple[float, float], end: float, told: FloatArray
 ) -> tuple[FloatArray, float | None]:
-    """Return angle, speed and works at the output times (6, m), and when the engine stopped.
-
-    If gas forces jump at the ends of strokes, each stroke is integrated separately with the
-    pistons' directions held: no step passes over a jump, and none is hidden from the error control.
-    """
+    """Return angle, speed and works at the output times (6, m), and when the engine stopped."""
+    # If gas forces jump at the ends of strokes, each stroke is integrated separately with the
+    # pistons' directions held: no step passes over a jump, and none is hidden from the error control.
     time, state = 0.0, np.array([*start, *[0.0] * len(SHARES)])
     speed = max(start[1], 1.0)
     energy = 0.5 * moments.inertia(start[0]) * speed**2

@@ -52,11 +52,6 @@ def turn_curves(function: Callable[[FloatArray], FloatArray]) -> TurnCurves:
     ----------
     function : callable
         Takes angles (m,) [rad] and returns the curves' values (c, m).
-
-    Raises
-    ------
-    InputError
-        If a curve's harmonics do not decay.
     """
     largest = np.max(
         np.abs(function(even_angles(2.0 * np.pi, SIZE_SAMPLES))), axis=1, keepdims=True
@@ -74,21 +69,11 @@ def turn_curves(function: Callable[[FloatArray], FloatArray]) -> TurnCurves:
 def engine_curves(engine: EngineLayout, models: tuple[RodModel, ...]) -> TurnCurves:
     """Return the curves of an engine: positions of the n pistons, inertia, static moment upwards.
 
-    Parameters
-    ----------
-    engine : EngineLayout
-    models : tuple of n RodModel
-
     Returns
     -------
     TurnCurves
         c = n + 2: s of each piston pin [m]; inertia reduced to the shaft [kg m^2]; sum of masses
         times heights [kg m], which determines the work of gravity.
-
-    Raises
-    ------
-    InputError
-        If a rod is so short that no reasonable number of harmonics describes the motion.
     """
     return turn_curves(functools.partial(_engine_samples, engine, models))
 
@@ -135,13 +120,7 @@ class PistonGas:
 
 
 def piston_gas(engine: EngineLayout, gas: Gas, crankcase_pressure: float) -> PistonGas:
-    """Return the gas forces from pressures, or from a function of the piston's position and direction.
-
-    Raises
-    ------
-    InputError
-        If there is not one pressure for each cylinder, or its cycle has other strokes.
-    """
+    """Return the gas forces from pressures, or from a function of the piston's position and direction."""
     if gas is None:
         return PistonGas(_no_forces, False)
     if callable(gas):
@@ -243,11 +222,6 @@ class ShaftMoments:
         directions : ndarray of shape (n,), optional
             Of the pistons, positive away from the shaft, if known better than from the
             angle: at the end of a stroke.
-
-        Raises
-        ------
-        InputError
-            If gas, load or friction are not finite moments, or the inertia vanishes.
         """
         values, slopes = self.curves.at(angle)
         ways = slopes[:-2] if directions is None else directions
@@ -266,13 +240,7 @@ class ShaftMoments:
         return moments, self._checked_inertia(values, angle), float(slopes[-2])
 
     def inertia(self, angle: float) -> float:
-        """Return the reduced inertia [kg m^2].
-
-        Raises
-        ------
-        InputError
-            If it vanishes.
-        """
+        """Return the reduced inertia [kg m^2]."""
         return self._checked_inertia(self.curves.at(angle)[0], angle)
 
     def _checked_inertia(self, values: FloatArray, angle: float) -> float:
@@ -310,13 +278,7 @@ def shaft_moments(
     model: RodModelName,
     crankcase_pressure: float,
 ) -> ShaftMoments:
-    """Collect the moments on an engine's shaft; arguments as for `turn_freely`.
-
-    Raises
-    ------
-    InputError
-        If a number is not finite, or pressures do not fit the engine.
-    """
+    """Collect the moments on an engine's shaft; arguments as for `turn_freely`."""
     return ShaftMoments(
         curves=engine_curves(engine, rod_models(engine, model)),
         gas=piston_gas(engine, gas, crankcase_pressure),

@@ -26,13 +26,7 @@ MOST_EVALUATIONS, MOST_MOMENTS = 150_000, 500_000
 
 
 def run_time(field: str, value: float) -> float:
-    """Return the duration of a motion [s], checked.
-
-    Raises
-    ------
-    InputError
-        If it is not a finite number above zero, or more than a day.
-    """
+    """Return the duration of a motion [s], checked."""
     time = positive_number(field, value, "s", "time runs forward")
     if time > LONGEST_RUN:
         raise InputError(
@@ -43,13 +37,7 @@ def run_time(field: str, value: float) -> float:
 
 
 def turns_followed(field: str, turns: float) -> float:
-    """Return a number of revolutions of a motion, checked.
-
-    Raises
-    ------
-    InputError
-        If it is not a finite number above zero, or too large.
-    """
+    """Return a number of revolutions of a motion, checked."""
     number = positive_number(field, turns, "", "the shaft turns forward")
     if number > MOST_TURNS:
         raise InputError(
@@ -62,15 +50,7 @@ def turns_followed(field: str, turns: float) -> float:
 def evaluation_counter(
     refusal: Callable[[float], InputError], most: int
 ) -> Callable[[float], None]:
-    """Return what an integration calls at each evaluation, and what ends it after too many.
-
-    Parameters
-    ----------
-    refusal : callable
-        Returns the error for the time or angle at which the last evaluation is.
-    most : int
-        Evaluations that are allowed.
-    """
+    """Return what an integration calls at each evaluation, and what ends it after too many."""
     left = iter(range(most))
 
     def evaluated(reached: float) -> None:
@@ -81,16 +61,7 @@ def evaluation_counter(
 
 
 def work_counter(field: str, given: float, unit: str, most: int) -> Callable[[float], None]:
-    """Return an `evaluation_counter` whose error is that a motion is followed too far.
-
-    Parameters
-    ----------
-    field : str
-        How far it is followed; the counter is called with how far it has come.
-    given : float
-    unit : str
-    most : int
-    """
+    """Return an `evaluation_counter` whose error is that a motion is followed too far."""
 
     def refusal(reached: float) -> InputError:
         allowed = f"{0.99 * reached:.4g} {unit}".strip()
@@ -120,19 +91,12 @@ def checked_moment(
 
     Parameters
     ----------
-    field : str
-        Whose moment it is.
     given : float
         [N m]
     speed, angle : float
         Where the function was asked [rad/s, rad].
     largest : float, optional
         [N m]
-
-    Raises
-    ------
-    InputError
-        If it is not a finite number, or larger than that.
     """
     moment = _number(given)
     if not (math.isfinite(moment) and abs(moment) <= largest):
@@ -146,13 +110,7 @@ def checked_moment(
 
 
 def checked_inertia(given: float, angle: float, least: float = 0.0) -> float:
-    """Return an inertia [kg m^2] at an angle [rad].
-
-    Raises
-    ------
-    InputError
-        If it is not a finite number above `least`.
-    """
+    """Return an inertia [kg m^2] at an angle [rad]."""
     inertia = _number(given)
     if not least < inertia < math.inf:
         raise InputError(
@@ -305,17 +263,7 @@ class SpeedOverAngle:
         return float((self.speed.max() - self.speed.min()) / self.mean_speed)
 
     def plot(self, axes: Axes | None = None) -> Axes:
-        """Draw the speed over the shaft angle.
-
-        Parameters
-        ----------
-        axes : matplotlib.axes.Axes, optional
-            Where to draw; new axes by default.
-
-        Returns
-        -------
-        matplotlib.axes.Axes
-        """
+        """Draw the speed over the shaft angle."""
         axes = new_axes(axes)
         draw_over_angle(
             axes,
@@ -328,18 +276,7 @@ class SpeedOverAngle:
         return axes
 
     def to_pandas(self) -> DataFrame:
-        """Return a row for each angle: speed, time, kinetic energy.
-
-        Returns
-        -------
-        pandas.DataFrame
-            Units of the columns in ``attrs["units"]``.
-
-        Raises
-        ------
-        MissingLibraryError
-            If pandas is not installed.
-        """
+        """Return a row for each angle: speed, time, kinetic energy."""
         return table(
             {
                 "angle": (self.angle_deg, "deg"),
@@ -369,8 +306,6 @@ def speed_over_angle(
         (speed [rad/s], angle [rad]) -> Q [N m], all moments reduced to the shaft, positive when
         they drive, without the part of the inertia. It may jump with the angle, not with
         the speed.
-    start_angle_deg : float
-        [deg]
     start_speed : float
         Above zero [rad/s].
     turns : float
@@ -478,11 +413,9 @@ def _integrate_speed(
 def _energy_after_step(
     shaft: _Shaft, begin: float, step: float, energy: float, halvings: int
 ) -> tuple[float, float]:
-    """Return the energy after a step and its duration, halving the step if necessary.
-
-    An energy that falls to zero does not prove that the shaft stops: too long a step with a
-    steep moment does the same. Near a true stop the steps become short, and at rest this remains.
-    """
+    """Return the energy after a step and its duration, halving the step if necessary."""
+    # An energy that falls to zero does not prove that the shaft stops: too long a step with a
+    # steep moment does the same. Near a true stop the steps become short, and at rest this remains.
     found = _collocated(shaft, begin, step, energy)
     if found is not None:
         return found
@@ -586,14 +519,8 @@ def steady_turning(
         Angle of the period divided by its time [rad/s].
     turns : float
         Period of inertia and moment, in revolutions of the shaft: 2 for a four-stroke engine.
-    start_angle_deg : float, optional
-        [deg]
     samples : int, optional
         Per turn.
-
-    Returns
-    -------
-    SteadyTurning
 
     Raises
     ------
@@ -666,10 +593,8 @@ def steady_turning(
 def _beginning(
     inertia: Inertia, moment: Moment, speed: float, first: float, period: float
 ) -> tuple[float, float, bool]:
-    """Return load and initial energy from the moments at the mean speed, and whether it can turn.
-
-    Energies are sums over even angles, which is accurate for smooth curves.
-    """
+    """Return load and initial energy from the moments at the mean speed, and whether it can turn."""
+    # Energies are sums over even angles, which is accurate for smooth curves.
     count = max(1, round(SEARCH_SAMPLES * period / (2.0 * math.pi)))
     angles = (first + even_angles(period, count)).tolist()
     inertias = np.array([checked_inertia(inertia(angle), angle) for angle in angles])
