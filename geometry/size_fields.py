@@ -8,7 +8,17 @@ import numpy as np
 
 from geometry.drilling import distance_from_exits, distance_from_wall
 from geometry.parts import Cylinder, ThrowParts
-from geometry.sizes import EXITS, GROWTH, LARGEST_ON_ROUND, ROUND, SizeMap, SizePlan, SizeZone
+from geometry.sizes import (
+    EXITS,
+    GROWTH,
+    LARGEST_ON_ROUND,
+    ROUND,
+    SizeMap,
+    SizePlan,
+    SizeZone,
+    growth_from_hole,
+    largest_on_hole,
+)
 from geometry.solid import BORE, OIL_HOLE, Zone
 
 # Elements are as small as at a fillet up to this share of its radius from the circle through its middle.
@@ -33,7 +43,7 @@ def set_sizes(gmsh: Any, parts: ThrowParts, plan: SizePlan, last: float) -> None
         number, place = zone.zone
         if place in FROM_OIL_HOLE:
             distance = _formula(gmsh, FROM_OIL_HOLE[place](parts.drillings[number]))
-            fields.append(_growing(gmsh, distance, zone.size, plan.bulk))
+            fields.append(_growing(gmsh, distance, zone.size, plan.bulk, growth=zone.growth))
             continue
         cylinder = parts.cylinders[number]
         if place in (BORE, ROUND):
@@ -109,9 +119,10 @@ def set_size_map(
     x, y, z = points.T
     bulk = float(wished.max())
     for hole in parts.drillings if parts else ():
-        if (largest := LARGEST_ON_ROUND * hole.radius) < bulk:
+        if (largest := largest_on_hole(sizes.first_factor) * hole.radius) < bulk:
             distance = _formula(gmsh, distance_from_wall(hole))
-            fields.append(_growing(gmsh, distance, largest, bulk))
+            growth = growth_from_hole(sizes.first_factor)
+            fields.append(_growing(gmsh, distance, largest, bulk, growth=growth))
     for cylinder in parts.cylinders if parts else ():
         for place in (ROUND, BORE):
             axis, radius, start, end = _surface(cylinder, place)
@@ -171,7 +182,9 @@ def _formula(gmsh: Any, formula: str) -> int:
     return made
 
 
-def _growing(gmsh: Any, distance: int, size: float, bulk: float, near: float = 0.0) -> int:
+def _growing(
+    gmsh: Any, distance: int, size: float, bulk: float, near: float = 0.0, growth: float = GROWTH
+) -> int:
     """Let elements grow from `size` at a distance to the bulk's size."""
     field = gmsh.model.mesh.field
     made = int(field.add("Threshold"))
@@ -179,7 +192,7 @@ def _growing(gmsh: Any, distance: int, size: float, bulk: float, near: float = 0
     field.setNumber(made, "SizeMin", size)
     field.setNumber(made, "SizeMax", bulk)
     field.setNumber(made, "DistMin", near)
-    field.setNumber(made, "DistMax", near + (bulk - size) / GROWTH + 1e-6 * bulk)
+    field.setNumber(made, "DistMax", near + (bulk - size) / growth + 1e-6 * bulk)
     return made
 
 

@@ -33,6 +33,8 @@ LARGEST_ON_ROUND = 0.8
 # On walls and exits of oil holes on the coarsest meshes, beside their radius and the factor, and at any.
 COARSE_ON_HOLE, COARSE_ON_EXIT = 0.3, 0.4
 COARSEST_ON_HOLE, COARSEST_ON_EXIT = 1.3, 1.8
+# How much elements grow from oil holes on coarse meshes, beside the factor, and at most.
+COARSE_GROWTH, FASTEST_GROWTH = 0.15, 1.0
 ROUND, EXITS = "round", "exits"
 # Nodes per item of `node_counts`, fitted to meshes of mixed throws (tests/campaigns/random_throws.py).
 NODES_PER_COUNT = np.array([7.5, 7.5, 9.3, 3.9, 9.6])
@@ -60,6 +62,8 @@ class SizeZone:
         Length round the cylinder [m].
     area : float
         Area of the surface, 0 for a corner [m^2].
+    growth : float
+        How much elements grow per unit of distance from it.
     """
 
     zone: Zone
@@ -67,6 +71,7 @@ class SizeZone:
     size: float
     length: float
     area: float
+    growth: float = GROWTH
 
 
 @dataclass(frozen=True)
@@ -78,7 +83,7 @@ class SizePlan:
 
     def reach(self, zone: SizeZone) -> float:
         """Distance from a zone at which elements have grown to the bulk's size [m]."""
-        return (self.bulk - zone.size) / GROWTH
+        return (self.bulk - zone.size) / zone.growth
 
 
 def size_plan(parts: ThrowParts, factor: float) -> SizePlan:
@@ -111,15 +116,23 @@ def size_plan(parts: ThrowParts, factor: float) -> SizePlan:
                 SizeZone((number, ROUND), False, LARGEST_ON_ROUND * cylinder.radius, length, area)
             )
     for number, hole in enumerate(parts.drillings):
-        # A hole is small: it has some six elements round it, and on the coarsest meshes five.
-        largest = min(max(LARGEST_ON_ROUND, COARSE_ON_HOLE * factor), COARSEST_ON_HOLE)
-        wall = min(bulk, min(factor * SIZE_PER_BORE, largest) * hole.radius)
+        wall = min(bulk, min(factor * SIZE_PER_BORE, largest_on_hole(factor)) * hole.radius)
         largest = max(1.0, min(COARSE_ON_EXIT * factor, COARSEST_ON_EXIT))
         outlet = min(
             wall, min(factor * ROOT_PER_FILLET, largest) * (hole.exit_radius or hole.radius)
         )
-        zones += drilling_zones(number, hole, wall, outlet)
+        zones += drilling_zones(number, hole, wall, outlet, growth_from_hole(factor))
     return SizePlan(bulk, tuple(zones))
+
+
+def largest_on_hole(factor: float) -> float:
+    """Largest size on an oil hole's wall beside its radius: some six elements round it, in the end five."""
+    return min(max(LARGEST_ON_ROUND, COARSE_ON_HOLE * factor), COARSEST_ON_HOLE)
+
+
+def growth_from_hole(factor: float) -> float:
+    """How much elements grow per unit of distance from an oil hole."""
+    return min(max(GROWTH, COARSE_GROWTH * factor), FASTEST_GROWTH)
 
 
 def root_size(fillet: float, thickness: float) -> float:
@@ -142,15 +155,18 @@ def bore_zone(number: int, cylinder: Cylinder, size: float) -> SizeZone:
     return SizeZone((number, BORE), False, size, length, area)
 
 
-def drilling_zones(number: int, hole: Drilling, wall: float, outlet: float) -> list[SizeZone]:
+def drilling_zones(
+    number: int, hole: Drilling, wall: float, outlet: float, growth: float
+) -> list[SizeZone]:
     """Zones of an oil hole: of its wall, and of its exits where these are finer."""
     length = 2.0 * math.pi * hole.radius
     area = 2.0 * hole.volume / hole.radius
-    zones = [SizeZone((number, OIL_HOLE), False, wall, length, area)]
+    zones = [SizeZone((number, OIL_HOLE), False, wall, length, area, growth)]
     if outlet < wall:
         rounding = math.pi**2 * hole.exit_radius * (hole.radius + 0.36 * hole.exit_radius)
         exits = len(hole.exits)
-        zones.append(SizeZone((number, EXITS), False, outlet, exits * length, exits * rounding))
+        zone = (number, EXITS)
+        zones.append(SizeZone(zone, False, outlet, exits * length, exits * rounding, growth))
     return zones
 
 
@@ -210,7 +226,7 @@ def node_counts(parts: ThrowParts, factor: float) -> Array:
         flat = zone.zone[1] in (BORE, ROUND, OIL_HOLE)
         edges = 0.0 if flat else 1.5 * math.pi * zone.length * distance
         layers = (zone.area + edges) * reach / LAYERS
-        cells = float(np.sum(layers / (zone.size + GROWTH * distance) ** 3))
+        cells = float(np.sum(layers / (zone.size + zone.growth * distance) ** 3))
         counts[0 if zone.sharp else 1] += cells
         counts[2] += zone.area / zone.size**2
         near += float(np.sum(layers))
@@ -245,11 +261,14 @@ class SizeMap:
         Numbers of corner nodes.
     sizes : (n,) array
         Required size of the elements at each node [m]; interpolated between nodes.
+    first_factor : float
+        Size factor of the first mesh, whose limits hold at oil holes.
     """
 
     points: Array
     tetrahedra: NDArray[np.int64]
     sizes: Array
+    first_factor: float = 1.0
 
     def expected_unknowns(self, factor: float = 1.0) -> int:
         """Predict the displacement unknowns of a mesh made with `factor` times these sizes."""
