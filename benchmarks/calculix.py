@@ -38,7 +38,7 @@ from fem.loads import unit_pin_loads
 from fem.superelement import combine_classes
 from fem.supports import support_throw
 from fem.symmetry import axial_class, symmetry_classes
-from geometry.isolated import shared_process
+from geometry.gmsh_session import shared_process
 from geometry.mesh import ThrowMesh
 from geometry.mesher import mesh_isolated
 from geometry.sizes import predict_unknowns

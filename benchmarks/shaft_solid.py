@@ -20,8 +20,14 @@ from fem.material import Material
 from fem.solver import factorize
 from geometry.crankshaft import Crankshaft, make_shaft
 from geometry.gmsh_session import gmsh_errors, gmsh_session
-from geometry.mesh import ThrowMesh, read_mesh
-from geometry.mesh_checks import SolidProperties, check_quality, check_volume, solid_properties
+from geometry.mesh import (
+    SolidProperties,
+    ThrowMesh,
+    check_quality,
+    check_volume,
+    read_mesh,
+    solid_properties,
+)
 from geometry.shapes import straighten_elements
 
 Array = NDArray[np.float64]

@@ -25,8 +25,7 @@ from fem.loads import uniform_pin_loads
 from fem.material import Material
 from fem.superelement import RX, RY, RZ, UX, UY, UZ
 from fem.throw_frames import MOTIONS
-from geometry.facets import six_node_triangles
-from geometry.mesh import ThrowMesh
+from geometry.mesh import ThrowMesh, six_node_triangles
 from geometry.solid import LEFT_END, RIGHT_END
 
 Support = Literal["pinned", "guided"]

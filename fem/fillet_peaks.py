@@ -18,8 +18,7 @@ from fem.rule_mesh import RULE_LOADS, FilletMeshing, ReadingQuality, fillet_mesh
 from fem.surface_stress import surface_stress
 from fem.unit_loads import LoadedThrow, UnitLoad, whole_facets, whole_nodes
 from geometry.drilling import DrillingExit
-from geometry.facets import six_node_triangles
-from geometry.mesh import ThrowMesh
+from geometry.mesh import ThrowMesh, six_node_triangles
 from geometry.mesher import Throw
 from geometry.solid import CRANK_PLANE, FILLET, LEFT_END, MIDDLE_PLANE, OIL_HOLE, RIGHT_END
 

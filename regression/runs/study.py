@@ -16,7 +16,7 @@ from crankbase.memory import check_memory, free_memory
 from crankbase.wrong_files import not_a_file
 from fem.accuracy import predicted_unknowns
 from fem.memory import solving_memory
-from geometry.mesh_checks import MESHING_MEMORY
+from geometry.mesh import MESHING_MEMORY
 from geometry.mesher import expected_unknowns
 from geometry.throw import CrankThrow
 from regression.plans.plan import (

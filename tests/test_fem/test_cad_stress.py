@@ -11,7 +11,7 @@ from fem.fillet_stress import fillet_stresses
 from fem.fillets import throw_fillets
 from fem.nominal_stress import torsion_modulus, web_section
 from geometry.imported import import_throw, imported_parts
-from geometry.imported_mesh import mesh_imported_throw
+from geometry.mesher import mesh_imported_throw
 from geometry.solid_files import write_step
 from geometry.throw import CrankThrow
 from stand_ins import COARSE_STRESSES

@@ -35,8 +35,7 @@ from fem.surface_stress import (
 )
 from fem.symmetry import SymmetryClass
 from fem.unit_loads import LoadedThrow, solve_unit_loads, unit_loads, whole_facets, whole_nodes
-from geometry.facets import six_node_triangles
-from geometry.mesh import mesh_throw
+from geometry.mesh import mesh_throw, six_node_triangles
 from geometry.sizes import SizeMap
 from geometry.solid import FILLET, LEFT_END, RIGHT_END
 from geometry.throw import CrankThrow

@@ -30,8 +30,7 @@ from fem.axial_analysis import class_axial_compliances
 from fem.material import STEEL
 from fem.recovery import EnergyErrors
 from fem.refinement import GROWTH, MADE_SMALLER, MOST_COARSENED, MOST_REFINED, ORDER, refined_sizes
-from geometry.mesh import mesh_throw
-from geometry.mesh_checks import check_quality
+from geometry.mesh import check_quality, mesh_throw
 from geometry.mesher import expected_unknowns
 from geometry.shapes import element_volumes
 

@@ -4,15 +4,12 @@ import gmsh
 import numpy as np
 import pytest
 
-import geometry.built_solid
 import geometry.mesh
 from comparing import close
 from crankbase.errors import InputError, MeshError
-from geometry.built_solid import SolidKeeper
 from geometry.crankshaft import throw_solid
-from geometry.gmsh_session import gmsh_session
-from geometry.isolated import IsolatedProcess
-from geometry.mesh import mesh_throw
+from geometry.gmsh_session import IsolatedProcess, gmsh_session
+from geometry.mesh import SolidKeeper, mesh_throw
 from geometry.mesher import mesh_isolated
 from geometry.parts import scaled_parts
 from geometry.shapes import element_volumes
@@ -34,7 +31,7 @@ def same(first, second):
 def keeper(monkeypatch):
     made = SolidKeeper()
     made.keeps = True
-    monkeypatch.setattr(geometry.built_solid, "_KEEPER", made)
+    monkeypatch.setattr(geometry.mesh, "_KEEPER", made)
     yield made
     made.close()
     assert not gmsh.isInitialized()
@@ -50,7 +47,7 @@ def bored(dimensions):
 def test_meshes_of_a_kept_solid_are_bit_identical(bored, keeper, part):
     """Whatever was meshed before, by a plan or a map."""
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(geometry.built_solid, "_KEEPER", SolidKeeper())
+        patch.setattr(geometry.mesh, "_KEEPER", SolidKeeper())
         coarse = mesh_throw(bored, 3.0, part)
         corners = coarse.elements[:, :4]
         sizes = sizes_at_corners(coarse.points, corners, element_sizes(coarse.points, corners))

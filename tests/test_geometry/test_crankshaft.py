@@ -6,7 +6,7 @@ from crankbase.errors import InputError
 from geometry.crankshaft import Crankshaft, ShaftEnds, make_shaft, throw_masses
 from geometry.gmsh_session import gmsh_session
 from geometry.mass import unbalance
-from geometry.mesh_checks import solid_properties
+from geometry.mesh import solid_properties
 from geometry.throw import CrankThrow
 from geometry.throw_dimensions import Counterweight, FurtherPin, Web
 

@@ -14,12 +14,11 @@ from fem.condensation import condense
 from fem.loads import unit_pin_loads
 from fem.material import STEEL
 from fem.symmetry import axial_class
-from geometry.gmsh_session import gmsh_session
-from geometry.imported import import_throw
-from geometry.imported_mesh import mesh_imported_throw, predict_imported_unknowns
-from geometry.isolated import IsolatedProcess, shared_process
+from geometry.gmsh_session import IsolatedProcess, gmsh_session, shared_process
+from geometry.imported import decode_string, import_throw, read_step
 from geometry.mass import mass_properties
 from geometry.mesh import MESHING_STRATEGIES, mesh_throw
+from geometry.mesher import mesh_imported_throw, predict_imported_unknowns
 from geometry.shapes import element_volumes
 from geometry.solid import (
     BORE,
@@ -32,7 +31,6 @@ from geometry.solid import (
     make_solid,
     remove_loose,
 )
-from geometry.step_file import decode_string, read_step
 from geometry.throw import CrankThrow
 
 METER = "( LENGTH_UNIT() NAMED_UNIT(*) SI_UNIT($,.METRE.) )"
@@ -619,7 +617,7 @@ def test_surfaces_of_the_mesh_are_where_their_names_say(throw, mesh):
 def test_the_mesh_is_the_same_in_another_process(imported, mesh):
     remarks = []
     away = shared_process().call(
-        "geometry.imported_mesh:mesh_imported_throw",
+        "geometry.mesher:mesh_imported_throw",
         imported,
         1.5,
         None,

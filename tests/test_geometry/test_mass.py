@@ -9,8 +9,8 @@ from geometry import crankshaft
 from geometry.crankshaft import Crankshaft, throw_masses
 from geometry.mass import cylinder_mass_properties, mass_properties, mesh_mass_properties
 from geometry.mesh import mesh_throw
+from geometry.parts import counterweight_moment
 from geometry.throw import CrankThrow
-from geometry.volume import counterweight_moment
 
 DENSITY = 7850.0
 

@@ -10,13 +10,11 @@ import pytest
 import geometry.mesh
 from comparing import close
 from crankbase.errors import InputError, MeshError
-from geometry.gmsh_session import gmsh_session
-from geometry.isolated import IsolatedProcess
+from geometry.gmsh_session import IsolatedProcess, gmsh_session
 from geometry.mesh import MESHING_STRATEGIES, mesh_throw
 from geometry.mesher import mesh_here, mesh_isolated
 from geometry.shapes import element_volumes
-from geometry.size_fields import set_size_map
-from geometry.sizes import SizeMap, regular_volume
+from geometry.sizes import SizeMap, regular_volume, set_size_map
 from geometry.throw import CrankThrow
 
 # Corners and edges of a regular tetrahedron with edges of 1 m.

@@ -3,9 +3,9 @@
 import random
 
 from crankbase.errors import InputError
+from geometry.throw import throw_parts
 from geometry.throw_checks import FIRST_EIGHT, check_throw, fits_plainly
 from geometry.throw_dimensions import ThrowDimensions
-from geometry.throw_layout import throw_parts
 
 
 def test_a_throw_that_fits_plainly_passes_all_checks():

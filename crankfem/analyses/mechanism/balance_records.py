@@ -13,7 +13,7 @@ from dynamics.balance.balance import BALANCED, Balance, OrderBalance, Resultant,
 from dynamics.balance.hinged_rods import HingedRodEffects, hodograph_change
 from dynamics.balance.hodograph import Hodograph
 from dynamics.balance.moving_masses import moving_masses
-from geometry.volume import counterweight_moment
+from geometry.parts import counterweight_moment
 
 BALANCED_TEXT = "balanced"
 SENSES = {1: "with shaft", -1: "against", 0: "line"}
