@@ -1,4 +1,4 @@
-"""A reproducible gmsh session without side effects."""
+"""A gmsh session without side effects, and the process of its own in which it runs."""
 
 import atexit
 import ctypes

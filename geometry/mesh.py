@@ -1,4 +1,9 @@
-"""Mesh a throw with second-order tetrahedra, and check the result."""
+"""Mesh a throw with second-order tetrahedra, and check the result.
+
+The solid is built with the main journal's diameter as the unit of length. The kernel's tolerances are
+lengths: so they are the same share of every throw, and throws that differ by their size alone get the
+same mesh.
+"""
 
 import math
 import time

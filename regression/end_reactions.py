@@ -3,7 +3,7 @@ r"""Reactions of a throw from a few numbers, in exact equilibrium with the force
 With Z on the pin towards the shaft (-y), T on it in the sense of rotation (-x), P the axial reaction at
 z_p the pin's center, L the throw's length and R its crank radius, equilibrium leaves P and the end moments
 M_x, M_y unknown: all else follows from them. Pinned ends have no such moments. Guided ends have those of
-the throw that is free to lengthen (`fem.end_moments`), and of P::
+the throw that is free to lengthen (`fem.responses`), and of P::
 
     M_x = -+ L (m_Z Z - m_N P),    M_y = L (m_Ta +- m_To) T      (above: left end, below: right end)
 

@@ -9,9 +9,8 @@ from comparing import close
 from crankfem.analyses.throw.pictures.stress_picture import picture_arrays
 from crankfem.analyses.throw.stress import stress_record, stress_tables
 from crankfem.cli.tables.throw_tables import _sentences
-from fem.fillet_stress import fillet_stresses
+from fem.fillet_stress import fillet_stresses, nominal_hole_stress
 from fem.loads import radial_directions
-from fem.nominal_stress import nominal_hole_stress
 from fem.unit_loads import unit_loads
 from geometry.throw import CrankThrow
 

@@ -16,7 +16,7 @@ from crankfem.analyses.checks import run_checks, unbalanced_share
 from crankfem.analyses.vibration import records
 from crankfem.report.text_filters import check_value_text
 from fem.angle_law import SYMMETRIC
-from fem.solution_checks import asymmetry, rigid_body_residual
+from fem.solver import asymmetry, rigid_body_residual
 
 STORED = Path(__file__).with_name("report_results.json")
 LENGTH, RADIUS = 0.41, 0.17

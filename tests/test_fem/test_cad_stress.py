@@ -7,9 +7,8 @@ import pytest
 from comparing import close
 from crankbase.errors import InputError
 from fem import fillet_stress
-from fem.fillet_stress import fillet_stresses
-from fem.fillets import throw_fillets
-from fem.nominal_stress import torsion_modulus, web_section
+from fem.fillet_stress import fillet_stresses, torsion_modulus, web_section
+from fem.surface_stress import throw_fillets
 from geometry.imported import import_throw, imported_parts
 from geometry.mesher import mesh_imported_throw
 from geometry.solid_files import write_step

@@ -10,8 +10,7 @@ from crankfem.analyses.record_units import units_of
 from crankfem.analyses.throw.throw_record import NOT_CORRECTED, throw_record
 from crankfem.cli.tables.throw_tables import print_throw
 from fem import correction
-from fem.accuracy import FIRST_FILLETED, first_factor
-from fem.analysis import analyze_axial, analyze_throw
+from fem.analysis import FIRST_FILLETED, analyze_axial, analyze_throw, first_factor
 from fem.assembly import assemble_stiffness, symmetric_product
 from fem.condensation import condense
 from fem.correction import corrected_class

@@ -15,12 +15,11 @@ from comparing import close
 from crankbase.errors import InputError
 from dynamic_shaft import assemble_dynamic_shaft, natural_modes
 from fem.assembly import assemble_mass, assemble_stiffness, symmetric_product
-from fem.class_modes import frequencies_of
 from fem.condensation import condense, nodes_on
 from fem.craig_bampton import dynamic_superelement
 from fem.loads import unit_pin_loads
 from fem.material import STEEL
-from fem.modes import free_modes
+from fem.modes import free_modes, frequencies_of
 from fem.shaft import assemble_shaft
 from fem.solver import factorize
 from fem.superelement import combine_classes

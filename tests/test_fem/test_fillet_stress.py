@@ -16,21 +16,23 @@ from crankbase.errors import InputError
 from fem import fillet_stress
 from fem.assembly import assemble_stiffness, symmetric_product
 from fem.condensation import nodes_on
-from fem.fillet_peaks import fillet_points, fillet_surface
-from fem.fillet_stress import fillet_stresses
-from fem.fillets import fillet_element, measured_sizes, refine_at, sharp_corners, throw_fillets
+from fem.fillet_peaks import fillet_points, fillet_surface, reading_quality
+from fem.fillet_stress import fillet_stresses, nominal_stress, torsion_modulus, web_section
 from fem.loads import radial_directions
 from fem.material import STEEL, Material
-from fem.nominal_stress import nominal_stress, torsion_modulus, web_section
-from fem.rule_mesh import reading_quality
 from fem.surface_stress import (
     as_components,
     as_matrices,
+    fillet_element,
     largest_principal,
+    measured_sizes,
     principal_stresses,
+    refine_at,
+    sharp_corners,
     smallest_rotations,
     surface_stress,
     tangent_frames,
+    throw_fillets,
     von_mises,
 )
 from fem.symmetry import SymmetryClass

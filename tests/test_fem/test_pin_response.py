@@ -20,9 +20,15 @@ from fem.assembly import assemble_stiffness
 from fem.condensation import nodes_on
 from fem.loads import RADIAL, pin_load, pin_surfaces, unit_pin_loads
 from fem.material import STEEL
-from fem.pin_response import equivalent_load, local_motion, pin_compliance, pin_response
 from fem.solver import Factorization, factorize
-from fem.supports import Neighbors, end_motions
+from fem.supports import (
+    Neighbors,
+    end_motions,
+    equivalent_load,
+    local_motion,
+    pin_compliance,
+    pin_response,
+)
 from geometry.solid import LEFT_END, MAIN_JOURNAL, RIGHT_END
 
 # Finite elements throughout: not for the inner loop.

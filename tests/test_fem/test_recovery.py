@@ -16,15 +16,14 @@ import pytest
 from scipy.spatial.transform import Rotation
 from skfem import MeshTet
 
-import fem.recovery
+import fem.correction
 from comparing import close
 from fem.assembly import assemble_stiffness, physical_gradients, symmetric_product
-from fem.axial_analysis import axial_motion
 from fem.condensation import condense
+from fem.correction import energy_errors, recovered_stress, strain_energy, stresses_at
 from fem.loads import unit_pin_loads
 from fem.material import STEEL, Material
-from fem.recovery import energy_errors, recovered_stress, strain_energy, stresses_at
-from fem.supports import support_throw
+from fem.supports import axial_motion, support_throw
 from fem.symmetry import axial_class
 from geometry.shapes import EDGES, shapes_for_quadrature
 from solving import solve_symmetric
@@ -156,7 +155,7 @@ def test_linear_stress_is_exact_at_every_node(mesh):
 
 def test_only_what_is_held_back_keeps_linear_stress_from_being_exact(mesh, monkeypatch):
     """Without it, fits to samples that lie on a linear function are that function."""
-    monkeypatch.setattr(fem.recovery, "HELD_BACK", np.array([0.0] * 4 + [1e-5] * 6))
+    monkeypatch.setattr(fem.correction, "HELD_BACK", np.array([0.0] * 4 + [1e-5] * 6))
     points = straightened(mesh)
     moved, slopes = quadratic(points)
     found = recovered_stress(points, mesh.elements, moved, STEEL)
@@ -180,7 +179,7 @@ def test_quadratic_stress_is_exact_at_inner_corners(cube, monkeypatch):
     assert of_elements > 0.01
     assert error() <= 1e-4
     # So little that corners of the cube, with too few samples for a fit, have some solution.
-    monkeypatch.setattr(fem.recovery, "HELD_BACK", np.full(10, 1e-15))
+    monkeypatch.setattr(fem.correction, "HELD_BACK", np.full(10, 1e-15))
     assert error() <= ROUND_OFF
 
 
@@ -269,7 +268,7 @@ def test_the_energy_under_a_unit_axial_force_is_the_compliance(mesh, stiffness, 
 def test_batches_do_not_matter(mesh, field, monkeypatch):
     stress = recovered_stress(mesh.points, mesh.elements, field, STEEL)
     errors = energy_errors(mesh.points, mesh.elements, field, STEEL)
-    monkeypatch.setattr(fem.recovery, "CHUNK", 37)
+    monkeypatch.setattr(fem.correction, "CHUNK", 37)
     assert len(mesh.elements) % 37 != 0
     again = recovered_stress(mesh.points, mesh.elements, field, STEEL)
     # Sums in another order, in systems of a condition of some 1e5.

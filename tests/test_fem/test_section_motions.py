@@ -13,7 +13,10 @@ from fem.condensation import condense
 from fem.fields import displacement_field
 from fem.loads import unit_pin_loads
 from fem.material import STEEL
-from fem.section_motions import (
+from fem.shaft import shaft_compliances, sharing_sections
+from fem.superelement import combine_classes, superelement_of_end_forces
+from fem.supports import Neighbors, end_motions, reactions, support_throw
+from fem.symmetry import (
     KEPT,
     SectionMotions,
     _basis,
@@ -21,11 +24,8 @@ from fem.section_motions import (
     both_ends,
     degree_of,
     section_turn,
+    symmetry_classes,
 )
-from fem.shaft import shaft_compliances, sharing_sections
-from fem.superelement import combine_classes, superelement_of_end_forces
-from fem.supports import Neighbors, end_motions, reactions, support_throw
-from fem.symmetry import symmetry_classes
 
 ROUND_OFF = 1e-9
 DEGREES = (1, 2, 4)

@@ -5,13 +5,12 @@ import pytest
 
 from comparing import close
 from crankbase.errors import InputError
+from fem.fields import stress_fields
 from fem.fillet_peaks import fillet_surface
-from fem.fillets import throw_fillets
 from fem.loads import radial_directions
 from fem.material import STEEL
-from fem.stress_fields import stress_fields
 from fem.supports import TWIST, reactions
-from fem.surface_stress import von_mises
+from fem.surface_stress import throw_fillets, von_mises
 from fem.unit_loads import solve_unit_loads, unit_loads
 
 pytestmark = pytest.mark.slow

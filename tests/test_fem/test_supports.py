@@ -7,10 +7,15 @@ from hypothesis import strategies as st
 
 from comparing import close
 from crankbase.errors import InputError
-from fem.axial_analysis import class_axial_compliances, class_torsional_compliance
 from fem.shaft import assemble_shaft, free_unknowns
 from fem.superelement import RX, RY, RZ, UZ
-from fem.supports import Neighbors, reactions, support_throw
+from fem.supports import (
+    Neighbors,
+    class_axial_compliances,
+    class_torsional_compliance,
+    reactions,
+    support_throw,
+)
 
 SUPPORTS = ["pinned", "guided", Neighbors(120, 120), Neighbors(90, 180), Neighbors(0, 240)]
 DIRECTIONS = [(1e5, 0.0, 0.0), (0.0, -1e5, 0.0), (0.0, 0.0, 1e5), (3e4, -7e4, 2e4)]

@@ -9,10 +9,10 @@ import pytest
 from comparing import close
 from crankbase.errors import InputError, MeshError
 from fem.assembly import assemble_stiffness
-from fem.axial_analysis import class_axial_compliances
 from fem.condensation import condense
 from fem.loads import unit_pin_loads
 from fem.material import STEEL
+from fem.supports import class_axial_compliances
 from fem.symmetry import axial_class
 from geometry.gmsh_session import IsolatedProcess, gmsh_session, shared_process
 from geometry.imported import decode_string, import_throw, read_step
