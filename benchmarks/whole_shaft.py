@@ -19,8 +19,7 @@ import crankfem as cf
 from crankfem.analyses.shaft.whole_shaft import shaft_throws
 from dynamics.crankshaft.assembly import assemble_crankshaft
 from dynamics.crankshaft.coupled_response import coupled_response
-from dynamics.crankshaft.shaft_modes import crankshaft_modes
-from dynamics.crankshaft.shaft_system import crankshaft_system
+from dynamics.crankshaft.shaft_modes import crankshaft_modes, crankshaft_system
 from dynamics.crankshaft.surroundings import AxialSupport, EndBody, MainBearings, ShaftSurroundings
 from geometry.crankshaft import Crankshaft
 from shaft_solid import mesh_shaft, solid_modes

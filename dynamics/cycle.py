@@ -12,13 +12,7 @@ PLACE_TOLERANCE = 0.02
 
 
 def checked_strokes(strokes: int) -> int:
-    """Return the number of strokes per cycle, 2 or 4.
-
-    Raises
-    ------
-    InputError
-        For any other value.
-    """
+    """Return the number of strokes per cycle, 2 or 4."""
     if strokes not in (2, 4):
         raise InputError(
             f"strokes: given {strokes!r}; allowed are 2 and 4, because the cycle takes one or two "
@@ -91,16 +85,10 @@ def check_even_cycle(field: str, angles_deg: FloatArray, cycle_deg: float) -> No
 
     Parameters
     ----------
-    field : str
-        Name of the angles in messages.
     angles_deg : ndarray of shape (m,)
         Two angles or more [deg], starting anywhere.
     cycle_deg : float
         Length of the cycle [deg].
-
-    Raises
-    ------
-    InputError
     """
     given = f"given {angles_deg.size} angles from {angles_deg[0]:g} to {angles_deg[-1]:g} deg"
     falling, uneven = first_not_increasing(angles_deg), first_uneven(angles_deg)

@@ -1,26 +1,22 @@
-"""Indices of nodes, cylinders and similar, by number or by name, and groups of equal ones."""
+"""Indices of nodes, cylinders and similar, groups of equal ones, and which speeds are in a range."""
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import TypeVar
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from crankbase.checks.arrays import FloatArray, nonnegative_number, nonnegative_vector
 from crankbase.checks.scalars import is_whole_within, whole_within
 from crankbase.errors import InputError, quoted
 
 T = TypeVar("T")
+# Speeds this near the end of a range, as a share, lie in it: 1.15 times a speed is rounded.
+AT_END = 8.0 * float(np.finfo(np.float64).eps)
 
 
 def node_index(field: str, node: object, count: int) -> int:
-    """Return the index of a node of a chain of `count` nodes, from 0.
-
-    Raises
-    ------
-    InputError
-        If the node is not a whole number from 0 to count - 1.
-    """
+    """Return the index of a node of a chain of `count` nodes, from 0."""
     return whole_within(field, node, 0, count - 1, f"the chain has {count} nodes")
 
 
@@ -31,17 +27,8 @@ def values_at_nodes(
 
     Parameters
     ----------
-    field, unit, reason : str
-        Name of the values in messages, their unit, and why none may be negative.
     values : array_like of shape (count,), mapping or None
         Nodes missing in a mapping, and all nodes for None, get zero.
-    count : int
-        Number of nodes.
-
-    Raises
-    ------
-    InputError
-        If the length or a node number does not fit, or a value is negative or not finite.
     """
     if values is None:
         return np.zeros(count)
@@ -61,22 +48,7 @@ def values_at_nodes(
 
 
 def index_of_name(field: str, given: object, names: Sequence[str], what: str, reason: str) -> int:
-    """Return the index, from 0, of an item given by its name or that index.
-
-    Parameters
-    ----------
-    field : str
-        Name of the item in the message.
-    given : object
-    names : sequence of str
-    what, reason : str
-        Owner of the names, and why it has to be one of them.
-
-    Raises
-    ------
-    InputError
-        If there is no such name or number.
-    """
+    """Return the index, from 0, of an item given by its name or that index."""
     if isinstance(given, str) and given in names:
         return names.index(given)
     if is_whole_within(given, 0, len(names) - 1):
@@ -97,3 +69,13 @@ def grouped(items: Iterable[T], belongs: Callable[[list[T], T], bool]) -> list[l
         else:
             home.append(item)
     return groups
+
+
+def within(speeds: float | FloatArray, low: float, high: float) -> NDArray[np.bool_]:
+    """Return which speeds are in a range, ends included within a few units in the last place."""
+    return np.asarray(at_most(low, speeds) & at_most(speeds, high))
+
+
+def at_most(one: float | FloatArray, other: float | FloatArray) -> NDArray[np.bool_]:
+    """Return whether a speed is at most another, within a few units in the last place."""
+    return np.asarray(one <= other * (1.0 + AT_END))

@@ -5,7 +5,7 @@ share of that.
 
 With the throw's length L, from end section to end section, and loads of 1: Z on the pin towards the
 shaft, T on it in the sense of rotation about +z, N through the throw along +z. A study fits equations to
-these numbers; `regression.end_reactions` calculates all reactions from them.
+these numbers; `regression.response_kinds` calculates all reactions from them.
 """
 
 import math

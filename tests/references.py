@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 
-from dynamics.gas.sampled_cycle import motored_pressure, pressure_rise_per_heat
+from dynamics.gas.gas_cycle import motored_pressure, pressure_rise_per_heat
 
 
 def finite_sums(samples):

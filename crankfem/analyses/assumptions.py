@@ -5,12 +5,11 @@ from collections.abc import Iterable
 from crankbase.model import InputModel, field_extra
 from crankbase.units.number_formats import compact
 from crankbase.units.quantity import format_quantity
-from crankfem.analyses.shaft.bearings import bearing_stiffness
-from crankfem.analyses.shaft.shaft_surroundings import flywheel_overhang
+from crankfem.analyses.shaft.chains import bearing_stiffness, flywheel_overhang
 from crankfem.files.engine.engine_file import SECTIONS, EngineFile
 from crankfem.files.engine.mechanism_file import MechanismFile, mechanism_of
 from crankfem.files.reading.toml_file import InputRecord
-from crankfem.files.sections.cylinder_pressures import USUAL_PRESSURE_RISE, assumed_cycle
+from crankfem.files.sections.cylinder_pressures import assumed_cycle
 from dynamics.assessment.limit_rules import (
     BASE_STRENGTH,
     BASE_YIELD,
@@ -19,6 +18,7 @@ from dynamics.assessment.limit_rules import (
     crankshaft_material_factors,
 )
 from dynamics.gas.cycle_values import USUAL_VALUES, name_of_field
+from dynamics.gas.gas_cycle import USUAL_PRESSURE_RISE
 from dynamics.response.linear_system import DEFAULT_MAGNIFIER, MAGNIFIER_SOURCE
 from fem.material import STEEL
 

@@ -4,12 +4,16 @@ import json
 import math
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import asdict
+from functools import cache
 from typing import Any
 
 import numpy as np
 
 from crankbase.errors import SolveError
+from crankbase.model import InputModel, field_extra, part_kind
 from crankfem.files.reading.toml_file import InputRecord
+from fem.material import Material
+from geometry.throw import CrankThrow
 
 # Plain JSON content.
 Record = dict[str, Any]
@@ -104,3 +108,231 @@ def _plain(value: Any) -> Any:
     if isinstance(value, float) and math.isinf(value):
         return None
     return value
+
+
+# Of names, and of names that end so: "largest_side_force" is a force. Plain numbers have the unit "1".
+_WORDS = {
+    "1": "correction count error errors estimate factor inflation margin number order orders ratio "
+    "residual share",
+    "m": "diameter diameters height length radius",
+    "m^2": "area",
+    "deg": "deg",
+    "N": "force",
+    "Pa": "pressure",
+    "kg": "mass",
+    "kg m": "static_moment",
+    "kg m^2": "inertia",
+    "W": "power",
+    "J": "work",
+    "Hz": "frequencies frequency",
+    "1/min": "rpm",
+}
+# Of whole names.
+_NAMES = {
+    "1": "accuracy across_web added adjusted_r_squared aic "
+    "allowed asymmetry axial_beside_pinned axial_correction "
+    "axial_force_per_radial axial_reaction band_designs beside_chosen bic cases computed_now connections "
+    "crankpin_beside_mean cranks cylinder cylinders designs detuning done elements elements_across_fillets "
+    "evaluations exponent f_value failed fe_scatter figure fluctuation held_out kept largest_error_at_runs "
+    "largest_error_held_out largest_leverage largest_of_mean largest_of_same_angle layers left_out "
+    "first_mode likeness lost modes "
+    "magnifier mean_error_at_runs mean_error_held_out mechanical_efficiency mended_elements missing mode "
+    "node_positions nodes nonuniformity of_mean of_same_angle overlap_per_radius phase_sum pins points "
+    "misfiring processors q_squared r_squared resultant rho runs same_stars samples section_error sections "
+    "sense severity shape "
+    "side_force_beside_largest strokes t throw torsional_beside_pinned unknowns used written",
+    "m": "about axis center_of_mass largest_compression least_compression overlap principal_place "
+    "shear_place stroke "
+    "von_mises_place",
+    "m^3": "volume",
+    "rad": "crank_angles",
+    "N": "force_scale",
+    "N m": "moment moment_scale",
+    "kg": "at_center at_foot at_piston_pin",
+    "kg m^2": "flywheel_with_hinge flywheel_without_hinge inertia_about_shaft",
+    "J": "energy_swing",
+    "s": "duration",
+    "1/min": "vibrations_per_minute",
+    "m/s": "mean_piston_speed",
+    "rad/s": "angular_frequency speed",
+    "m/N": "axial_compliance axial_rigid_sections e_0 e_180 influence influence_coefficient",
+    "rad/(N m)": "torsional_compliance",
+    ".unit": "bound contribution highest levels limit lower lowest peak permitted plain_sum plain_sum_peak "
+    "printed repaired synthesis upper value worst",
+    ".stress_unit": "principal principals shear von_mises",
+    ".stiffness_units": "stiffness stiffness_error",
+}
+# Of ends of paths, "*" being any name.
+_PLACES = {
+    "1": "places.acceptability places.safety factors.* finite_elements.* ratios.* shrink_fit.friction "
+    "shrink_fit.safety "
+    "axial_forces.difference change.major change.minor constants.* elasticity.* "
+    "errors.* first.* kinematics_deviation.* kinetic_shares.* model_difference.maximum "
+    "model_difference.mean modes.axial modes.bending modes.torsional quality.* "
+    "shaft_torque.magnification "
+    "shapley.* spreads.high spreads.low strain_shares.* surfaces.* total.* used.*",
+    "m": "places.depth places.point shrink_fit.largest_bore shrink_fit.distance shrink_fit.least_shrinkage "
+    "shrink_fit.most_shrinkage shrink_fit.journal_bore "
+    "meshings.size axial_split.both axial_split.radial axial_split.tangential dimensions.value "
+    "rotating.position",
+    "m/s^2": "accelerations.differences.largest accelerations.differences.least differences.mean_largest "
+    "pistons.amplitude pistons.largest pistons.left",
+    "N": "axial_force.running.amplitude axial_force.running_whole.amplitude axial_forces.alone "
+    "axial_forces.in_shaft crankpins.largest crankpins.mean main_bearings.largest main_bearings.mean "
+    "model_difference.sizes",
+    "N m": "throws.alternating_torque shrink_fit.torque "
+    "elements.largest elements.steady hinge_moment.largest hinge_moment.least hinge_moment.load "
+    "shaft_torque.exciting shaft_torque.torque torque.largest torque.residual_largest torque.residual_rms "
+    "torque.smallest two_mass.resonances.amplitude",
+    "Pa": "places.added places.bending places.equivalent places.nominal_bending places.nominal_shear "
+    "places.nominal_torsion places.strength places.torsion places.shear_amplitude places.normal_stress "
+    "places.criterion places.limit shrink_fit.journal_yield shrink_fit.web_yield",
+    "N/m": "bearings.stiffness",
+    "N m/rad": "two_mass.stiffness",
+    "kg": "masses.reciprocating masses.rotating",
+    "kg m": "balance.static throws.counterweights throws.rods throws.solid throws.sum unbalance.static",
+    "kg m^2": "balance.dynamic unbalance.dynamic",
+    "W": "dampers.* power.largest",
+    "s": "seconds.*",
+    "Hz": "bearings.chains.* bearings.further.* bearings.shaft.* causes.* differences.chain "
+    "differences.rigid_chain differences.shaft flywheel_tilt.modes.further flywheel_tilt.modes.shaft "
+    "flywheel_tilt.modes.without "
+    "frequencies.high frequencies.low frequencies.nominal",
+    "m/N": "errors.axial_compliance errors.influence_coefficient "
+    "angle_law.fe angle_law.formulas.* fe.axial regression.axial.value shaft.axial",
+    "rad/(N m)": "errors.torsional_compliance "
+    "fe.torsional regression.torsional.value shaft.torsional",
+    ".unit": "cause.orders.amplitude compared.calculated compared.measured free_end.orders.amplitude "
+    "responses.first responses.second",
+    ".units": "nominal.*",
+    ".value_units": "excluded.values failures.values table.values",
+    ".stress_unit": "fillets.nominal oil_holes.nominal",
+    ".coefficient_units": "coefficients.* standard_errors.*",
+    ".coded_unit": "coded.coefficient coded.standard_error",
+}
+# Of ends of paths behind "axial" and "torsional": the units of both.
+_KINDS = {
+    ("m/N", "rad/(N m)"): "sources.mean_compliance",
+    ("kg", "kg m^2"): "inertia modes.modal_inertia",
+    ("N/m", "N m/rad"): "stiffness ground",
+    ("m", "rad"): "resonances.amplitude chain_amplitude shaft_amplitude amplitudes.nominal "
+    "amplitudes.percentile_5 amplitudes.percentile_95 amplitudes.highest",
+}
+
+_HODOGRAPH, _HARMONICS = "major minor x y forward backward", "mean cosine sine amplitude"
+# Of what is a force here and a moment there: parts and unit, and what has them.
+_GROUPS = {
+    (_HODOGRAPH, "N"): ("force", "side_by_side", "kinematics", "masses", "hinged"),
+    (_HODOGRAPH, "N m"): ("moment",),
+    ("lowest highest", "N"): tuple(
+        f"axial_force.{end}" for end in ("thrust_bearing", "held", "throws")
+    ),
+    (_HARMONICS, "N"): ("gas", "inertia", "gas and inertia"),
+    (_HARMONICS, "N m"): ("torque", "harmonics"),
+}
+
+
+def with_units(content: Record, within: str = "") -> Record:
+    """Return a record with the units of its numbers under "units"; unchanged if it has no numbers.
+
+    Parameters
+    ----------
+    content : dict
+        JSON content.
+    within : str, optional
+        Name under which such content appears in other records, "torque" or "axial".
+    """
+    if "units" in content:
+        return content
+    units = units_of(content, within)
+    return content | {"units": units} if units else content
+
+
+def units_of(content: Record, within: str = "") -> dict[str, str]:
+    """Return the units of all numbers in a record.
+
+    Returns
+    -------
+    dict of str to str
+        By the end of a number's path: names with dots between, lists not counted, "*" for any last name.
+        Of those that match a number, the one with most names has its unit, before one with "*". "1" is the
+        unit of plain numbers. A unit that begins with a dot names the key, next to the number or in the next
+        object around it, with the unit: as text, or by name or position like the numbers. Numbers without a
+        declaration are left out.
+    """
+    found = {}
+    for path in dict.fromkeys(number_paths(content)):
+        known = _unit_at((within, *path) if within else path)
+        if known is not None:
+            key, unit = known
+            found[key.removeprefix(f"{within}.")] = unit
+    return found
+
+
+def number_paths(content: object, path: tuple[str, ...] = ()) -> Iterator[tuple[str, ...]]:
+    """Iterate over the names that lead to each number of JSON content."""
+    if isinstance(content, Mapping):
+        for name, value in content.items():
+            yield from number_paths(value, (*path, str(name)))
+    elif isinstance(content, list | tuple):
+        for value in content:
+            yield from number_paths(value, path)
+    elif isinstance(content, int | float) and not isinstance(content, bool):
+        yield path
+
+
+def _unit_at(path: tuple[str, ...]) -> tuple[str, str] | None:
+    """Find the unit of the number at a path, and the end of the path that determines it."""
+    places = _places()
+    for start in range(len(path)):
+        for last in (path[-1], "*"):
+            key = ".".join((*path[start:-1], last))
+            if key in places:
+                return key, places[key]
+    unit = _unit_of_name(path[-1]) if path else None
+    return None if unit is None else (path[-1], unit)
+
+
+@cache
+def _places() -> dict[str, str]:
+    """The declared ends of paths of more than one name."""
+    found = _by_name(_PLACES)
+    for units, places in _KINDS.items():
+        for kind, unit in zip(("axial", "torsional"), units, strict=True):
+            found |= {f"{kind}.{place}": unit for place in places.split()}
+    for (parts, unit), names in _GROUPS.items():
+        found |= {f"{name}.{part}": unit for name in names for part in parts.split()}
+    return found
+
+
+def _by_name(declared: Mapping[str, str]) -> dict[str, str]:
+    return {name: unit for unit, names in declared.items() for name in names.split()}
+
+
+@cache
+def _unit_of_name(name: str) -> str | None:
+    """Find the unit of an unambiguous name, as a field of input, from itself or its last words."""
+    own = name.rpartition(".")[2]  # of a field such as "further_pins.0.length"
+    parts = own.split("_")
+    ends = {"_".join(parts[start:]) for start in range(len(parts))}
+    known = _fields(CrankThrow) | _fields(Material) | _by_name(_NAMES)
+    if own in known:
+        return known[own]
+    unit = next((unit for word, unit in _by_name(_WORDS).items() if word in ends), None)
+    return _unit_of_response(name) if unit is None else unit
+
+
+def _unit_of_response(name: str) -> str | None:
+    from fem.responses import RESPONSES  # which takes a second to load, and few records have any
+
+    return (RESPONSES[name].unit or "1") if name in RESPONSES else None
+
+
+def _fields(model: type[InputModel]) -> dict[str, str]:
+    """Units of a record of input and of its parts by field; those of a choice by its number."""
+    found: dict[str, str] = {}
+    for name, info in model.model_fields.items():
+        part = part_kind(info)
+        own = {name: field_extra(info, "unit") or "1"} if part is None else _fields(part)
+        found |= own | found  # of fields alike the outermost is meant
+    return found

@@ -55,8 +55,7 @@ def print_json(content: dict[str, Any], within: str = "") -> None:
 
     `within` is the name under which such content appears in other documents, "torque" or "axial".
     """
-    from crankfem.analyses.record import json_text
-    from crankfem.analyses.record_units import with_units
+    from crankfem.analyses.record import json_text, with_units
 
     sys.stdout.write(json_text(with_units(content, within), indent=1))
 

@@ -8,7 +8,7 @@ from crankbase.errors import InputError
 from crankbase.units.quantity import parse_quantity
 from crankfem.cli import console
 from regression.models.compliance_model import ComplianceModel
-from regression.models.optimum_limits import Limit
+from regression.optimum import Limit
 
 _LIMIT = re.compile(r"\s*(?P<name>[\w.]+)\s*(?P<sign><=|>=)\s*(?P<value>.+?)\s*")
 _BOUND = re.compile(r"\s*(?P<sign><=|>=)\s*(?P<value>.+?)\s*")

@@ -3,7 +3,7 @@
 from crankfem.analyses.assumptions import assumed_values as assumed_values
 from crankfem.analyses.vibration.assessment import Assessment as Assessment
 from crankfem.analyses.vibration.assessment import Uncertainty as Uncertainty
-from crankfem.analyses.vibration.engine_load import EngineLoad as EngineLoad
+from crankfem.analyses.vibration.engine_excitation import EngineLoad as EngineLoad
 from crankfem.analyses.vibration.forced import ForcedVibration as ForcedVibration
 from crankfem.analyses.vibration.modes import Vibration as Vibration
 from crankfem.files.engine.mechanism_file import mechanism_of as mechanism_of

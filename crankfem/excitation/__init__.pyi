@@ -1,34 +1,34 @@
 """Public names of this topic and their homes."""
 
-from dynamics.excitation.axial_comparison import AxialForceComparison as AxialForceComparison
-from dynamics.excitation.axial_comparison import compare_axial_forces as compare_axial_forces
-from dynamics.excitation.axial_cycle import AxialForceOverCycle as AxialForceOverCycle
-from dynamics.excitation.axial_cycle import axial_force_over_cycle as axial_force_over_cycle
-from dynamics.excitation.calculated_pressure_map import (
-    pressure_map_from_cycles as pressure_map_from_cycles,
-)
+from dynamics.excitation.axial_forces import AxialForceComparison as AxialForceComparison
+from dynamics.excitation.axial_forces import AxialForceOverCycle as AxialForceOverCycle
+from dynamics.excitation.axial_forces import axial_force_over_cycle as axial_force_over_cycle
+from dynamics.excitation.axial_forces import compare_axial_forces as compare_axial_forces
 from dynamics.excitation.chain_excitation import axial_excitation as axial_excitation
-from dynamics.excitation.chain_excitation import node_torques as node_torques
-from dynamics.excitation.chain_excitation import torque_excitation as torque_excitation
-from dynamics.excitation.combined_excitation import combined_excitation as combined_excitation
-from dynamics.excitation.cylinder_harmonics import CylinderHarmonics as CylinderHarmonics
-from dynamics.excitation.cylinder_harmonics import cylinder_harmonics as cylinder_harmonics
-from dynamics.excitation.cylinders import CylinderForces as CylinderForces
-from dynamics.excitation.cylinders import cylinder_forces as cylinder_forces
-from dynamics.excitation.cylinders import forces_at_speeds as forces_at_speeds
-from dynamics.excitation.engine_load import propeller_load as propeller_load
-from dynamics.excitation.motored_pressure import (
-    motored_from_compression as motored_from_compression,
-)
-from dynamics.excitation.prescribed_torque import torque_harmonics as torque_harmonics
-from dynamics.excitation.pressure_map import PressureMap as PressureMap
-from dynamics.excitation.pressure_map import pressure_map as pressure_map
-from dynamics.excitation.propeller import PropellerForces as PropellerForces
-from dynamics.excitation.propeller import propeller_excitation as propeller_excitation
-from dynamics.excitation.torsion_to_axial import (
+from dynamics.excitation.chain_excitation import (
     axial_excitation_of_torsion as axial_excitation_of_torsion,
 )
-from dynamics.excitation.torsion_to_axial import (
+from dynamics.excitation.chain_excitation import combined_excitation as combined_excitation
+from dynamics.excitation.chain_excitation import node_torques as node_torques
+from dynamics.excitation.chain_excitation import (
     tangential_towards_flywheel as tangential_towards_flywheel,
 )
-from dynamics.excitation.torsion_to_axial import torsion_influence as torsion_influence
+from dynamics.excitation.chain_excitation import torque_excitation as torque_excitation
+from dynamics.excitation.chain_excitation import torsion_influence as torsion_influence
+from dynamics.excitation.cylinders import CylinderForces as CylinderForces
+from dynamics.excitation.cylinders import CylinderHarmonics as CylinderHarmonics
+from dynamics.excitation.cylinders import cylinder_forces as cylinder_forces
+from dynamics.excitation.cylinders import cylinder_harmonics as cylinder_harmonics
+from dynamics.excitation.cylinders import forces_at_speeds as forces_at_speeds
+from dynamics.excitation.cylinders import torque_harmonics as torque_harmonics
+from dynamics.excitation.pressure_map import PressureMap as PressureMap
+from dynamics.excitation.pressure_map import pressure_map as pressure_map
+from dynamics.excitation.pressure_map import (
+    pressure_map_from_cycles as pressure_map_from_cycles,
+)
+from dynamics.excitation.pressure_map import propeller_load as propeller_load
+from dynamics.excitation.propeller import PropellerForces as PropellerForces
+from dynamics.excitation.propeller import propeller_excitation as propeller_excitation
+from dynamics.gas.cylinder_volume import (
+    motored_from_compression as motored_from_compression,
+)

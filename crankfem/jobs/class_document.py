@@ -15,7 +15,7 @@ from crankbase.outputs import (
     write_text,
 )
 from crankbase.tables.table import Table
-from crankfem.analyses.engine_refusals import refuse_what_cannot_run
+from crankfem.analyses.file_check import refuse_what_cannot_run
 from crankfem.analyses.provenance import provenance_record
 from crankfem.analyses.submission.document import DocumentPart, check_submission, class_document
 from crankfem.analyses.vibration.run import EngineVibration, engine_vibration

@@ -11,7 +11,7 @@ from crankbase.outputs import protected, recording_run_files
 from crankbase.summaries import summarized
 from crankfem.analyses.mechanism.mechanism_run import run_mechanism
 from crankfem.analyses.provenance import repeat_record
-from crankfem.analyses.record_units import with_units
+from crankfem.analyses.record import with_units
 from crankfem.analyses.shaft.throw_analyses import analyze_throws
 from crankfem.analyses.strength.cycle_fatigue import fatigue_or_reason
 from crankfem.analyses.strength.engine_strength import engine_strength

@@ -9,8 +9,7 @@ from crankfem.analyses.study.studies import StudyResult
 from crankfem.analyses.vibration.run import EngineVibration
 from crankfem.files.engine.engine_file import EngineFile
 from crankfem.jobs.run_inputs import RunInputs
-from dynamics.harmonics import Harmonics
-from dynamics.torque_table import TorqueTable
+from dynamics.harmonics import Harmonics, TorqueTable
 from fem.fillet_peaks import FilletStresses
 from fem.throw_analysis import ThrowAnalysis
 from regression.models.compliance_model import ComplianceModel

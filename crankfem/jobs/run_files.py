@@ -29,7 +29,7 @@ from crankbase.outputs import (
 from crankfem.analyses.record import json_text
 from crankfem.report.plots import PLOTS
 from regression.models.model_file import is_model
-from regression.runs.claims import Claims
+from regression.runs.store import Claims
 
 RESULTS, REPORT, MODEL, STORE = "results.json", "report.html", "model.json", "study.sqlite"
 MESH_FILE, PICTURES = "throw.vtu", "pictures"

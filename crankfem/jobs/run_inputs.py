@@ -3,16 +3,16 @@
 from dataclasses import dataclass
 from pathlib import Path
 
-from crankfem.analyses.engine_refusals import refuse_what_cannot_run
+from crankfem.analyses.file_check import refuse_what_cannot_run
 from crankfem.analyses.provenance import file_records
 from crankfem.analyses.record import Record
-from crankfem.analyses.shaft.saved_model import saved_model, with_model
+from crankfem.analyses.shaft.sources import saved_model, with_model
 from crankfem.files.engine.engine_file import EngineFile, load_engine
 from crankfem.files.engine.file_kinds import engine_sections
 from crankfem.files.engine.input_files import engine_inputs
 from crankfem.files.engine.mechanism_file import MechanismFile, mechanism_of
 from crankfem.files.reading.toml_file import TomlFile
-from dynamics.torque_table import TorqueTable, read_torque_table
+from dynamics.harmonics import TorqueTable, read_torque_table
 from regression.models.compliance_model import ComplianceModel
 from regression.plans.plan import StudyPlan
 

@@ -10,14 +10,13 @@ from crankbase.units.units import RPM
 from crankfem.analyses.assumptions import input_values
 from crankfem.analyses.checks import run_checks, throw_checks
 from crankfem.analyses.mechanism.balance_records import mechanism_balance_record
-from crankfem.analyses.mechanism.harmonics_record import harmonics_record
-from crankfem.analyses.mechanism.mechanism_records import mechanism_record
+from crankfem.analyses.mechanism.mechanism_records import harmonics_record, mechanism_record
 from crankfem.analyses.mechanism.mechanism_run import MechanismRun
 from crankfem.analyses.mechanism.two_masses import checked, two_mass_record
 from crankfem.analyses.provenance import provenance_record
 from crankfem.analyses.record import Record, attributes, input_records
-from crankfem.analyses.shaft.regression_source import RESPONSES, throw_lookup
-from crankfem.analyses.shaft.shaft_record import shaft_balance_record, shaft_record
+from crankfem.analyses.shaft.sources import RESPONSES, throw_lookup
+from crankfem.analyses.shaft.whole_records import shaft_balance_record, shaft_record
 from crankfem.analyses.strength.cycle_fatigue import fatigue_record
 from crankfem.analyses.strength.strength_records import strength_record
 from crankfem.analyses.study.fit_records import study_record

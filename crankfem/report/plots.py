@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from crankfem.analyses.mechanism.plots.torque_plots import plot_torque
+from crankfem.analyses.mechanism.plots import plot_torque
 from crankfem.analyses.study.plots import fit_plots
 from crankfem.analyses.study.response_fits import ResponseFits
 from crankfem.analyses.throw.formula_diagrams import run_formulas_over_angle

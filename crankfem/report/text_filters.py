@@ -21,7 +21,7 @@ from crankbase.units.number_formats import (
 from crankbase.units.quantity import format_quantity
 from crankfem.analyses.provenance import run_command
 from crankfem.analyses.record import Record
-from crankfem.analyses.shaft.motion import MOTION
+from crankfem.analyses.shaft.chains import MOTION
 
 # What the sources of compliances are called in results.json, and in words.
 SOURCE_WORDS = {

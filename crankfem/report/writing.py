@@ -16,22 +16,22 @@ from crankfem.analyses.mechanism.balance_records import (
     moving_mass_table,
     throw_mass_table,
 )
-from crankfem.analyses.mechanism.harmonics_record import harmonics_table
-from crankfem.analyses.mechanism.load_tables import bearing_table
+from crankfem.analyses.mechanism.mechanism_records import harmonics_table
+from crankfem.analyses.mechanism.rod_models import bearing_table
 from crankfem.analyses.strength.cycle_fatigue import fatigue_table
 from crankfem.analyses.strength.strength_records import factor_table, strength_table, torque_table
 from crankfem.analyses.throw.compliances import compliance_tables, further_compliances
 from crankfem.analyses.throw.stress import mirrored, stress_tables
 from crankfem.analyses.throw.throw_record import reaction_table, section_sentence, support_table
-from crankfem.analyses.vibration.mode_table import mode_table
-from crankfem.analyses.vibration.speed_table import speed_table
 from crankfem.analyses.vibration.tables import (
     barred_within_error,
     element_table,
     limit_table,
     load_table,
     misfiring_table,
+    mode_table,
     source_table,
+    speed_table,
     whole_critical_table,
     whole_table,
 )

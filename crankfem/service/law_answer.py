@@ -9,7 +9,7 @@ from fem.supports import Support
 from geometry.throw import CrankThrow
 from regression.law.superelement import law_reactions
 from regression.law.throw_law import throw_laws
-from regression.models.reaction_lookup import ReactionLookup
+from regression.models.lookup import ReactionLookup
 
 
 def law_answer(

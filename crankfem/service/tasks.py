@@ -90,7 +90,7 @@ def run_job(
 
 def _analysis(question: Mapping[str, Any], folder: Path, _: int, told: ToldProgress) -> None:
     from crankfem.analyses.provenance import provenance_record
-    from crankfem.analyses.record_units import with_units
+    from crankfem.analyses.record import with_units
     from crankfem.analyses.throw.formula_records import formula_records
     from crankfem.analyses.throw.pictures.drawing import write_drawing
     from crankfem.analyses.throw.stress import stress_record, stresses_or_reason
@@ -137,7 +137,7 @@ def _analysis(question: Mapping[str, Any], folder: Path, _: int, told: ToldProgr
 
 
 def _stress(question: Mapping[str, Any], folder: Path, _: int, told: ToldProgress) -> None:
-    from crankfem.analyses.record_units import with_units
+    from crankfem.analyses.record import with_units
     from crankfem.analyses.throw.stress import stress_record
     from fem.fillet_stress import fillet_stresses
 
@@ -148,7 +148,7 @@ def _stress(question: Mapping[str, Any], folder: Path, _: int, told: ToldProgres
 
 
 def _study(question: Mapping[str, Any], folder: Path, workers: int, told: ToldProgress) -> None:
-    from crankfem.analyses.record_units import with_units
+    from crankfem.analyses.record import with_units
     from crankfem.analyses.study.fit_records import study_record
     from crankfem.analyses.study.studies import run_study
 

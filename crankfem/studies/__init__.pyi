@@ -3,8 +3,8 @@
 from crankfem.analyses.study.response_fits import ResponseFits as ResponseFits
 from regression.fits.fits import Fit as Fit
 from regression.models.lookup import Lookups as Lookups
-from regression.models.optimum import Optimum as Optimum
-from regression.models.optimum import find_optimum as find_optimum
-from regression.models.optimum_limits import Limit as Limit
-from regression.models.reaction_lookup import ReactionLookup as ReactionLookup
+from regression.models.lookup import ReactionLookup as ReactionLookup
+from regression.optimum import Limit as Limit
+from regression.optimum import Optimum as Optimum
+from regression.optimum import find_optimum as find_optimum
 from regression.runs.study_table import StudyTable as StudyTable

@@ -1,15 +1,15 @@
 """Public names of this topic and their homes."""
 
-from dynamics.torque.pin_harmonics import PinForceHarmonics as PinForceHarmonics
-from dynamics.torque.pin_harmonics import pin_force_harmonics as pin_force_harmonics
 from dynamics.torque.star import Star as Star
 from dynamics.torque.star import leading_stars as leading_stars
 from dynamics.torque.star import same_stars as same_stars
 from dynamics.torque.star import star_diagram as star_diagram
+from dynamics.torque.torque import PinForceHarmonics as PinForceHarmonics
+from dynamics.torque.torque import pin_force_harmonics as pin_force_harmonics
 from dynamics.turning.free_turning import FreeTurning as FreeTurning
 from dynamics.turning.free_turning import turn_freely as turn_freely
+from dynamics.turning.free_turning import turn_steadily as turn_steadily
 from dynamics.turning.speed_over_angle import SpeedOverAngle as SpeedOverAngle
+from dynamics.turning.speed_over_angle import SteadyTurning as SteadyTurning
 from dynamics.turning.speed_over_angle import speed_over_angle as speed_over_angle
-from dynamics.turning.steady_engine import turn_steadily as turn_steadily
-from dynamics.turning.steady_turning import SteadyTurning as SteadyTurning
-from dynamics.turning.steady_turning import steady_turning as steady_turning
+from dynamics.turning.speed_over_angle import steady_turning as steady_turning

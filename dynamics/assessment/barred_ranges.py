@@ -2,17 +2,88 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
 from crankbase.checks.arrays import FloatArray, positive_number
 from crankbase.errors import InputError
+from crankbase.summaries import summarized
+from crankbase.tables.frames import Row
 from crankbase.units.number_formats import format_usage
 from crankbase.units.quantity import format_quantity
-from dynamics.assessment.barred_range import BarredRange, Position
 from dynamics.assessment.limits import AmplitudeCurve, VibrationLimit, checked_rated_speed, usage
-from dynamics.running_limits import at_most, within
+from dynamics.assessment.wording import barred_sentence, shown_range, speed_text
+from dynamics.indices import at_most, within
+
+Position = Literal["below", "running", "above"]
+
+
+@summarized("low [rad/s]", "high [rad/s]", "allowed", "position", "peaks", "limits")
+@dataclass(frozen=True)
+class BarredRange:
+    """A range of speeds to be passed quickly, or a proposal that cannot be accepted.
+
+    Parameters
+    ----------
+    low, high : float
+        [rad/s].
+    peaks : tuple of float
+        Speeds of the largest vibration in it, or of which it is a flank [rad/s].
+    limits : tuple of str
+        Names of the limits exceeded in it.
+    refusals : tuple of str
+        Why running through it cannot be accepted; none if it can.
+    remarks : tuple of str
+        What is not known of it.
+    position : {"running", "below", "above"}
+        Whether it has running speeds, or lies as a whole below them, so that every start passes it, or
+        above them, where nothing runs and nothing can be barred, but a limit still applies.
+    ends : str
+        Where the range's ends come from: at which speeds and places limits are exceeded, and the rule
+        that widens the range about peaks.
+    full_load : bool
+        Whether it lies below the running speeds and was calculated at full load, so that it is not judged.
+    """
+
+    low: float
+    high: float
+    peaks: tuple[float, ...]
+    limits: tuple[str, ...]
+    refusals: tuple[str, ...]
+    remarks: tuple[str, ...]
+    position: Position = "running"
+    ends: str = ""
+    full_load: bool = False
+
+    @property
+    def allowed(self) -> bool:
+        """Whether it may be barred, or passed on starting."""
+        return not self.refusals
+
+    @property
+    def shown(self) -> str:
+        """Such as "700 to 800 1/min"."""
+        return shown_range(self.low, self.high)
+
+    @property
+    def sentence(self) -> str:
+        """Whether it may be barred or passed, and why not; without its full stop."""
+        return barred_sentence(self.low, self.high, self.position, self.refusals, self.full_load)
+
+    def row(self) -> Row:
+        """Return what a table of ranges shows, each value with its unit; see `table_of`."""
+        return {
+            "low": (self.low, "rad/s"),
+            "high": (self.high, "rad/s"),
+            "position": (self.position, ""),
+            "allowed": (self.allowed, ""),
+            "limits": (", ".join(self.limits), ""),
+            "refusals": ("; ".join(self.refusals), ""),
+            "remarks": ("; ".join(self.remarks), ""),
+        }
+
 
 BARRED_SOURCE = (
     "IACS unified requirement M68 (Rev.3, February 2021); Korean Register, Rules for Steel Ships "
@@ -143,13 +214,18 @@ def exceeded_ranges(
     for first, last in _runs(used > 1.0):
         if not at_most(speeds[first], highest):
             break
+        judged = [
+            place for place in range(first, last + 1) if at_most(float(speeds[place]), highest)
+        ]
         found.append(
             ExceededRange(
                 low=_crossing(limit, curve, used, first, -1),
                 high=min(_crossing(limit, curve, used, last, 1), highest),
                 peaks=_peaks_to(curve, tops[(tops >= first) & (tops <= last)], highest),
-                cut_off=first == 0 or last == curve.speeds.size - 1,
-                used=float(np.max(used[first : last + 1])),
+                cut_off=bool(
+                    first == 0 or (last == speeds.size - 1 and at_most(speeds[last], highest))
+                ),
+                used=float(np.max(used[judged])),
             )
         )
     return tuple(found)
@@ -243,21 +319,21 @@ def _barred(
         most = max(group, key=lambda item: item.exceeded.used)
         refusals.append(
             f"{most.limit.name} reaches {_used(most)} of its limit, which applies up to "
-            f"{_speed(limit_end_speed(most.limit, running_range))}; the engine does not run there, so that "
-            "only less vibration or another critical speed helps"
+            f"{speed_text(limit_end_speed(most.limit, running_range))}; the engine does not run there, so "
+            "that only less vibration or another critical speed helps"
         )
     elif not at_most(high, end):
         # What counts is where the engine runs: a range goes on above it as far as a limit applies.
         top = min(high, running_range[1]) if at_most(end, running_range[1]) else high
         rated = at_most(low, rule.rated_speed) and at_most(rule.rated_speed, top)
         reaches = (
-            f"it holds the rated speed of {_speed(rule.rated_speed)}"
+            f"it holds the rated speed of {speed_text(rule.rated_speed)}"
             if rated
             else f"it reaches {top / rule.rated_speed:.2f} of the rated speed"
         )
         refusals.append(
             f"{reaches}, and nothing may be barred above {end / rule.rated_speed:.2f} "
-            f"{'of it ' if rated else ''}({_speed(end)})"
+            f"{'of it ' if rated else ''}({speed_text(end)})"
         )
     unjudged = position == "above" or (position == "below" and full_load)
     for limit, curve in () if unjudged else findings:
@@ -280,7 +356,7 @@ def _barred(
         if share[worst] > 1.0:
             said = (
                 f"{curve.name} reaches {_amount(values[worst], limit.unit)} at "
-                f"{_speed(float(speeds[worst]))}, where "
+                f"{speed_text(float(speeds[worst]))}, where "
                 f"{_amount(passing[worst], limit.unit)} may be passed"
             )
             too_much.append((bool(runs[worst]), float(share[worst]), said))
@@ -306,34 +382,34 @@ def _barred(
 
 def _ends(group: Sequence[_Widened], rule: BarredRangeRule) -> str:
     """State where limits are exceeded first and last, and how the rule widens the range, if it does."""
-    first = min(group, key=lambda item: item.exceeded.low)
-    last = max(group, key=lambda item: item.exceeded.high)
+    # Where several places share an end, as at a jump of the limit, the one with the largest use is named.
+    first = min(group, key=lambda item: (item.exceeded.low, -item.exceeded.used))
+    last = max(group, key=lambda item: (item.exceeded.high, item.exceeded.used))
+    spans = sorted((item.exceeded.low, item.exceeded.high) for item in group)
+    reached = np.maximum.accumulate([high for _, high in spans])
+    gaps = any(low > high for (low, _), high in zip(spans[1:], reached, strict=False))
     said = [
-        f"limits are exceeded from {_speed(first.exceeded.low)} ({first.place}) to "
-        f"{_speed(last.exceeded.high)} ({last.place}), "
+        f"limits are exceeded from {speed_text(first.exceeded.low)} ({first.place}) to "
+        f"{speed_text(last.exceeded.high)} ({last.place}), {'not throughout, ' if gaps else ''}"
         f"{_used(max(group, key=lambda item: item.exceeded.used))} is used at most"
     ]
     lowest = min(group, key=lambda item: item.low)
     if lowest.low < first.exceeded.low:
         said.append(
-            f"the range begins at 16 n/(18 - r) below the peak at n = {_speed(lowest.exceeded.peaks[0])}"
+            f"the range begins at 16 n/(18 - r) below the peak at n = {speed_text(lowest.exceeded.peaks[0])}"
         )
     highest = max(group, key=lambda item: item.high)
     if highest.high > last.exceeded.high:
         peak = max(own for own in highest.exceeded.peaks if at_most(own, rule.rated_speed))
-        said.append(f"it ends at (18 - r) n/16 above the peak at n = {_speed(peak)}")
+        said.append(f"it ends at (18 - r) n/16 above the peak at n = {speed_text(peak)}")
     if len(said) > 1:
-        said.append(f"r is n divided by the rated speed of {_speed(rule.rated_speed)}")
+        said.append(f"r is n divided by the rated speed of {speed_text(rule.rated_speed)}")
     return "; ".join(said)
 
 
 def _used(item: _Widened) -> str:
     used = item.exceeded.used
     return format_usage(None if np.isinf(used) else used)
-
-
-def _speed(value: float) -> str:
-    return format_quantity(value, "rad/s", 4)
 
 
 def _amount(value: float, unit: str) -> str:

@@ -1,26 +1,360 @@
 """Dampers sized by optimization: the smallest one that keeps a chosen limit at all speeds."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from typing import Literal
 
 import numpy as np
+from scipy.optimize import brentq, minimize, minimize_scalar
 
 from crankbase.checks.arrays import FloatArray, positive_number
+from crankbase.checks.choices import check_choice
+from crankbase.drawing.diagram_style import BLUE, RED, new_axes, with_gaps
+from crankbase.drawing.legends import legend_inside, write_title
 from crankbase.errors import InputError
+from crankbase.library_types import Axes, DataFrame
+from crankbase.summaries import summarized
+from crankbase.tables.frames import table
 from crankbase.units.quantity import format_quantity
-from dynamics.assessment.damper_search import (
-    Ranges,
-    TrialSize,
-    minimize_usage,
-    range_end_remark,
-    search_sizes,
-    smallest_sufficient,
-    without_close_sizes,
-)
+from crankbase.units.units import RPM
 from dynamics.assessment.limits import AmplitudeCurve, VibrationLimit, positive_range, usage
-from dynamics.assessment.sized_damper import Damper, SizedDamper
 from dynamics.chains.chain import Chain
-from dynamics.chains.dampers import AxialDamper, RubberDamper, ViscousDamper
+from dynamics.chains.dampers import AxialDamper, RubberDamper, TorsionalDamper, ViscousDamper
+from dynamics.plots.curves import draw_named_curves
+from dynamics.plots.quantities import in_unit
+
+Ranges = Sequence[tuple[float, float]]
+# Points of the first look at the range of a setting, of later ones about the last best setting, and
+# the factor by which these go beyond it.
+FIRST_SCAN, LATER_SCAN, WIDER = 11, 5, 2.0
+# A search ends when the logarithms of its variables are known to this; the least peak is flat or has
+# a kink there, so that it is known to about the same share.
+CLOSE = 5e-4
+# The share of a limit that the smallest size is made to use, so that it is not met from above.
+AIM = 1.0 - CLOSE
+MOST_TRIALS = 100
+# Share of the logarithm of a range that counts as its end.
+AT_END = 1e-2
+
+
+@dataclass(frozen=True, eq=False)
+class TrialSize:
+    """A trial size of a damper.
+
+    Parameters
+    ----------
+    size : float
+    settings : ndarray of shape (d,)
+        The best settings found for it.
+    used : float
+        Largest share of the permitted amplitude with them; inf if unbounded.
+    """
+
+    size: float
+    settings: FloatArray
+    used: float
+
+
+def smallest_sufficient(tried: Sequence[TrialSize]) -> TrialSize:
+    """Return the smallest size that keeps the limit; if none does, the one of least usage."""
+    kept = [one for one in tried if one.used <= 1.0]
+    if kept:
+        return min(kept, key=lambda one: one.size)
+    return min(tried, key=lambda one: (one.used, one.size))
+
+
+def without_close_sizes(tried: Sequence[TrialSize]) -> tuple[TrialSize, ...]:
+    """Drop sizes within a hundredth of the range of another, such as those at the end of a search.
+
+    Parameters
+    ----------
+    tried : sequence of Tried
+        Ascending.
+
+    Returns
+    -------
+    tuple of Tried
+        Includes the first, the last and the selected one.
+    """
+    places = np.log([one.size for one in tried])
+    close = AT_END * float(places[-1] - places[0])
+    kept = {0, len(tried) - 1, tried.index(smallest_sufficient(tried))}
+    for place in range(len(tried)):
+        if all(abs(places[place] - places[other]) > close for other in kept):
+            kept.add(place)
+    return tuple(tried[place] for place in sorted(kept))
+
+
+def search_sizes(
+    at: Callable[[float, TrialSize | None], TrialSize], low: float, high: float, points: int
+) -> tuple[TrialSize, ...]:
+    """Search for the smallest size that keeps a limit.
+
+    Parameters
+    ----------
+    at : callable
+        Maps a size, and the nearest size tried before (None at first), to the best result for it.
+    low, high : float
+        Range of the size.
+    points : int
+        Number of sizes of the initial scan. It is followed by a search for the least use if no size keeps
+        the limit, or for the size at which the limit is met if one does.
+
+    Returns
+    -------
+    tuple of Tried
+        All sizes tried, ascending.
+    """
+    found: dict[float, TrialSize] = {}
+
+    def used(logarithm: float) -> float:
+        size = min(max(float(np.exp(logarithm)), low), high)
+        if size not in found:
+            nearest = min(
+                found.values(), key=lambda one: abs(np.log(one.size / size)), default=None
+            )
+            found[size] = at(size, nearest)
+        return found[size].used
+
+    if low == high:
+        return (at(low, None),)
+    places = np.linspace(np.log(high), np.log(low), points)
+    values = [used(float(place)) for place in places]
+    best = int(np.argmin([finite(value) for value in values]))
+    if values[best] > 1.0 and 0 < best < points - 1:
+        _brent(used, float(places[best + 1]), float(places[best - 1]))
+    kept = smallest_sufficient(list(found.values()))
+    smaller = [one.size for one in found.values() if one.size < kept.size]
+    if kept.used <= AIM and smaller:
+        brentq(
+            lambda place: finite(used(place)) - finite(AIM),
+            np.log(max(smaller)),
+            np.log(kept.size),
+            xtol=0.1 * CLOSE,
+        )
+    return tuple(found[size] for size in sorted(found))
+
+
+def minimize_usage(
+    used: Callable[[FloatArray], float], ranges: Ranges, last: FloatArray | None
+) -> tuple[FloatArray, float]:
+    """Find the settings of least usage of a limit.
+
+    Parameters
+    ----------
+    used : callable
+        Maps settings (d,) to the use of the limit; at most two are free.
+    ranges : sequence of d pairs of floats
+        Equal ends fix a setting.
+    last : ndarray of shape (d,) or None
+        Best settings of a neighboring size: searched within a factor about them, and over the whole
+        ranges only if the best ones are at an end of that interval.
+
+    Returns
+    -------
+    settings : ndarray of shape (d,)
+    used : float
+    """
+    whole = np.log(np.array(ranges, dtype=np.float64))
+    if last is not None:
+        near = np.log(np.clip(last, np.exp(whole[:, 0]), np.exp(whole[:, 1])))
+        wide = np.log(WIDER)
+        about = np.column_stack(
+            (np.maximum(near - wide, whole[:, 0]), np.minimum(near + wide, whole[:, 1]))
+        )
+        best, value = _minimum_usage(used, about, LATER_SCAN)
+        cut = np.any((np.abs(best[:, np.newaxis] - about) <= AT_END) & (about != whole))
+        if not cut:
+            return np.exp(best), value
+    best, value = _minimum_usage(used, whole, FIRST_SCAN)
+    return np.exp(best), value
+
+
+def range_end_remark(name: str, value: float, low: float, high: float) -> str:
+    """State that a best value is at an end of its range; empty if it is not."""
+    if not low < high:
+        return ""
+    for end, word in ((low, "least"), (high, "largest")):
+        if abs(np.log(value / end)) <= AT_END * np.log(high / low):
+            return f"; the {name} is the {word} allowed"
+    return ""
+
+
+def finite(used: float) -> float:
+    """Return an increasing function of the use that stays finite where the vibration is unbounded."""
+    return 1.0 if np.isinf(used) else used / (1.0 + used)
+
+
+def _minimum_usage(
+    used: Callable[[FloatArray], float], ends: FloatArray, points: int
+) -> tuple[FloatArray, float]:
+    """Find the least usage within ranges of logarithms, and where it occurs."""
+    free = np.flatnonzero(ends[:, 1] > ends[:, 0])
+
+    def at(values: FloatArray) -> float:
+        return used(np.exp(placed(values)))
+
+    def placed(values: FloatArray) -> FloatArray:
+        whole = ends[:, 0].copy()
+        whole[free] = values
+        return whole
+
+    if free.size == 0:
+        return ends[:, 0].copy(), at(np.empty(0))
+    axes = [np.linspace(low, high, points) for low, high in ends[free].tolist()]
+    grid = np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1).reshape(-1, free.size)
+    values = [at(point) for point in grid]
+    place = int(np.argmin([finite(value) for value in values]))
+    first, least = grid[place], values[place]
+    if free.size == 1:
+        low, high = max(place - 1, 0), min(place + 1, points - 1)
+        found = _brent(lambda x: at(np.array([x])), float(axes[0][low]), float(axes[0][high]))
+        best = np.array([found])
+    else:
+        steps = 0.5 * np.diag([axis[1] - axis[0] for axis in axes])
+        best = _nelder_mead(at, np.vstack((first, first + steps)), ends[free])
+    value = at(best)
+    return (placed(best), value) if value <= least else (placed(first), least)
+
+
+def _brent(used: Callable[[float], float], low: float, high: float) -> float:
+    found = minimize_scalar(
+        lambda x: finite(used(float(x))),
+        bounds=(low, high),
+        method="bounded",
+        options={"xatol": CLOSE},
+    )
+    return float(found.x)
+
+
+def _nelder_mead(
+    used: Callable[[FloatArray], float], simplex: FloatArray, ends: FloatArray
+) -> FloatArray:
+    def objective(x: FloatArray, /) -> float:
+        return finite(used(x))
+
+    start: FloatArray = np.array(simplex[0], dtype=np.float64)
+    found = minimize(
+        objective,
+        start,
+        method="Nelder-Mead",
+        bounds=[(float(low), float(high)) for low, high in ends],
+        options={
+            "initial_simplex": np.clip(simplex, ends[:, 0], ends[:, 1]),
+            "xatol": CLOSE,
+            "fatol": 0.1 * CLOSE,
+            "maxfev": MOST_TRIALS,
+        },
+    )
+    return np.asarray(found.x, dtype=np.float64)
+
+
+Damper = TorsionalDamper | AxialDamper
+
+
+@summarized("damper", "used", "used_without", "reached", "sizes")
+@dataclass(frozen=True, eq=False)
+class SizedDamper:
+    """Result of the optimization of a damper.
+
+    Parameters
+    ----------
+    damper : ViscousDamper, RubberDamper or AxialDamper
+        The smallest one that keeps the limit; if none does, the one with the least excess.
+    chain : Chain
+        Chain with this damper.
+    reached : bool
+        Whether the limit is kept.
+    limit : VibrationLimit
+    curve, without : AmplitudeCurve
+        The limited quantity with the damper and without one.
+    used, used_without : float
+        Largest share of the permitted amplitude over the speeds; infinite at an undamped resonance.
+    sizes : ndarray of shape (m,)
+        Sizes tried, ascending, without those at the end of the search that nearly equal the best: ring
+        inertia [kg m^2] or damping of an axial damper [N s/m].
+    used_at_best : ndarray of shape (m,)
+        Least share of the permitted amplitude found for each of them.
+    sentence : str
+        The result, or why no damper keeps the limit.
+    """
+
+    damper: Damper
+    chain: Chain
+    reached: bool
+    limit: VibrationLimit
+    curve: AmplitudeCurve
+    without: AmplitudeCurve
+    used: float
+    used_without: float
+    sizes: FloatArray
+    used_at_best: FloatArray
+    sentence: str
+
+    def plot(
+        self, axes: Axes | None = None, *, show: Literal["amplitude", "sizes"] = "amplitude"
+    ) -> Axes:
+        """Draw the amplitude with and without the damper, or the best result of each size.
+
+        Parameters
+        ----------
+        axes : matplotlib.axes.Axes, optional
+            Where to draw; new axes by default.
+        show : {"amplitude", "sizes"}, optional
+            Amplitude over the speed, or the best result of each size.
+
+        Returns
+        -------
+        matplotlib.axes.Axes
+            The dashed line is the permitted value.
+
+        Raises
+        ------
+        InputError
+            If it is neither.
+        """
+        check_choice("show", show, ("amplitude", "sizes"), "these show what a damper does")
+        axes = new_axes(axes)
+        if show == "sizes":
+            unit = "N s/m" if isinstance(self.damper, AxialDamper) else "kg m$^2$"
+            axes.plot(
+                self.sizes, with_gaps(100.0 * self.used_at_best), "o-", color=BLUE, markersize=4
+            )
+            axes.axhline(100.0, color=RED, linestyle="--", linewidth=1.2)
+            axes.set_xlabel(f"size of the damper [{unit}]")
+            axes.set_ylabel("used of the permitted amplitude [%]")
+            axes.set_ylim(bottom=0.0)
+            write_title(axes, "Dampers of each size at their best")
+            return axes
+        drawn = in_unit(self.limit.unit)
+        curves = {
+            "with the damper": drawn.factor * self.curve.values,
+            "without": drawn.factor * self.without.values,
+        }
+        draw_named_curves(axes, self.curve.speeds, curves, drawn.label)
+        permitted = drawn.factor * self.limit.continuous.at(self.curve.speeds)
+        rpm = RPM * self.curve.speeds
+        axes.plot(rpm, with_gaps(permitted), "--", color=RED, label="permitted")
+        write_title(axes, self.limit.name)
+        legend_inside(axes)
+        return axes
+
+    def to_pandas(self) -> DataFrame:
+        """Return a row for each size, with the least share of the permitted amplitude found.
+
+        Returns
+        -------
+        pandas.DataFrame
+            Units of the columns in ``attrs["units"]``.
+
+        Raises
+        ------
+        MissingLibraryError
+            If pandas is not installed.
+        """
+        unit = "N s/m" if isinstance(self.damper, AxialDamper) else "kg m^2"
+        return table({"size": (self.sizes, unit), "used": (self.used_at_best, "1")})
+
 
 Result = Callable[[Chain], AmplitudeCurve]
 Range = float | tuple[float, float]

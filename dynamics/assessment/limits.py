@@ -15,7 +15,7 @@ from crankbase.checks.arrays import (
 )
 from crankbase.errors import InputError
 from crankbase.summaries import summarized
-from dynamics.running_limits import within
+from dynamics.indices import within
 
 Values = Callable[[FloatArray], FloatArray]
 

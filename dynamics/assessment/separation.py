@@ -1,4 +1,4 @@
-"""Separation of critical speeds from the speeds at which an engine runs."""
+"""Separation of critical speeds from running speeds, and major critical speeds near the rated one."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
@@ -10,11 +10,12 @@ from crankbase.checks.arrays import FloatArray, nonnegative_vector, positive_vec
 from crankbase.summaries import summarized
 from crankbase.tables.frames import Row
 from crankbase.units.quantity import format_quantity
-from dynamics.assessment.limit_sentences import shown_range
-from dynamics.assessment.limits import checked_running_range
-from dynamics.assessment.spreads import Spread
-from dynamics.assessment.uncertainty import frequency_bounds
+from dynamics.assessment.limits import checked_rated_speed, checked_running_range
+from dynamics.assessment.uncertainty import Spread, frequency_bounds
+from dynamics.assessment.wording import shown_range
 from dynamics.chains.chain import Chain
+from dynamics.critical import CriticalSpeed
+from dynamics.indices import within
 
 # Share of the excitation's frequency by which a torsional natural frequency should differ from it: as
 # recommended by API 617, quoted by Q. Wang, T. D. Feese, B. C. Pettinato, Torsional natural frequencies:
@@ -155,8 +156,8 @@ def critical_ranges(
     Notes
     -----
     Without damping the bounds are exact: those of `frequency_bounds` over the order. With damping each
-    chain has its own peaks; those nearest to the nominal one count, and each of them shifts with the
-    spreads as the frequency does.
+    chain has its own peaks, paired with the nominal ones where each is the other's nearest; a peak without
+    a partner shifts with its mode's frequency alone. Each shifts with the spreads as the frequency does.
     """
     excited = positive_vector("orders", orders, "", "they count cycles per revolution")
     first, last = checked_running_range(running_range)
@@ -172,9 +173,9 @@ def critical_ranges(
             ]
             for shift in shifts[0]:
                 ends = [
-                    (near * low[mode], near * high[mode])
-                    for (_, low, high), own in zip(each, shifts, strict=True)
-                    for near in sorted(own, key=lambda one: abs(one - shift))[:1]
+                    (partner * low[mode], partner * high[mode])
+                    for (_, low, high), peaks in zip(each, shifts, strict=True)
+                    for partner in [_partner(shift, shifts[0], peaks)]
                 ]
                 middle = per_hertz * shift * float(modes.frequencies[mode])
                 least = per_hertz * float(min(low for low, _ in ends))
@@ -185,3 +186,83 @@ def critical_ranges(
                 if margin <= within:
                     found.append(CriticalRange(number, order, middle, least, most, margin, own))
     return tuple(sorted(found, key=lambda one: (one.nominal, one.mode, one.order)))
+
+
+def _partner(shift: float, nominal: Sequence[float], peaks: Sequence[float]) -> float:
+    """Return the peak that belongs to a nominal one, or that one's own shift if none does."""
+    nearest = min(peaks, key=lambda peak: abs(peak - shift), default=shift)
+    return nearest if min(nominal, key=lambda peak: abs(peak - nearest)) == shift else shift
+
+
+MAJOR_SOURCE = "Korean Register, Rules for Steel Ships 2025, Part 5, Chapter 4, 204"
+MAJOR_READING = "from the 2025 edition alone; no second source confirms it"
+# Shares of the rated speed between which no major critical speed may lie, by what is driven.
+CLEAR = {"propeller": (0.8, 1.1), "generator": (0.9, 1.1)}
+
+
+@summarized("orders", "clear [rad/s]", "found", "passed")
+@dataclass(frozen=True)
+class MajorCriticals:
+    """Critical speeds of the orders that one class calls major, and the speeds they must avoid.
+
+    Attributes
+    ----------
+    orders : tuple of float
+    clear : tuple of two floats
+        Speeds between which none may be [rad/s].
+    found : tuple of CriticalSpeed
+        Those within the range.
+    """
+
+    orders: tuple[float, ...]
+    clear: tuple[float, float]
+    found: tuple[CriticalSpeed, ...]
+
+    @property
+    def passed(self) -> bool:
+        """Whether none is within the range."""
+        return not self.found
+
+
+def major_criticals(
+    criticals: Sequence[CriticalSpeed],
+    rated_speed: float,
+    *,
+    cylinders: int,
+    strokes: int,
+    drives: str = "propeller",
+) -> MajorCriticals:
+    """Find the major critical speeds that are too near to the rated speed.
+
+    Parameters
+    ----------
+    criticals : sequence of CriticalSpeed
+        Torsional, at least those up to 1.1 of the rated speed.
+    rated_speed : float
+        [rad/s].
+    cylinders, strokes : int
+        Of an engine in line.
+    drives : {"propeller", "generator"}
+
+    Raises
+    ------
+    InputError
+        If the speed is not above zero.
+
+    Notes
+    -----
+    With n cylinders in line the major orders are n / 2 and n of four-stroke engines and n of two-stroke
+    engines. None of their critical speeds may be between 0.8 and 1.1 of the rated speed, 0.9 and 1.1 for
+    generating sets (`MAJOR_SOURCE`).
+    """
+    rated = checked_rated_speed(rated_speed)
+    share = CLEAR[drives]
+    clear = (share[0] * rated, share[1] * rated)
+    orders = (0.5 * cylinders, float(cylinders)) if strokes == 4 else (float(cylinders),)
+    majors: FloatArray = np.array(orders)
+    found = tuple(
+        one
+        for one in criticals
+        if np.any(np.isclose(one.order, majors)) and within(one.speed, *clear)
+    )
+    return MajorCriticals(orders, clear, found)

@@ -1,7 +1,8 @@
-"""The verdict: vibration over the speed compared with limits, and the measures required."""
+"""The verdict: vibration over the speed against limits, the measures required, and what decides it."""
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
+from itertools import pairwise
 from typing import Literal
 
 import numpy as np
@@ -15,9 +16,12 @@ from crankbase.summaries import summarized
 from crankbase.tables.frames import Row, table, table_of
 from crankbase.units.quantity import format_quantity
 from crankbase.units.units import RPM
-from dynamics.assessment.barred_range import BarredRange
-from dynamics.assessment.barred_ranges import BarredRangeRule, barred_ranges, limit_end_speed
-from dynamics.assessment.limit_sentences import limit_at, shown_range, use_in_words
+from dynamics.assessment.barred_ranges import (
+    BarredRange,
+    BarredRangeRule,
+    barred_ranges,
+    limit_end_speed,
+)
 from dynamics.assessment.limits import (
     AmplitudeCurve,
     VibrationLimit,
@@ -26,10 +30,19 @@ from dynamics.assessment.limits import (
     usage,
     worst_use,
 )
+from dynamics.assessment.wording import (
+    check_sentence,
+    limit_at,
+    shown_range,
+    speed_text,
+    use_in_words,
+    values_sentence,
+    verdict_headline,
+)
+from dynamics.indices import at_most, within
+from dynamics.plots.curves import draw_barred, set_speed_axis
 from dynamics.plots.quantities import SPEED_LABEL, in_unit
-from dynamics.plots.speed_curves import draw_barred, set_speed_axis
 from dynamics.response.peak_cause import PeakCause
-from dynamics.running_limits import at_most, within
 
 # Checks that a diagram of the verdict draws: those of which most is used.
 WORST_DRAWN, SAME = 5, 1e-9  # speeds this near, as a share, are one
@@ -114,15 +127,10 @@ class LimitCheck:
     @property
     def sentence(self) -> str:
         """The finding with its numbers and the limit's source."""
-        source = self.limit.source + (", assumed" if self.limit.assumed else "")
-        found, reasons = self.use, "" if self.cause is None else self.cause.reasons
-        if self.running and not at_most(self.worst_speed, self.highest_running):
-            running = use_in_words(self.limit, *self.running)
-            found = f"{running} at running speeds; above them {found}"
-            # The cause is that of one of the two.
-            reasons = reasons and f"at {format_quantity(self.worst_speed, 'rad/s', 4)}, {reasons}"
-        text = f"{limit_at(self.limit.name, self.curve.name)}: {found} ({source})."
-        return f"{text} {reasons[0].upper()}{reasons[1:]}." if reasons else text
+        worst = (self.worst_speed, self.worst_value, self.permitted)
+        running = None if at_most(self.worst_speed, self.highest_running) else self.running
+        reasons = "" if self.cause is None else self.cause.reasons
+        return check_sentence(self.limit, self.curve.name, worst, running, reasons)
 
     @property
     def use(self) -> str:
@@ -261,11 +269,8 @@ class Verdict:
     @property
     def headline(self) -> str:
         """The status in words, with the running range or the ranges to bar."""
-        if self.status == "fine":
-            return f"Fine from {shown_range(*self.running_range)}"
-        if self.status == "not acceptable":
-            return "Not acceptable"
-        return f"Barred range needed, {', '.join(one.shown for one in self.barred)}"
+        ranges = [barred.shown for barred in self.barred]
+        return verdict_headline(self.status, self.running_range, ranges)
 
     def plot(self, axes: Axes | None = None) -> Axes:
         """Draw the share of each limit that is used over the speed, with barred ranges shaded.
@@ -373,7 +378,7 @@ def judge(
     noted += [f"{one.shown}: {text}" for one in ranges for text in one.remarks]
     for limit, _ in findings:
         if not at_most(high, limit.continuous.high):
-            stated = format_quantity(limit.continuous.high, "rad/s", 4)
+            stated = speed_text(limit.continuous.high)
             noted.append(f"{limit.name}: not judged above {stated}, where the limit ends")
         if limit.remark:
             noted.append(f"{limit.name}: {limit.remark}")
@@ -413,8 +418,8 @@ def _check(
     remarks = []
     if not at_most(end, curve.speeds[-1]):
         remarks.append(
-            f"the limit goes on to {format_quantity(end, 'rad/s', 4)}, the calculation to "
-            f"{format_quantity(float(curve.speeds[-1]), 'rad/s', 4)}"
+            f"the limit goes on to {speed_text(end)}, the calculation to "
+            f"{speed_text(float(curve.speeds[-1]))}"
         )
     return LimitCheck(
         limit=limit,
@@ -426,3 +431,151 @@ def _check(
         judged=(low, min(end, float(curve.speeds[-1]), limit.continuous.high)),
         highest_running=high,
     )
+
+
+Acceptance = Literal["acceptable", "not acceptable", "undecided"]
+
+
+@summarized("field", "value", "unit", "status", "taken")
+@dataclass(frozen=True)
+class Trial:
+    """The verdict with one possible value of an assumption.
+
+    Parameters
+    ----------
+    field : str
+        Field of the value, such as "limits.tensile_strength".
+    name : str
+        Name of the value, such as "tensile strength".
+    value : float
+        [unit]
+    unit : str
+        SI unit.
+    status : {"fine", "barred range needed", "not acceptable"}
+    taken : bool
+        Whether this is the value used in the calculation.
+    why : str
+        Why another value is possible, if the value is not simply assumed.
+    """
+
+    field: str
+    name: str
+    value: float
+    unit: str
+    status: Status
+    taken: bool = False
+    why: str = ""
+
+    @property
+    def acceptable(self) -> bool:
+        """Whether the engine may run, with barred speeds if necessary."""
+        return self.status != "not acceptable"
+
+    @property
+    def shown(self) -> str:
+        """The value with its unit."""
+        return format_quantity(self.value, self.unit, 4)
+
+    def row(self) -> Row:
+        """Return the columns of a table of trials, each value with its unit; see `table_of`."""
+        return {
+            "field": (self.field, ""),
+            "value": (self.value, "SI, see the column unit"),
+            "unit": (self.unit, ""),
+            "status": (self.status, ""),
+            "taken": (self.taken, ""),
+        }
+
+
+@summarized("status", "sentence", "trials")
+@dataclass(frozen=True)
+class Decision:
+    """What can be concluded despite the assumptions.
+
+    Parameters
+    ----------
+    status : {"acceptable", "not acceptable", "undecided"}
+        "undecided" if the engine is acceptable with some of the values tried and not with others.
+    sentence : str
+        What decides, and the fields that give it; empty if no trial changes the verdict.
+    trials : tuple of Trial
+    """
+
+    status: Acceptance
+    sentence: str
+    trials: tuple[Trial, ...]
+
+    def to_pandas(self) -> DataFrame:
+        """Return a table with a row for each value tried.
+
+        Returns
+        -------
+        pandas.DataFrame
+            Units of the columns in ``attrs["units"]``.
+
+        Raises
+        ------
+        MissingLibraryError
+            If pandas is not installed.
+        """
+        return table_of(self.trials)
+
+
+def decide(status: Status, trials: Iterable[Trial]) -> Decision:
+    """Compare the verdict with the values used and those with other possible values.
+
+    Parameters
+    ----------
+    status : {"fine", "barred range needed", "not acceptable"}
+        Of the calculation.
+    trials : iterable of Trial
+        Of one or more fields, each varied separately; the value used is among its values.
+
+    Returns
+    -------
+    Decision
+
+    Examples
+    --------
+    >>> steel = ("limits.tensile_strength", "tensile strength")
+    >>> decide("not acceptable", [
+    ...     Trial(*steel, 440e6, "Pa", "not acceptable", taken=True), Trial(*steel, 590e6, "Pa", "fine")
+    ... ]).sentence
+    'acceptable with a tensile strength of 590 MPa, not with 440 MPa (assumed): give limits.tensile_strength'
+    """
+    tried = tuple(trials)
+    by_field = [
+        sorted((trial for trial in tried if trial.field == field), key=lambda trial: trial.value)
+        for field in dict.fromkeys(trial.field for trial in tried)
+    ]
+    accepted = status != "not acceptable"
+    conclusion: Acceptance = "acceptable" if accepted else "not acceptable"
+    deciding = [
+        (field, [trial.acceptable for trial in field])
+        for field in by_field
+        if any(trial.acceptable != accepted for trial in field)
+    ]
+    holds = "acceptable"
+    if deciding:
+        conclusion = "undecided"
+    elif accepted:
+        holds = "no speeds need be barred"
+        deciding = [
+            (field, [trial.status == "fine" for trial in field])
+            for field in by_field
+            if any(trial.status != status for trial in field)
+        ]
+    sentence = "; ".join(f"{holds} with {_values(field, kept)}" for field, kept in deciding)
+    return Decision(conclusion, sentence, tried)
+
+
+def _values(trials: Sequence[Trial], holds: Sequence[bool]) -> str:
+    first, shown = trials[0], [trial.shown for trial in trials]
+    taken = next((place for place, trial in enumerate(trials) if trial.taken), None)
+    return values_sentence(first.field, first.name, first.why, shown, holds, taken)
+
+
+def changes(trials: Sequence[Trial]) -> list[tuple[Trial, Trial]]:
+    """Return the adjacent values between which the engine becomes acceptable, or stops being so."""
+    ordered = sorted(trials, key=lambda trial: trial.value)
+    return [pair for pair in pairwise(ordered) if pair[0].acceptable != pair[1].acceptable]

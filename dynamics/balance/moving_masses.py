@@ -2,18 +2,286 @@
 
 import cmath
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
+from typing import Literal
 
 import numpy as np
+from numpy.typing import ArrayLike
 
-from crankbase.checks.arrays import ComplexArray, FloatArray, nonnegative_number
+from crankbase.checks.angles import radians_of
+from crankbase.checks.arrays import ComplexArray, FloatArray, complex_array, nonnegative_number
+from crankbase.checks.choices import check_choice
+from crankbase.checks.scalars import whole_number
+from crankbase.errors import InputError
+from crankbase.library_types import Axes, DataFrame
 from crankbase.summaries import summarized
-from dynamics.balance.hodograph import Hodograph
-from dynamics.engine.cylinder import RotatingMass
-from dynamics.engine.layout import EngineLayout
-from dynamics.engine.motions import parts_motion
-from dynamics.engine.orders import turn_spectrum
+from crankbase.tables.frames import table
+from dynamics.engine.layout import EngineLayout, RotatingMass
+from dynamics.engine.motions import checked_orders, parts_motion, turn_spectrum
+from dynamics.plots.load_diagrams import FORCE_LABELS, MOMENT_LABELS, draw_hodographs
+
+# An ellipse whose axes differ by less than this share is a circle; one so flat is a line.
+ROUND_OFF = 1e-12
+# Directions nearer to -90 deg than this [rad] are written as +90 deg.
+FOLD = 1e-9
+
+
+@summarized("order", "major", "minor", "sense", "angle_deg [deg]")
+@dataclass(frozen=True)
+class Hodograph:
+    """One order of a plane vector: F(phi) = P exp(i k phi) + Q exp(-i k phi), an ellipse.
+
+    Vectors are complex in the engine's frame, y - i x: the real part points up; angles count
+    from there about +z, in the sense of rotation.
+
+    Parameters
+    ----------
+    order : int
+        k, cycles per revolution of the shaft.
+    forward : complex
+        P, the part that turns with the shaft, k times as fast.
+    backward : complex
+        Q, the part that turns against it.
+
+    Raises
+    ------
+    InputError
+        If the order is not a whole number of 1 or more, or a part is not finite.
+
+    Examples
+    --------
+    >>> line = Hodograph(2, 100.0, 100.0)  # a force up and down
+    >>> line.major, line.minor, line.sense, line.angle_deg
+    (200.0, 0.0, 0, 0.0)
+    """
+
+    order: int
+    forward: complex
+    backward: complex
+
+    def __post_init__(self) -> None:
+        checked_orders([self.order])
+        for name in ("forward", "backward"):
+            part = getattr(self, name)
+            if not cmath.isfinite(part):
+                raise InputError(
+                    f"{name}: given {part}; allowed are finite numbers, because the vector follows from "
+                    "them."
+                )
+
+    @property
+    def major(self) -> float:
+        """Major semi-axis, |P| + |Q|: the largest value of the vector."""
+        return abs(self.forward) + abs(self.backward)
+
+    @property
+    def minor(self) -> float:
+        """Minor semi-axis, ||P| - |Q||: the least value of the vector."""
+        return abs(abs(self.forward) - abs(self.backward))
+
+    @property
+    def sense(self) -> int:
+        """1 where the vector turns with the shaft, -1 against it, 0 for a line (or nothing)."""
+        if self.minor <= ROUND_OFF * self.major:
+            return 0
+        return 1 if abs(self.forward) > abs(self.backward) else -1
+
+    @property
+    def angle_deg(self) -> float | None:
+        """Direction of the major axis [deg], above -90 to 90; none for a circle or a point.
+
+        Mean of the arguments of P and Q.
+        """
+        if self._is_round:
+            return None
+        # The argument of a product is the sum of both; its half is known up to half turns.
+        half = cmath.phase(_unit(self.forward) * _unit(self.backward)) / 2.0
+        return 90.0 if half < FOLD - 0.5 * math.pi else math.degrees(half)
+
+    @property
+    def largest_at_deg(self) -> float | None:
+        """First shaft angle from zero at which the vector is along the major axis [deg].
+
+        This repeats every half cycle, 180/k. None for a circle or a point.
+        """
+        if self._is_round:
+            return None
+        half = cmath.phase(_unit(self.backward) / _unit(self.forward)) / 2.0
+        return math.degrees(half % math.pi) / self.order
+
+    @property
+    def _is_round(self) -> bool:
+        return self.major - self.minor <= ROUND_OFF * self.major
+
+    @property
+    def x(self) -> float:
+        """Amplitude of the component along x, across the engine."""
+        return self.amplitude_along(angle_deg=-90.0)
+
+    @property
+    def y(self) -> float:
+        """Amplitude of the component along y, up and down."""
+        return self.amplitude_along(angle_deg=0.0)
+
+    def amplitude_along(self, *, angle_deg: float) -> float:
+        """Return the amplitude of the component in a direction [deg].
+
+        Raises
+        ------
+        InputError
+            If the direction is not a finite number.
+
+        Notes
+        -----
+        Re(F exp(-i angle)) has the coefficient P exp(-i angle) + conj(Q) exp(i angle).
+        """
+        turn = cmath.exp(-1j * float(radians_of("angle_deg", angle_deg)))
+        return abs(self.forward * turn + (self.backward * turn).conjugate())
+
+    def at(self, *, shaft_angle_deg: ArrayLike) -> ComplexArray:
+        """Return the vector y - i x at shaft angles [deg] of any shape.
+
+        Raises
+        ------
+        InputError
+            If an angle is not finite, or they are radians.
+        """
+        turn = np.exp(1j * self.order * radians_of("shaft_angle_deg", shaft_angle_deg))
+        return np.asarray(self.forward * turn + self.backward / turn)
+
+    def points(self, count: int = 181) -> tuple[FloatArray, FloatArray]:
+        """Return x and y of points along the closed curve, each real of shape (count,).
+
+        Raises
+        ------
+        InputError
+            If the count is not a whole number of 1 or more.
+        """
+        count = whole_number("count", count, 1, "so many points are wanted")
+        vectors = self.at(
+            shaft_angle_deg=np.degrees(np.linspace(0.0, 2.0 * np.pi / self.order, count))
+        )
+        return -vectors.imag, vectors.real
+
+    def times(self, factor: complex) -> "Hodograph":
+        """Return the hodograph of the vector times a complex number: scaled and turned."""
+        return Hodograph(self.order, self.forward * factor, self.backward * factor)
+
+    def plot(
+        self, axes: Axes | None = None, *, quantity: Literal["force", "moment"] = "force"
+    ) -> Axes:
+        """Draw the curve of the vector as seen from the free end: y up, x to the left.
+
+        Parameters
+        ----------
+        quantity : {"force", "moment"}, optional
+            Quantity of the vector, for the labels; N and N m are shown as kN and kN m.
+
+        Returns
+        -------
+        matplotlib.axes.Axes
+            A dot marks the vector at shaft angle zero, an arrowhead the direction of motion.
+
+        Raises
+        ------
+        InputError
+            If the quantity is unknown.
+        """
+        check_choice("quantity", quantity, ("force", "moment"), "the axes have the unit of one")
+        labels = FORCE_LABELS if quantity == "force" else MOMENT_LABELS
+        name = f"order {self.order}"
+        return draw_hodographs(axes, {name: self}, labels, title=f"{quantity} of {name}")
+
+    def to_pandas(self, unit: str = "N", count: int = 181) -> DataFrame:
+        """Return the vector at evenly spaced shaft angles over one revolution, both ends included.
+
+        Parameters
+        ----------
+        unit : str, optional
+            N, or N m for a moment.
+        count : int, optional
+            Two or more.
+
+        Raises
+        ------
+        InputError
+            If the count is not a whole number of 2 or more.
+        """
+        most = whole_number("count", count, 2, "a turn has two ends")
+        angles = np.linspace(0.0, 360.0, most)
+        vector = self.at(shaft_angle_deg=angles)
+        return table(
+            {"shaft_angle": (angles, "deg"), "x": (-vector.imag, unit), "y": (vector.real, unit)}
+        )
+
+
+def _unit(number: complex) -> complex:
+    return number / abs(number)
+
+
+def hodograph_sum(order: int, hodographs: Iterable[Hodograph]) -> Hodograph:
+    """Return the hodograph of the sum of vectors of one order."""
+    given = list(hodographs)
+    return Hodograph(
+        order,
+        _accurate_sum(one.forward for one in given),
+        _accurate_sum(one.backward for one in given),
+    )
+
+
+def _accurate_sum(numbers: Iterable[complex]) -> complex:
+    """Return the sum with round-off set to zero where terms cancel."""
+    given = list(numbers)
+    return complex(math.fsum(one.real for one in given), math.fsum(one.imag for one in given))
+
+
+def order_vectors(vectors: ArrayLike, orders: Sequence[int]) -> tuple[Hodograph, ...]:
+    """Return the hodographs of some orders of a vector sampled over a revolution.
+
+    Parameters
+    ----------
+    vectors : complex array_like of shape (m,)
+        y - i x at m shaft angles, evenly over one revolution from zero, without the closing one.
+    orders : sequence of int
+        Cycles per revolution of the shaft.
+
+    Returns
+    -------
+    tuple of Hodograph
+        In the unit of the vectors.
+
+    Raises
+    ------
+    InputError
+        If a vector is not finite, or an order is not a whole number below half the number of
+        samples.
+
+    Examples
+    --------
+    >>> angle = 2 * np.pi * np.arange(12) / 12
+    >>> (found,) = order_vectors(3 * np.exp(2j * angle) + np.exp(-2j * angle), [2])
+    >>> round(found.major, 9), round(found.minor, 9), found.sense
+    (4.0, 2.0, 1)
+    """
+    given = complex_array("vectors", vectors)
+    if given.ndim != 1 or not np.all(np.isfinite(given)):
+        raise InputError(
+            f"vectors: given an array of shape {given.shape} with {np.count_nonzero(~np.isfinite(given))} "
+            "values not finite; allowed is a row of finite ones, because they follow the shaft."
+        )
+    wanted = checked_orders(orders)
+    if 2 * max(wanted) >= given.size:
+        raise InputError(
+            f"orders: given {max(wanted)} with {given.size} samples; allowed is less than half the number "
+            "of samples over a turn, because they resolve no more."
+        )
+    coefficients = np.fft.fft(given) / given.size
+    return tuple(
+        Hodograph(order, complex(coefficients[order]), complex(coefficients[-order]))
+        for order in wanted
+    )
+
 
 # A force and where along the shaft it acts [m].
 PlacedForce = tuple[float, Hodograph]
@@ -43,10 +311,6 @@ class MovingMasses:
 def moving_masses(engine: EngineLayout) -> tuple[MovingMasses, ...]:
     """Return the masses of each cylinder's moving parts.
 
-    Parameters
-    ----------
-    engine : EngineLayout
-
     Returns
     -------
     tuple of n MovingMasses
@@ -62,8 +326,8 @@ def moving_masses(engine: EngineLayout) -> tuple[MovingMasses, ...]:
 
     Examples
     --------
-    >>> from dynamics.engine.cylinder import EngineCylinder
-    >>> from dynamics.mechanism.rods import ConnectingRod
+    >>> from dynamics.engine.layout import EngineCylinder
+    >>> from dynamics.engine.rods import ConnectingRod
     >>> rod = ConnectingRod(length=0.5, mass=10.0, center_distance=0.15, inertia=0.3)
     >>> moving_masses(EngineLayout(0.1, [EngineCylinder(0.2, 7.0, rod)], [1]))
     (MovingMasses(reciprocating 10 kg, rotating 7 kg, lateral 0 kg m),)
@@ -153,13 +417,10 @@ def reciprocating_forces(
 
     Parameters
     ----------
-    engine : EngineLayout
     masses : sequence of n float
         One for each cylinder [kg].
     speed : float
         Of the shaft [rad/s].
-    orders : sequence of int
-        Cycles per revolution of the shaft.
 
     Returns
     -------
@@ -187,11 +448,8 @@ def cylinder_forces(
 
     Parameters
     ----------
-    engine : EngineLayout
     forces : callable
         Takes shaft angles (m,) [rad] and returns forces s + i n (n, m) [N].
-    orders : sequence of int
-        Cycles per revolution of the shaft.
 
     Returns
     -------

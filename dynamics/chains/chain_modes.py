@@ -12,8 +12,8 @@ from crankbase.drawing.legends import write_title
 from crankbase.library_types import Axes, DataFrame, Dataset
 from crankbase.summaries import summarized
 from crankbase.tables.frames import grid, table
-from dynamics.plots.coordinates import name_axis
 from dynamics.plots.mode_shapes import draw_chain_shapes, shape_labels
+from dynamics.plots.quantities import name_axis
 
 # A displacement below this share of both next to it is zero.
 ZERO_DISPLACEMENT = 1e-11
@@ -98,8 +98,6 @@ class Modes:
 
         Parameters
         ----------
-        axes : matplotlib.axes.Axes, optional
-            Where to draw; new axes by default.
         count : int, optional
             How many modes.
 
@@ -129,18 +127,7 @@ class Modes:
         return axes
 
     def to_pandas(self) -> DataFrame:
-        """Return one row for each mode: name, frequency, number of nodes, modal inertia.
-
-        Returns
-        -------
-        pandas.DataFrame
-            Units of the columns in ``attrs["units"]``.
-
-        Raises
-        ------
-        MissingLibraryError
-            If pandas is not installed.
-        """
+        """Return one row for each mode: name, frequency, number of nodes, modal inertia."""
         return table(
             {
                 "mode": (list(self.names), ""),
@@ -152,18 +139,7 @@ class Modes:
         )
 
     def to_xarray(self) -> Dataset:
-        """Return shapes and energy shares over mode, node and spring, with the frequencies.
-
-        Returns
-        -------
-        xarray.Dataset
-            Units in the ``attrs["units"]`` of each array and coordinate.
-
-        Raises
-        ------
-        MissingLibraryError
-            If xarray is not installed.
-        """
+        """Return shapes and energy shares over mode, node and spring, with the frequencies."""
         over, of_springs = ("node", "mode"), ("spring", "mode")
         return grid(
             {
@@ -190,8 +166,6 @@ def elastic_modes(rows: FloatArray, mass: FloatArray, count: int) -> tuple[Float
         C: one row for each spring, the root of its stiffness times its elongation.
     mass : ndarray of shape (q, q)
         M, positive definite.
-    count : int
-        Number of elastic modes: q less the number of rigid-body modes.
 
     Returns
     -------
@@ -268,3 +242,62 @@ def pair_zero_crossings(shape: FloatArray, pairs: tuple[tuple[int, int], ...]) -
         for number, (left, right) in enumerate(pairs)
         if shape[left] * shape[right] < 0.0
     )
+
+
+# Below this share of the largest mass-normalized displacement, an end of the shape is recomputed.
+TAIL_SHARE = 1e-5
+
+
+def with_accurate_tails(
+    normalized: FloatArray, diagonal: FloatArray, off_diagonal: FloatArray, eigenvalue: float
+) -> FloatArray:
+    """Return a mode whose displacements at the far ends have the right sign and full accuracy.
+
+    A mode of a long chain may be confined to a few inertias and decay by a factor at each further one;
+    there an eigenvalue routine leaves round-off of the largest displacement. The equation of
+    motion of the end node gives the ratio of its displacement to that of its neighbor, the next
+    equation the next ratio, and so on; from the end inwards this is stable in the tail.
+
+    Parameters
+    ----------
+    normalized : ndarray of shape (n,)
+        Mass-normalized mode of the symmetric tridiagonal matrix A.
+    diagonal, off_diagonal : ndarray of shape (n,) and (n - 1,)
+        A [rad^2/s^2], all off-diagonal entries negative.
+    eigenvalue : float
+        The mode's eigenvalue of A [rad^2/s^2].
+
+    Returns
+    -------
+    ndarray of shape (n,)
+        The mode, its well-determined part unchanged.
+    """
+    shape = normalized.copy()
+    large = np.flatnonzero(np.abs(shape) >= TAIL_SHARE * np.max(np.abs(shape)))
+    first, last = int(large[0]), int(large[-1])
+    _replace_left_tail(shape, diagonal, off_diagonal, eigenvalue, first)
+    from_right = shape[::-1]
+    _replace_left_tail(
+        from_right, diagonal[::-1], off_diagonal[::-1], eigenvalue, shape.size - 1 - last
+    )
+    return shape
+
+
+def _replace_left_tail(
+    shape: FloatArray,
+    diagonal: FloatArray,
+    off_diagonal: FloatArray,
+    eigenvalue: float,
+    length: int,
+) -> None:
+    """Set shape[:length], in place, from shape[length] and the equations of the nodes there."""
+    ratios = np.zeros(length)
+    carried = 0.0
+    for node in range(length):
+        pivot = diagonal[node] - eigenvalue + carried
+        if pivot == 0.0:
+            pivot = np.finfo(np.float64).eps * diagonal[node]
+        ratios[node] = -off_diagonal[node] / pivot
+        carried = off_diagonal[node] * ratios[node]
+    for node in range(length - 1, -1, -1):
+        shape[node] = ratios[node] * shape[node + 1]

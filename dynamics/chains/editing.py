@@ -11,8 +11,7 @@ from typing import Any, Protocol
 
 from crankbase.checks.arrays import FloatArray, nonnegative_number
 from crankbase.errors import InputError
-from dynamics.chains.chain import Chain
-from dynamics.chains.connections import Dashpot, Gear
+from dynamics.chains.chain import Chain, Dashpot, Gear
 from dynamics.indices import node_index
 
 AT_NODES = ("inertia", "ground", "ground_damping")
@@ -28,20 +27,7 @@ class Attachable(Protocol):
 
 
 def find_node(chain: Chain, node: str | int, field: str = "node") -> int:
-    """Return the number of a node, given by its name or its number from 0.
-
-    Parameters
-    ----------
-    chain : Chain
-    node : str or int
-    field : str, optional
-        Name of the node in messages.
-
-    Raises
-    ------
-    InputError
-        If there is no such node.
-    """
+    """Return the number of a node, given by its name or its number from 0."""
     if not isinstance(node, str):
         return node_index(field, node, len(chain.names))
     if node not in chain.names:
@@ -68,7 +54,6 @@ def add_node(
 
     Parameters
     ----------
-    chain : Chain
     name : str
         Of the new node.
     inertia : float
@@ -274,12 +259,7 @@ def with_names(chain: Chain, names: Sequence[str]) -> Chain:
 
 
 def check_new_names(taken: Sequence[str], names: Sequence[str]) -> None:
-    """Refuse a name that a node already has.
-
-    Raises
-    ------
-    InputError
-    """
+    """Refuse a name that a node already has."""
     for name in names:
         if name in taken:
             raise InputError(

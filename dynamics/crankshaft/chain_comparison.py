@@ -1,23 +1,500 @@
-"""A whole crankshaft compared with its uncoupled chains, and whether the chains are adequate."""
+"""A whole crankshaft compared with its chains: modes, causes of differences, whether chains suffice."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from itertools import pairwise
 
 import numpy as np
+from numpy.typing import NDArray
+from scipy.optimize import linear_sum_assignment
 
-from crankbase.checks.arrays import FloatArray
+from crankbase.checks.arrays import FloatArray, positive_number
 from crankbase.errors import InputError
 from crankbase.library_types import Axes, DataFrame
 from crankbase.summaries import summarized
-from crankbase.tables.frames import table, table_of
-from dynamics.chains.engine_chains import EngineChain, Kind
+from crankbase.tables.frames import Row, table, table_of
+from dynamics.chains.engine_chains import CRANKSHAFT_MODE, FLYWHEEL, FREE_END, EngineChain, Kind
+from dynamics.crankshaft.assembly import CLASSES, MOTION_OF, AssembledShaft, Stations
 from dynamics.crankshaft.coupled_response import CoupledResponse
-from dynamics.crankshaft.mode_matches import ModeMatch
+from dynamics.crankshaft.shaft_modes import CrankshaftSystem, ShaftModes, crankshaft_modes
+from dynamics.crankshaft.surroundings import RX, RY, RZ, UZ
+from dynamics.indices import within
+from dynamics.plots.curves import draw_named_curves
 from dynamics.plots.quantities import in_unit
-from dynamics.plots.speed_curves import draw_named_curves
 from dynamics.response.forced import ForcedResponse
-from dynamics.response.synthesis import synthesis
-from dynamics.running_limits import within
+from dynamics.response.series import synthesis
+
+# A mode of the shaft is looked for within this factor of the chain's frequency.
+SEARCHED = 2.0
+# A second mode shares the chain's mode where share times likeness is at least this.
+DIVIDED = 0.25
+
+
+@summarized(
+    "kind", "chain_frequency [Hz]", "shaft_frequency [Hz]", "difference", "share", "likeness"
+)
+@dataclass(frozen=True)
+class ModeMatch:
+    """A mode of a chain and the most similar mode of the whole shaft.
+
+    Attributes
+    ----------
+    kind : {"axial", "torsional"}
+    chain_mode : int
+        Among all modes of the chain, rigid ones included.
+    chain_frequency : float
+        [Hz]
+    shaft_mode : int or None
+        Among all modes of the shaft, rigid ones included; None if there is none near.
+    shaft_frequency : float or None
+        [Hz]
+    share : float
+        Share of the shaft mode's energy of this kind.
+    likeness : float
+        Squared cosine, weighted by the chain's masses, between both shapes; 1 for the same.
+    chain_rigid, shaft_rigid : int
+        Number of rigid modes of either; tables count elastic modes from 1.
+    further_frequency : float or None
+        Of the shaft's second mode alike [Hz], where coupling divides the chain's mode between two: of the
+        energy of its motion, at least a quarter is that of the chain's mode. None where there is none.
+    further_share : float
+        Of that mode's energy that is of this kind.
+    """
+
+    kind: Kind
+    chain_mode: int
+    chain_frequency: float
+    shaft_mode: int | None
+    shaft_frequency: float | None
+    share: float
+    likeness: float
+    chain_rigid: int = 0
+    shaft_rigid: int = 0
+    further_frequency: float | None = None
+    further_share: float = 0.0
+
+    @property
+    def divided(self) -> tuple[tuple[float, float], ...]:
+        """Frequencies [Hz] and shares of the two modes that a chain's mode is divided between, or none."""
+        if self.shaft_frequency is None or self.further_frequency is None:
+            return ()
+        both = ((self.shaft_frequency, self.share), (self.further_frequency, self.further_share))
+        return tuple(sorted(both))
+
+    @property
+    def difference(self) -> float:
+        """Frequency of the chain over that of the shaft, minus 1; inf if there is no match."""
+        if self.shaft_frequency is None:
+            return np.inf
+        return self.chain_frequency / self.shaft_frequency - 1.0
+
+    def row(self) -> Row:
+        """Return the columns of a table of matches, each value with its unit; see `table_of`.
+
+        Elastic modes are counted from 1: ``mode`` is that of the chain, as in all tables of a chain,
+        and ``shaft_mode`` that of the whole shaft.
+        """
+        shaft = None if self.shaft_mode is None else self.shaft_mode - self.shaft_rigid + 1
+        return {
+            "kind": (self.kind, ""),
+            "mode": (self.chain_mode - self.chain_rigid + 1, "1"),
+            "chain_frequency": (self.chain_frequency, "Hz"),
+            "shaft_mode": (shaft, "1"),
+            "shaft_frequency": (self.shaft_frequency, "Hz"),
+            "share": (self.share, "1"),
+            "likeness": (self.likeness, "1"),
+            "difference": (self.difference, "1"),
+        }
+
+
+def matching_modes(
+    crankshaft: CrankshaftSystem, chain: EngineChain, highest_frequency: float
+) -> tuple[ModeMatch, ...]:
+    """Find for each mode of the crankshaft in a chain the most similar mode of the whole shaft.
+
+    Modes of a coupling, a damper's ring or a shaft line, with more than half of the strain energy
+    in its elements, do not concern the crankshaft and are left out.
+
+    Parameters
+    ----------
+    crankshaft : CrankshaftSystem
+    chain : EngineChain
+        Axial or torsional, of the same throws.
+    highest_frequency : float
+        Highest frequency of the chain's modes considered [Hz].
+
+    Returns
+    -------
+    tuple of ModeMatch
+        As `match_modes`.
+
+    Raises
+    ------
+    InputError
+        If the chain has another number of throws, or the frequency is not above zero.
+    """
+    positive_number("highest_frequency", highest_frequency, "Hz", "modes are compared up to it")
+    modes = chain.chain.modes()
+    own = chain.crankshaft_shares(modes) >= CRANKSHAFT_MODE
+    wanted = np.flatnonzero(own & (modes.frequencies <= highest_frequency))
+    wanted = wanted[wanted >= modes.rigid].tolist()
+    return match_modes(crankshaft.shaft, crankshaft.modes, chain, wanted)
+
+
+def match_modes(
+    shaft: AssembledShaft, modes: ShaftModes, chain: EngineChain, wanted: Sequence[int]
+) -> tuple[ModeMatch, ...]:
+    """Find for some modes of a chain the most similar modes of the whole shaft.
+
+    Parameters
+    ----------
+    shaft, modes, chain, wanted
+        As for `mode_likeness`.
+
+    Returns
+    -------
+    tuple of ModeMatch
+        With the largest products of share and likeness in all; no mode of the shaft stands for two.
+
+    Raises
+    ------
+    InputError
+        If the chain has another number of throws.
+    """
+    share = modes.shares[CLASSES.index(chain.kind)]
+    likeness = mode_likeness(shaft, modes, chain, wanted)
+    scores = share * likeness
+    chain_modes = chain.chain.modes()
+    rigid, found = (chain_modes.rigid, modes.rigid), []
+    taken = linear_sum_assignment(scores, maximize=True)[1].tolist()
+    others = scores.copy()
+    others[:, taken] = 0.0
+    for row, (number, best) in enumerate(zip(wanted, taken, strict=True)):
+        match: tuple[int | None, float | None, float, float] = (None, None, 0.0, 0.0)
+        if scores[row, best] > 0.0:
+            here = float(modes.frequencies[best])
+            match = (best, here, float(share[best]), float(likeness[row, best]))
+        second = int(np.argmax(others[row]))
+        further: tuple[float | None, float] = (None, 0.0)
+        if others[row, second] >= DIVIDED:
+            further = (float(modes.frequencies[second]), float(share[second]))
+        frequency = float(chain_modes.frequencies[number])
+        found.append(ModeMatch(chain.kind, number, frequency, *match, *rigid, *further))
+    return tuple(found)
+
+
+def mode_likeness(
+    shaft: AssembledShaft, modes: ShaftModes, chain: EngineChain, wanted: Sequence[int]
+) -> FloatArray:
+    """Return how much each mode of the whole shaft moves the chain's nodes as the chain's modes do.
+
+    Parameters
+    ----------
+    shaft : AssembledShaft
+    modes : ShaftModes
+        Of that shaft.
+    chain : EngineChain
+    wanted : sequence of w int
+        Modes of the chain, rigid ones counted.
+
+    Returns
+    -------
+    ndarray of shape (w, q)
+        Squared cosine between both shapes, weighted by the chain's masses; 0 beyond twice the frequency
+        of the chain's mode and below half of it.
+
+    Raises
+    ------
+    InputError
+        As `match_modes`.
+    """
+    if chain.throws != shaft.section_count - 1:
+        raise InputError(
+            f"chain: given one of {chain.throws} throws; allowed is one of {shaft.section_count - 1}, "
+            "because the shaft has so many."
+        )
+    nodes, moved = _moved_nodes(shaft, modes, chain)
+    weight = chain.chain.mass_matrix()[np.ix_(nodes, nodes)]
+    sizes = np.sum(moved * (weight @ moved), axis=0)
+    sizes = np.where(sizes > 0.0, sizes, 1.0)
+    chain_modes = chain.chain.modes()
+    found = np.zeros((len(wanted), modes.frequencies.size))
+    for row, number in enumerate(wanted):
+        frequency, shape = (
+            chain_modes.frequencies[number],
+            weight @ chain_modes.shapes[nodes, number],
+        )
+        near = within(modes.frequencies, frequency / SEARCHED, frequency * SEARCHED)
+        cosines = (shape @ moved) ** 2 / sizes / (shape @ chain_modes.shapes[nodes, number])
+        found[row] = np.where(near, cosines, 0.0)
+    return found
+
+
+def followed_modes(masses: FloatArray, shapes: Sequence[FloatArray]) -> NDArray[np.int64]:
+    """Follow modes by their shapes from one shaft to the next of the same masses.
+
+    Parameters
+    ----------
+    masses : ndarray of shape (u, u)
+    shapes : sequence of k ndarrays of shape (u, m)
+        Modes of unit modal mass of shafts that differ little from one to the next.
+
+    Returns
+    -------
+    ndarray of shape (k, m)
+        Row by row the mode of each shaft that follows mode 0, 1 ... of the first one: each once, with
+        the largest sum of squared products of shapes, weighted by the masses.
+    """
+    rows = [np.arange(shapes[0].shape[1])]
+    for before, after in pairwise(shapes):
+        alike = (before.T @ masses @ after) ** 2
+        rows.append(linear_sum_assignment(alike, maximize=True)[1][rows[-1]])
+    return np.array(rows)
+
+
+def _moved_nodes(
+    shaft: AssembledShaft, modes: ShaftModes, chain: EngineChain
+) -> tuple[list[int], FloatArray]:
+    """Return the chain's nodes that the shaft has too, and how each mode moves them, (nodes, q).
+
+    Along the shaft, or about it: throws, ends, damper ring, driven machine and shaft line. Without
+    these a mode of the ring resembles one of the crankshaft, whose throws it moves alike.
+    """
+    motions = modes.motions
+    sections = shaft.section_count
+    added = dict(
+        zip(
+            shaft.names[len(shaft.names) - len(shaft.added) :],
+            shaft.added @ modes.shapes,
+            strict=True,
+        )
+    )
+    if chain.kind == "axial":
+        moved, ends = dict(zip(chain.sections, motions[:sections, UZ], strict=True)), {}
+    else:
+        pins = np.array(shaft.pin_throws)
+        turns = motions[sections : sections + len(pins), RZ]
+        throws = (turns[pins == throw].mean(axis=0) for throw in np.unique(pins))
+        moved = dict(zip(chain.throw_nodes, throws, strict=True))
+        ends = {FREE_END: motions[0, RZ], FLYWHEEL: motions[sections - 1, RZ]} | added
+    for node, name in enumerate(chain.nodes):
+        beside = ends.get(name, added.get(f"{name} {MOTION_OF[chain.kind]}"))
+        if node not in moved and beside is not None:
+            moved[node] = beside
+    return list(moved), np.array(list(moved.values()))
+
+
+# Share of the shaft's own mass matrix that stays in every step: without any mass a motion has no frequency.
+RESIDUAL = 1e-6
+# Causes of less are not told [Hz]: they print as nothing.
+SHOWN = 0.05
+# In the order of the steps, each added to those before it; the last one is a body's of its own.
+CAUSES = ("bearings", "mass distribution", "lateral inertia", "eccentric masses", "flywheel tilt")
+
+
+@summarized("kind", "rigid_chain [Hz]", "chain [Hz]", "shaft [Hz]", "causes")
+@dataclass(frozen=True)
+class FrequencyDifference:
+    """A mode's frequency in the chain and in the whole crankshaft, and the steps from one to the other.
+
+    Attributes
+    ----------
+    kind : {"axial", "torsional"}
+    mode : int
+        Elastic mode of the chain, from 1.
+    rigid_chain : float
+        Frequency of the chain in laterally rigid bearings [Hz].
+    chain, shaft : float
+        In the engine's bearings: of the chain, and of the whole crankshaft [Hz].
+    causes : dict of str to float
+        Contributions to the frequency [Hz]; their sum with `rigid_chain` is `shaft`. "bearings":
+        lateral motion of the journals. "mass distribution": inertia along each throw in place of lumps, and
+        inertia loads within the shaft, which the journals' reactions carry from throw to throw.
+        "lateral inertia": that of the throws as if centered on the axis, and of the end bodies without the
+        flywheel's diametral inertia. "eccentric masses": the throws' centers of mass off the axis.
+        "flywheel tilt": the flywheel's diametral inertia resists the tilting of its section.
+    further : float or None
+        Of a second mode that the shaft divides the chain's into [Hz]: the steps lead to the first alone.
+    """
+
+    kind: str
+    mode: int
+    rigid_chain: float
+    chain: float
+    shaft: float
+    causes: dict[str, float]
+    further: float | None = None
+
+    @property
+    def sentence(self) -> str:
+        """Such as "axial mode 1: 81.0 Hz by the whole crankshaft, 75.0 Hz by the chain (+6.0 Hz, ...)"."""
+        name = f"{self.kind} mode {self.mode}"
+        text = (
+            f"{name}: {self.shaft:.1f} Hz by the whole crankshaft, {self.chain:.1f} Hz by the chain"
+        )
+        return f"{text} ({self.shown_causes})" if self.shown_causes else text
+
+    @property
+    def shown_causes(self) -> str:
+        """The difference between crankshaft and chain in the same bearings, and its causes step by step.
+
+        Causes of less than 0.05 Hz, and what rounding leaves, are told together, so that what is
+        printed adds up.
+        """
+        shown = {
+            name: f"{by:+.1f}"
+            for name, by in self.causes.items()
+            if name != CAUSES[0] and abs(by) >= SHOWN
+        }
+        if not shown:
+            return ""
+        difference = round(round(self.shaft, 1) - round(self.chain, 1), 1)
+        rest = difference - sum(map(float, shown.values()))
+        steps = [f"{name} {by} Hz" for name, by in shown.items()]
+        if abs(rest) >= SHOWN:
+            steps.append(f"rounding and smaller steps {rest:+.1f} Hz")
+        return f"{difference:+.1f} Hz, step by step: {', '.join(steps)}"
+
+    @property
+    def tilt(self) -> "FlywheelTilt":
+        """The last step: the effect of the flywheel's diametral inertia, which is often assumed."""
+        without = self.shaft - self.causes[CAUSES[-1]]
+        return FlywheelTilt(self.kind, self.mode, without, self.shaft, self.further)
+
+    @property
+    def largest(self) -> str:
+        """Cause with the largest effect on the frequency."""
+        return max(self.causes, key=lambda name: abs(self.causes[name]))
+
+
+def frequency_difference(
+    shaft: AssembledShaft, chain: EngineChain, rigid_chain: EngineChain, mode: int = 1
+) -> FrequencyDifference:
+    """Split the difference between a chain's frequency and that of the whole crankshaft.
+
+    Parameters
+    ----------
+    shaft : AssembledShaft
+    chain : EngineChain
+        With the throws' compliances in the same bearings.
+    rigid_chain : EngineChain
+        With those in laterally rigid bearings.
+    mode : int
+        Elastic mode of the chain, from 1.
+
+    Returns
+    -------
+    FrequencyDifference
+
+    Raises
+    ------
+    InputError
+        If the chain has no such mode, or the whole crankshaft has none similar to it.
+
+    Notes
+    -----
+    Masses are added one kind after another, and the mode most similar to the chain's is followed. The
+    contribution of a cause depends on the order of the steps; the sum does not. The flywheel, the last
+    station, gets its diametral inertia last, so that its contribution is what a wrong value can change.
+    """
+    frequencies = [_elastic(rigid_chain, mode), _elastic(chain, mode)]
+    for lateral in (False, True):
+        on_axis = (1.0 - RESIDUAL) * _centered_mass(shaft, lateral=lateral)
+        changed = replace(shaft, mass=on_axis + RESIDUAL * shaft.mass)
+        frequencies.append(_found(_match(changed, chain, mode)))
+    tilts = shaft.stations.motions[-1, [RX, RY]]
+    light = replace(shaft, mass=shaft.mass - shaft.stations.diametral[-1] * tilts.T @ tilts)
+    last = _match(shaft, chain, mode)
+    frequencies += [_found(_match(light, chain, mode)), _found(last)]
+    return FrequencyDifference(
+        kind=chain.kind,
+        mode=mode,
+        rigid_chain=frequencies[0],
+        chain=frequencies[1],
+        shaft=frequencies[-1],
+        causes=dict(zip(CAUSES, np.diff(frequencies).tolist(), strict=True)),
+        further=last.further_frequency,
+    )
+
+
+@summarized("kind", "mode", "without [Hz]", "shaft [Hz]")
+@dataclass(frozen=True)
+class FlywheelTilt:
+    """Effect of the flywheel's diametral inertia on a mode of the whole crankshaft.
+
+    Attributes
+    ----------
+    kind : {"axial", "torsional"}
+    mode : int
+        Elastic mode of the chain, from 1, that matches the mode.
+    without, shaft : float
+        Frequency without this inertia, and with that of the shaft [Hz].
+    further : float or None
+        Second frequency with it, where it divides the mode between two [Hz].
+    """
+
+    kind: str
+    mode: int
+    without: float
+    shaft: float
+    further: float | None = None
+
+    @property
+    def shown(self) -> bool:
+        """Whether the inertia moves the frequency by 0.05 Hz or more."""
+        return abs(self.shaft - self.without) >= SHOWN
+
+    @property
+    def sentence(self) -> str:
+        """For example "torsional mode 1 from 75.0 Hz without to 84.0 Hz with it"."""
+        name = f"{self.kind} mode {self.mode}"
+        found = " and ".join(
+            f"{one:.1f}" for one in sorted(filter(None, (self.shaft, self.further)))
+        )
+        # Inertia raises no frequency in its place of the row: a mode told higher has changed places.
+        passed = self.shown and self.further is None and self.shaft > self.without
+        below = " (which brings another mode below it)" if passed else ""
+        return f"{name} from {self.without:.1f} Hz without to {found} Hz with it{below}"
+
+
+def _elastic(chain: EngineChain, mode: int) -> float:
+    found = chain.chain.modes().elastic_frequencies
+    if not 1 <= mode <= len(found):
+        raise InputError(
+            f"mode: given {mode}; allowed is 1 to {len(found)}, because the chain has so many elastic modes."
+        )
+    return float(found[mode - 1])
+
+
+def _match(shaft: AssembledShaft, chain: EngineChain, mode: int) -> ModeMatch:
+    number = chain.chain.modes().rigid + mode - 1
+    return match_modes(shaft, crankshaft_modes(shaft), chain, [number])[0]
+
+
+def _found(match: ModeMatch) -> float:
+    if match.shaft_frequency is None:
+        number = match.chain_mode - match.chain_rigid + 1
+        raise InputError(
+            f"mode: given {number}, {match.chain_frequency:.1f} Hz; allowed is one that the whole crankshaft "
+            "has too, and none of its modes is like it."
+        )
+    return match.shaft_frequency
+
+
+def _centered_mass(shaft: AssembledShaft, *, lateral: bool) -> FloatArray:
+    """Mass matrix with all mass on the shaft axis: along and about it, and as requested across it.
+
+    Without the diametral inertia of the last station, the flywheel.
+    """
+    stations: Stations = shaft.stations
+    across = lateral * stations.lateral_mass
+    tilting = lateral * np.append(stations.diametral[:-1], 0.0)
+    diagonal = np.column_stack(
+        (across, across, stations.axial_mass, tilting, tilting, stations.polar)
+    )
+    centered = np.einsum("siu,si,siv->uv", stations.motions, diagonal, stations.motions)
+    return np.asarray(centered + shaft.added_mass.sum(axis=0))
+
 
 # A chain suffices where its frequencies, the purity of the modes and the free end's amplitude are within
 # these. 3 % of frequency is what compliances from finite elements are worth; a share of 95 % leaves at

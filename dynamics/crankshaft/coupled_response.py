@@ -1,13 +1,14 @@
-"""Coupled forced vibration of a whole crankshaft, with separate effects of tangential and radial forces."""
+"""Coupled forced vibration of a whole crankshaft, by tangential and radial forces, and its criticals."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cached_property, reduce
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from crankbase.checks.arrays import ComplexArray, FloatArray
+from crankbase.checks.scalars import is_whole_within
 from crankbase.drawing.curves import Curves, Series, draw_curves
 from crankbase.drawing.diagram_style import BLUE, ORANGE, new_axes, with_gaps
 from crankbase.drawing.legends import legend_inside, write_title
@@ -16,17 +17,107 @@ from crankbase.library_types import Axes, Dataset
 from crankbase.summaries import summarized
 from crankbase.tables.frames import grid
 from crankbase.units.units import RPM
-from dynamics.crankshaft.pin_excitation import shaft_excitation
-from dynamics.crankshaft.shaft_system import CrankshaftSystem
-from dynamics.excitation.combined_excitation import combined_excitation
+from dynamics.crankshaft.assembly import PIN_MOTIONS
+from dynamics.crankshaft.shaft_modes import CrankshaftSystem
+from dynamics.excitation.chain_excitation import combined_excitation
 from dynamics.excitation.cylinders import CylinderForces
-from dynamics.plots.coordinates import infinite_where_unbounded, name_axis, orders_and_speeds
-from dynamics.plots.quantities import SPEED_LABEL, in_unit
+from dynamics.plots.quantities import (
+    SPEED_LABEL,
+    in_unit,
+    infinite_where_unbounded,
+    name_axis,
+    orders_and_speeds,
+)
+from dynamics.response.damped_criticals import LEAST_PEAK, DampedCritical, criticals_of
 from dynamics.response.forced import ForcedResponse, forced_response
 from dynamics.response.linear_system import DEFAULT_MAGNIFIER
+from dynamics.response.loads import LinearQuantities, motion_rows
 from dynamics.response.order_excitation import OrderExcitation
-from dynamics.response.series import OrderSeries
-from dynamics.response.synthesis import synthesis
+from dynamics.response.series import OrderSeries, synthesis
+
+
+def shaft_excitation(
+    crankshaft: CrankshaftSystem,
+    forces: CylinderForces,
+    *,
+    pins: Sequence[int] | None = None,
+    tangential: bool = True,
+    radial: bool = True,
+) -> OrderExcitation:
+    """Return the cylinders' forces as excitation of a whole crankshaft.
+
+    Parameters
+    ----------
+    crankshaft : CrankshaftSystem
+    forces : CylinderForces
+        Orders (K,), speeds (S,), tangential and radial phasors (K, S, c) of c cylinders.
+    pins : sequence of c int, optional
+        Pin of each cylinder from 0, counted along the shaft; by default that of its throw, if each throw
+        has one.
+    tangential, radial : bool
+        Whether these forces act; with one of them alone, the response shows its effect.
+
+    Returns
+    -------
+    OrderExcitation
+        On the points of the system.
+
+    Raises
+    ------
+    InputError
+        If there is not one pin for each cylinder, or a pin does not exist.
+
+    Notes
+    -----
+    Forces of several cylinders on one pin act at its middle and add up: rods side by side load it off the
+    middle, and their opposite moments on the pin are neglected. Each force is uniform over the pin.
+    """
+    places = pins_of_cylinders(crankshaft.shaft.pin_throws, forces.throws, pins)
+    first = 6 * crankshaft.shaft.section_count
+    acting = np.zeros((*forces.tangential.shape[:2], len(crankshaft.names)), dtype=np.complex128)
+    kinds = {"tangential": tangential, "radial": radial}
+    for direction in (name for name, acts in kinds.items() if acts):
+        rows = first + 3 * np.array(places) + PIN_MOTIONS.index(direction)
+        for cylinder, row in enumerate(rows.tolist()):
+            acting[:, :, row] += getattr(forces, direction)[:, :, cylinder]
+    return OrderExcitation(forces.orders, forces.speeds, acting)
+
+
+def pins_of_cylinders(
+    pin_throws: Sequence[int], throws: Sequence[int], pins: Sequence[int] | None = None
+) -> tuple[int, ...]:
+    """Return the pin of each cylinder, checked.
+
+    Parameters
+    ----------
+    pin_throws : sequence of p int
+        Throw of each pin.
+    throws : sequence of c int
+        Throw of each cylinder.
+    pins : sequence of c int, optional
+        As for `shaft_excitation`.
+
+    Raises
+    ------
+    InputError
+        As `shaft_excitation`.
+    """
+    if pins is None:
+        if len(set(pin_throws)) != len(pin_throws):
+            raise InputError(
+                "pins: given none for throws of several pins; allowed is the pin of each cylinder, because "
+                "its throw does not define it."
+            )
+        pins = [
+            pin_throws.index(throw) if throw in pin_throws else len(pin_throws) for throw in throws
+        ]
+    count = len(pin_throws)
+    if len(pins) != len(throws) or not all(is_whole_within(pin, 0, count - 1) for pin in pins):
+        raise InputError(
+            f"pins: given {list(pins)}; allowed is a whole number from 0 to {count - 1} for each of the "
+            f"{len(throws)} cylinders, because its rod sits on one of {count} pins."
+        )
+    return tuple(int(pin) for pin in pins)
 
 
 @summarized("orders", "speeds [rad/s]")
@@ -64,10 +155,22 @@ class CoupledResponse:
         """(S,) [rad/s]."""
         return self.tangential.speeds
 
+    @cached_property
+    def total(self) -> ForcedResponse:
+        """Under all forces."""
+        acting = reduce(np.add, [part.excitation.forces for part in self.parts])
+        return replace(
+            self.tangential,
+            motion=reduce(np.add, [part.motion for part in self.parts]),
+            unbounded=reduce(np.logical_or, [part.unbounded for part in self.parts]),
+            excitation=OrderExcitation(self.orders, self.speeds, acting),
+            unknowns=reduce(np.add, [part.unknowns for part in self.parts]),
+        )
+
     @property
     def unbounded(self) -> NDArray[np.bool_]:
         """Where one of the responses is unbounded, (K, S)."""
-        return np.asarray(np.any([one.unbounded for one in self.parts], axis=0))
+        return self.total.unbounded
 
     def motion(self, point: str) -> ComplexArray:
         """Return the motion (K, S) of a point such as "main bearing 1 uz" under all forces.
@@ -77,8 +180,7 @@ class CoupledResponse:
         InputError
             If there is no such point.
         """
-        row = self.crankshaft.point(point)
-        return np.asarray(np.sum([one.motion[:, :, row] for one in self.parts], axis=0))
+        return self.total.motion[:, :, self.crankshaft.point(point)]
 
     def elastic_motion(self, point: str) -> ComplexArray:
         """Return the motion (K, S) of a point under all forces without rigid-body motion.
@@ -88,13 +190,13 @@ class CoupledResponse:
         InputError
             If there is no such point.
         """
-        return np.asarray(np.sum(self._elastic(point), axis=0))
+        return self._elastic(self.total, point)
 
-    def _elastic(self, point: str) -> list[ComplexArray]:
+    def _elastic(self, response: ForcedResponse, point: str) -> ComplexArray:
         rigid = self.crankshaft.system.rigid.shape[1]
         # Amplitudes of modes are the unknowns of this system, rigid motions first.
         row = self.crankshaft.system.expand[self.crankshaft.point(point), rigid:]
-        return [one.unknowns[:, :, rigid:] @ row for one in self.parts]
+        return np.asarray(response.unknowns[:, :, rigid:] @ row)
 
     def split(self, point: str) -> "SplitMotion":
         """Return the motion of a point by each kind of force and by all, by order and synthesized.
@@ -117,24 +219,40 @@ class CoupledResponse:
         It balances what lies between the free end and the bearing: minus its angular momentum's rate of
         change and the moment of its pins' forces. The small part of modal damping there is left out.
         """
-        shaft = self.crankshaft.shaft
-        first = 6 * shaft.section_count
-        pins = slice(first, first + len(shaft.pins))
-        acting = self.tangential.excitation.forces + self.radial.excitation.forces
-        moved = np.sum([one.unknowns for one in self.parts], axis=0) @ self.crankshaft.momenta.T
-        squared = (self.orders[:, np.newaxis] * self.speeds) ** 2
-        values = -squared[:, :, np.newaxis] * moved - acting[:, :, pins] @ shaft.moments.T
-        names = tuple(f"main bearing {place}" for place in range(1, shaft.section_count + 1))
-        values = np.where(self.unbounded[:, :, np.newaxis], 0.0, values)
-        return OrderSeries(self.orders, self.speeds, values, self.unbounded, names)
+        return self.bearing_torques.series(self.total)
+
+    @property
+    def bearing_torques(self) -> LinearQuantities:
+        """See `torque`, of motion and forces."""
+        crankshaft = self.crankshaft
+        count, pins = crankshaft.shaft.section_count, len(crankshaft.shaft.pins)
+        direct = np.zeros((count, len(crankshaft.names)))
+        direct[:, 6 * count : 6 * count + pins] = -crankshaft.shaft.moments
+        return LinearQuantities(
+            names=tuple(f"main bearing {place}" for place in range(1, count + 1)),
+            rows=np.zeros_like(crankshaft.momenta),
+            loads=np.ones(count, dtype=bool),
+            inertia=-crankshaft.momenta,
+            direct=direct,
+        )
+
+    @property
+    def axial_motions(self) -> LinearQuantities:
+        """Motions of the main bearings along the shaft less the rigid body's [m]."""
+        count = self.crankshaft.shaft.section_count
+        names = tuple(f"main bearing {number}" for number in range(1, count + 1))
+        points = [self.crankshaft.point(f"{name} uz") for name in names]
+        return LinearQuantities(
+            names, motion_rows(self.total, points)[0], np.zeros(count, dtype=bool)
+        )
 
     @cached_property
     def _splits(self) -> "dict[str, SplitMotion]":
         return {}
 
     def _split(self, point: str) -> "SplitMotion":
-        each = self._elastic(point)
-        motions = {"tangential": each[0], "radial": each[1], "both": np.sum(each, axis=0)}
+        responses = {"tangential": self.tangential, "radial": self.radial, "both": self.total}
+        motions = {name: self._elastic(each, point) for name, each in responses.items()}
         unbounded, found = self.unbounded, {}
         for name, motion in motions.items():
             found[name] = np.where(unbounded, np.inf, np.abs(motion))
@@ -367,3 +485,32 @@ def split_curves(
         x_label=SPEED_LABEL,
         y_label=label,
     )
+
+
+def shaft_criticals(
+    coupled: CoupledResponse, quantities: LinearQuantities, speed_range: tuple[float, float]
+) -> tuple[tuple[DampedCritical, ...], int]:
+    """Find the critical speeds of a whole crankshaft in a quantity at several places.
+
+    Parameters
+    ----------
+    coupled : CoupledResponse
+    quantities : LinearQuantities
+        Of its system, all of one unit.
+    speed_range : tuple of two floats
+        [rad/s]
+
+    Returns
+    -------
+    criticals : tuple of DampedCritical
+        In ascending speed, each at the place with the largest value.
+    left_out : int
+        Number of those that are below `LEAST_PEAK` of the largest one at every place.
+    """
+    peaks = [
+        critical
+        for critical in criticals_of(coupled.total, quantities, speed_range, least=LEAST_PEAK)
+        if critical.has_peak
+    ]
+    kept = [critical for critical in peaks if critical.severity >= LEAST_PEAK]
+    return tuple(sorted(kept, key=lambda critical: critical.speed)), len(peaks) - len(kept)

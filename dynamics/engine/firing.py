@@ -22,13 +22,7 @@ MOST_CYLINDERS = 48
 
 
 def check_firing_order(firing_order: Sequence[int], cylinders: int) -> None:
-    """Refuse an order that repeats or omits a cylinder.
-
-    Raises
-    ------
-    InputError
-        Also if a number is not whole by its type.
-    """
+    """Refuse an order that repeats or omits a cylinder."""
     given = list(firing_order)
     fault = _order_fault(given, cylinders)
     if fault is not None:
@@ -54,10 +48,6 @@ def _order_fault(given: list[int], cylinders: int) -> str | None:
 def firing_order_from_text(text: str) -> tuple[int, ...]:
     """Return the cylinders of a firing order written in the usual way.
 
-    Raises
-    ------
-    InputError
-
     Examples
     --------
     >>> firing_order_from_text("1-5-3-6-2-4")
@@ -79,12 +69,8 @@ def firing_angles_of_order(
 
     Parameters
     ----------
-    firing_order : sequence of n int
-        Cylinder numbers from 1.
     top_angles : sequence of n float
         A shaft angle at which each cylinder's crank is along its axis, away from the shaft [rad].
-    strokes : int
-        Strokes per cycle, 2 or 4.
 
     Returns
     -------
@@ -92,12 +78,6 @@ def firing_angles_of_order(
         Firing angles by cylinder [rad], from that of the first to fire, which is within the first
         revolution, to less than one cycle more. Each cylinder fires at the first of its tops after the
         preceding cylinder has fired.
-
-    Raises
-    ------
-    InputError
-        If the order repeats or omits a cylinder, or its tops do not follow within one cycle in that
-        order.
     """
     tops = finite_vector("top_angles", list(top_angles)).tolist()
     check_firing_order(firing_order, len(tops))
@@ -126,7 +106,6 @@ def firing_intervals(firing_angles: Sequence[float], strokes: int) -> tuple[floa
     ----------
     firing_angles : sequence of n float
         In any order, all within one cycle [rad].
-    strokes : int
 
     Returns
     -------
@@ -176,8 +155,6 @@ def even_firing_order(firing_angles: Sequence[float], strokes: int) -> tuple[int
     ----------
     firing_angles : sequence of n float
         Shaft angle at which each cylinder fires now [rad].
-    strokes : int
-        Strokes per cycle, 2 or 4.
 
     Returns
     -------
@@ -214,8 +191,6 @@ def least_uneven_order(
     ----------
     firing_angles : sequence of n float
         Shaft angle at which each cylinder fires now [rad].
-    strokes : int
-        Strokes per cycle, 2 or 4.
 
     Returns
     -------
@@ -280,16 +255,8 @@ def check_order_of_angles(
 
     Parameters
     ----------
-    firing_order : sequence of n int
-        Each cylinder number from 1 once.
     firing_angles : sequence of n float
         Shaft angle at which each cylinder fires, in any cycle [rad].
-    strokes : int
-        Strokes per cycle, 2 or 4.
-
-    Raises
-    ------
-    InputError
     """
     cycle = math.radians(cycle_degrees(strokes))
     angles = [firing_angles[number - 1] for number in firing_order]
@@ -313,15 +280,6 @@ def firing_order_of_angles(
     ----------
     firing_angles : sequence of n float
         Shaft angle at which each cylinder fires, in any cycle [rad].
-    strokes : int
-        Strokes per cycle, 2 or 4.
-    first : int
-        Number of the cylinder to begin with.
-
-    Returns
-    -------
-    tuple of n int
-        Lower numbers first where several fire at the same angle.
     """
     cycle, start = math.radians(cycle_degrees(strokes)), firing_angles[first - 1]
     later = [round(_angle_after(start, angle, cycle), 9) for angle in firing_angles]

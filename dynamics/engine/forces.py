@@ -1,28 +1,37 @@
-"""Forces in the mechanism of every cylinder, by equilibrium of pistons and rods."""
+"""Gas pressures and forces in the mechanism of every cylinder, by equilibrium of pistons and rods."""
 
 import math
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from typing import Protocol, TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from crankbase.checks.angles import checked_degrees
-from crankbase.checks.arrays import ComplexArray, FloatArray, finite_array, turning_speeds
+from crankbase.checks.angles import checked_degrees, radians_of
+from crankbase.checks.arrays import (
+    ComplexArray,
+    FloatArray,
+    finite_array,
+    nonnegative_number,
+    turning_speeds,
+)
 from crankbase.checks.scalars import whole_within
 from crankbase.errors import InputError
 from crankbase.library_types import Axes, Dataset
 from crankbase.summaries import summarized
 from crankbase.tables.frames import grid
 from dynamics.cycle import cycle_radians
-from dynamics.engine.cylinder import EngineCylinder
-from dynamics.engine.layout import EngineLayout
-from dynamics.engine.motions import CylinderMotion, parts_motion
-from dynamics.mechanism.rod_model_names import RodModelName
-from dynamics.mechanism.rods import RodModel
-from dynamics.plots.angle_curves import FROM_FIRING, draw_over_angle
-from dynamics.plots.coordinates import angle_axis, number_axis
-from dynamics.plots.quantities import KILO
+from dynamics.engine import RodModelName
+from dynamics.engine.layout import EngineCylinder, EngineLayout
+from dynamics.engine.motions import CylinderMotion, checked_cylinder, parts_motion
+from dynamics.engine.rods import RodModel
+from dynamics.gas.cycle_values import GasCycle
+from dynamics.gas.cylinder_volume import Position
+from dynamics.gas.gas_cycle import FullLoad, GasCycleResult, gas_cycle
+from dynamics.gas.pressure import ATMOSPHERE, GasPressure
+from dynamics.plots.curves import FROM_FIRING, draw_over_angle
+from dynamics.plots.quantities import KILO, angle_axis, number_axis
 
 
 @summarized("speed [rad/s]", "model", "gas [N]", "torque [N m]")
@@ -97,17 +106,6 @@ class MechanismForces:
     def plot(self, axes: Axes | None = None, cylinder: int = 1) -> Axes:
         """Draw gas force, tangential force and side force of a cylinder over its cycle.
 
-        Parameters
-        ----------
-        axes : matplotlib.axes.Axes, optional
-            Where to draw; new axes by default.
-        cylinder : int, optional
-            Its number, from 1.
-
-        Returns
-        -------
-        matplotlib.axes.Axes
-
         Raises
         ------
         InputError
@@ -134,19 +132,7 @@ class MechanismForces:
         )
 
     def to_xarray(self) -> Dataset:
-        """Return all forces over cylinder and shaft angle, with the speed.
-
-        Returns
-        -------
-        xarray.Dataset
-            Units in the ``attrs["units"]`` of each array and coordinate.
-
-        Raises
-        ------
-        MissingLibraryError
-            If xarray is not installed.
-            Vectors are complex, in the frames given in the class description.
-        """
+        """Return all forces over cylinder and shaft angle, with the speed."""
         over = ("cylinder", "shaft_angle")
         return grid(
             {
@@ -181,7 +167,6 @@ def mechanism_forces(
 
     Parameters
     ----------
-    engine : EngineLayout
     speed : float or ndarray of shape (m,)
         Of the shaft [rad/s].
     gas : array_like of shape (n, m), (m,) or a number
@@ -194,10 +179,6 @@ def mechanism_forces(
         Force on each piston along its axis, positive away from the shaft [N].
     crank_acceleration : float or ndarray of shape (m,), optional
         [rad/s^2]
-
-    Returns
-    -------
-    MechanismForces
 
     Raises
     ------
@@ -265,15 +246,7 @@ def spread_array(field: str, values: ArrayLike, shape: tuple[int, ...], reason: 
 
     Parameters
     ----------
-    field, reason : str
-        Name of the values in messages, and why they must fit.
     values : number or array_like
-    shape : tuple of int
-
-    Raises
-    ------
-    InputError
-        If a value is not finite, or the values cannot be broadcast.
     """
     given = finite_array(field, values)
     try:
@@ -330,3 +303,144 @@ def rod_models(engine: EngineLayout, model: RodModelName) -> tuple[RodModel, ...
 def summed(forces: MechanismForces, cylinders: Sequence[int]) -> ComplexArray:
     """Return the force of several cylinders on their common crankpin, y - i x (m,) [N]."""
     return np.asarray(forces.crankpin[[number - 1 for number in cylinders]].sum(axis=0))
+
+
+class Pressure(Protocol):
+    """A pressure over the working cycle."""
+
+    @property
+    def strokes(self) -> int:
+        """Strokes per cycle, 2 or 4."""
+        ...
+
+    def at(self, *, angle_deg: ArrayLike) -> FloatArray:
+        """Return the absolute pressure [Pa] at angles [deg] from the firing top."""
+        ...
+
+
+def gas_forces(
+    engine: EngineLayout,
+    pressure: Pressure | Sequence[Pressure],
+    crankcase_pressure: float = ATMOSPHERE,
+    *,
+    shaft_angles_deg: ArrayLike,
+) -> FloatArray:
+    """Return the gas force on each piston towards the shaft.
+
+    Parameters
+    ----------
+    pressure : GasPressure or sequence of n GasPressure
+        One for all cylinders, each counted from its own firing top, or one for each cylinder.
+    crankcase_pressure : float, optional
+        Absolute pressure under the pistons [Pa].
+    shaft_angles_deg : array_like of shape (m,)
+        [deg]
+
+    Returns
+    -------
+    ndarray of shape (n, m)
+        (p - p_crankcase) times piston area [N].
+
+    Raises
+    ------
+    InputError
+        If there is not one pressure for each cylinder, or its cycle has other strokes.
+    """
+    angles = radians_of("shaft_angles_deg", shaft_angles_deg, vector=True)
+    under = nonnegative_number("crankcase_pressure", crankcase_pressure, "Pa", "it is absolute")
+    count = len(engine.cylinders)
+    pressures = list(pressure) if isinstance(pressure, Sequence) else [pressure] * count
+    if len(pressures) != count:
+        raise InputError(
+            f"pressure: given {len(pressures)} for {count} cylinders; allowed is one for all, or one "
+            "for each cylinder, because each piston has its own force."
+        )
+    forces = []
+    for cylinder, firing, own in zip(
+        engine.cylinders, np.radians(engine.firing_deg), pressures, strict=True
+    ):
+        if own.strokes != engine.strokes:
+            raise InputError(
+                f"pressure: given a cycle of {own.strokes} strokes; allowed is {engine.strokes}, because "
+                "that is the engine's."
+            )
+        forces.append(cylinder.area * (own.at(angle_deg=np.degrees(angles - firing)) - under))
+    return np.array(forces)
+
+
+def piston_position(engine: EngineLayout, number: int) -> Position:
+    """Return the position of a cylinder's piston over the angle from its firing top.
+
+    Returns
+    -------
+    callable
+        Angles [rad] of shape (m,) to positions of the piston pin along the cylinder axis, away from the
+        shaft [m], as required by `gas_cycle`.
+
+    Raises
+    ------
+    InputError
+        If the engine has no such cylinder.
+    """
+    own = checked_cylinder(engine, number)
+    firing = np.radians(engine.firing_deg[own - 1])
+    return lambda angle: parts_motion(engine, own, firing + angle).piston.place.real
+
+
+Result = TypeVar("Result")
+
+
+def for_each_cylinder(
+    engine: EngineLayout, calculate: Callable[[Position, float], Result]
+) -> tuple[Result, ...]:
+    """Calculate something of each cylinder's piston and area, once for all whose pistons move alike."""
+    results: dict[object, Result] = {}
+    places = []
+    for number, cylinder in enumerate(engine.cylinders, start=1):
+        main = engine.cylinders[engine.main_of(number) - 1]
+        turned = round(math.radians(cylinder.bank_angle_deg - main.bank_angle_deg), 12)
+        pin = None if cylinder.slave_pin is None else cylinder.slave_pin.place
+        alike = (cylinder.bore, cylinder.rod, cylinder.pin_offset, main.rod, turned, pin)
+        if alike not in results:
+            results[alike] = calculate(piston_position(engine, number), cylinder.area)
+        places.append(alike)
+    return tuple(results[alike] for alike in places)
+
+
+def full_load_parameters(load: FullLoad, engine: EngineLayout) -> tuple[GasCycle, tuple[str, ...]]:
+    """Return the cycle's parameters in all cylinders, from the first main one, and remarks on them."""
+    number = engine.main_of(1)
+    return load.parameters(
+        engine.strokes, piston_position(engine, number), engine.cylinders[number - 1].area
+    )
+
+
+def full_load_cycles(load: FullLoad, engine: EngineLayout) -> tuple[GasCycleResult, ...]:
+    """Return the cycle in each cylinder that reaches the pressures of full load, (n,)."""
+    cycle, remarks = full_load_parameters(load, engine)
+
+    def fired(position: Position, area: float) -> GasCycleResult:
+        result = gas_cycle(
+            cycle,
+            position,
+            area,
+            peak_pressure=load.peak_pressure,
+            mean_effective_pressure=load.mean_effective_pressure,
+        )
+        return replace(result, pressure=_with_remarks(result.pressure, remarks))
+
+    return for_each_cylinder(engine, fired)
+
+
+def motored_pressures(load: FullLoad, engine: EngineLayout) -> tuple[GasPressure, ...]:
+    """Return the pressure in each cylinder of the engine turned without combustion, (n,)."""
+    cycle, remarks = full_load_parameters(load, engine)
+
+    def motored(position: Position, area: float) -> GasPressure:
+        return _with_remarks(gas_cycle(cycle, position, area, heat=0.0).pressure, remarks)
+
+    return for_each_cylinder(engine, motored)
+
+
+def _with_remarks(pressure: GasPressure, remarks: tuple[str, ...]) -> GasPressure:
+    return replace(pressure, remarks=remarks + pressure.remarks)

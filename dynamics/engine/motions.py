@@ -1,20 +1,22 @@
 """Motion of the parts of each cylinder as the shaft turns."""
 
 import math
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
-from crankbase.checks.angles import radians_of
-from crankbase.checks.arrays import FloatArray
+from crankbase.checks.angles import checked_degrees, radians_of
+from crankbase.checks.arrays import ComplexArray, FloatArray, positive_number
+from crankbase.checks.scalars import is_whole, whole_within
 from crankbase.errors import InputError
 from crankbase.summaries import summarized
 from dynamics.cycle import even_angles
-from dynamics.engine.cylinder import cylinder_crankpin, hinged_foot
-from dynamics.engine.layout import EngineLayout
-from dynamics.mechanism.motion import PointMotion, TurnMotion, carried_point, rod_turn
-from dynamics.mechanism.rods import RodModel
+from dynamics.engine.layout import EngineLayout, cylinder_crankpin, hinged_foot
+from dynamics.engine.rods import RodModel
+from dynamics.engine.slider_crank import PointMotion, TurnMotion, carried_point, rod_turn
+from dynamics.harmonics import Harmonics, harmonics
 
 # Angles among which a piston's ends of stroke are looked for, and steps of Newton's method after.
 SEARCH_ANGLES = 360
@@ -52,9 +54,6 @@ def cylinder_motion(
 
     Parameters
     ----------
-    engine : EngineLayout
-    number : int
-        Of the cylinder, from 1.
     shaft_angles_deg : array_like of shape (m,)
         [deg]
 
@@ -97,7 +96,6 @@ def reduced_inertia(
 
     Parameters
     ----------
-    engine : EngineLayout
     models : tuple of n RodModel
         Of each cylinder's rod.
     shaft_angles_deg : array_like of shape (m,)
@@ -134,3 +132,151 @@ def reduced_inertia(
         inertia += model.inertia * motion.rod.first**2
         derivative += 2.0 * model.inertia * motion.rod.first * motion.rod.second
     return inertia, derivative
+
+
+# Samples over a turn are doubled until the upper orders are round-off: below this share of the
+# largest value. A crank of 0.999 rod lengths still needs less than the most.
+ROUND_OFF = 1e-14
+TURN = 2.0 * np.pi
+FEWEST, MOST = 64, 32768
+
+
+def turn_spectrum(
+    function: Callable[[FloatArray], NDArray[np.float64] | ComplexArray], highest: int
+) -> ComplexArray:
+    """Return the Fourier coefficients of functions of the shaft angle, f = sum of c_k exp(i k phi).
+
+    Parameters
+    ----------
+    function : callable
+        Takes shaft angles (m,) [rad] and returns values (..., m).
+
+    Returns
+    -------
+    complex ndarray of shape (..., N)
+        c_k in the order of the fast Fourier transform: 0, 1 ... N/2 - 1, -N/2 ... -1. The number of
+        samples N over a revolution is so large that orders from 3/8 of it are round-off. The aliases of
+        all required orders are beyond these, so they are round-off, too.
+    """
+    count = FEWEST
+    while count * 3 // 8 <= highest:
+        count *= 2
+    while count <= MOST:
+        values = np.asarray(function(even_angles(TURN, count)))
+        coefficients = np.fft.fft(values) / count
+        upper = coefficients[..., 3 * count // 8 : count - 3 * count // 8 + 1]
+        if np.all(np.abs(upper) <= ROUND_OFF * np.max(np.abs(values), initial=0.0)):
+            return np.asarray(coefficients)
+        count *= 2
+    raise InputError(
+        f"orders: given a mechanism whose orders do not fade out within {MOST} samples over a turn; "
+        "allowed are rods clearly longer than crank radius plus offset, because others jerk."
+    )
+
+
+def checked_orders(orders: Sequence[int]) -> tuple[int, ...]:
+    """Return orders as integers."""
+    given = list(orders)
+    whole = [order for order in given if is_whole(order) and order >= 1]
+    if not given or len(whole) != len(given) or len(set(given)) != len(given):
+        raise InputError(
+            f"orders: given {given}; allowed are different whole numbers of 1 or more, because "
+            "inertia forces repeat every turn."
+        )
+    return tuple(int(order) for order in given)
+
+
+def checked_cylinder(engine: EngineLayout, number: int) -> int:
+    """Return the number of a cylinder."""
+    count = len(engine.cylinders)
+    return whole_within("cylinder", number, 1, count, f"the engine has {count} cylinders")
+
+
+def piston_acceleration(
+    engine: EngineLayout, number: int, speed: float, *, angles_deg: ArrayLike
+) -> FloatArray:
+    """Return the acceleration of a piston towards the shaft, at constant speed.
+
+    Parameters
+    ----------
+    number : int
+        Of the cylinder, from 1; its rod may be hinged to another.
+    speed : float
+        Of the shaft [rad/s].
+    angles_deg : array_like of shape (m,)
+        Crank angle [deg], counted from the position in which the crank is along this cylinder's axis.
+
+    Returns
+    -------
+    ndarray of shape (m,)
+        [m/s^2], positive at the top: R w^2 (cos alpha + lambda cos 2 alpha + ...). The piston's
+        inertia force, away from the shaft, is mass times this.
+
+    Raises
+    ------
+    InputError
+        If the engine has no such cylinder, an angle is not finite or the speed not above zero.
+    """
+    place = checked_cylinder(engine, number)
+    turning = positive_number("speed", speed, "rad/s", "the shaft turns")
+    shaft = (
+        checked_degrees("angles_deg", angles_deg, vector=True)
+        + engine.cylinders[place - 1].top_shaft_angle_deg
+    )
+    return -parts_motion(engine, place, np.radians(shaft)).piston.acceleration(turning).real
+
+
+def acceleration_orders(
+    engine: EngineLayout, number: int, speed: float, highest: int = 8
+) -> Harmonics:
+    """Return the orders of a piston's acceleration towards the shaft, exact to round-off.
+
+    Parameters
+    ----------
+    speed : float
+        Of the shaft [rad/s].
+    highest : int, optional
+        The highest order required.
+
+    Returns
+    -------
+    Harmonics
+        Orders 1, 2 ... per revolution [m/s^2], with the crank angle counted as in `piston_acceleration`.
+
+    Raises
+    ------
+    InputError
+        As `piston_acceleration`, and if `highest` is not a whole number of 1 or more.
+
+    Notes
+    -----
+    With a rod on the crankpin and no pin offset the first order is R w^2 and the higher odd ones
+    are zero. The same holds for a hinged rod whose pin is, from the main rod, at the angle
+    between the cylinders: sin beta has odd orders only, and so has the motion of the slave pin across
+    the other cylinder, whose square has even ones.
+
+    Examples
+    --------
+    >>> from math import pi
+    >>> from dynamics.engine.layout import EngineCylinder
+    >>> from dynamics.engine.rods import ConnectingRod
+    >>> rod = ConnectingRod(length=0.65, mass=40.0, center_distance=0.2, inertia=2.0)
+    >>> engine = EngineLayout(0.13, [EngineCylinder(0.26, 44.1, rod)], [1])
+    >>> acceleration_orders(engine, 1, 1000 * pi / 30).amplitude[:4].round(2).tolist()
+    [1425.61, 288.03, 0.0, 2.94]
+    """
+    checked_orders([highest])
+    spectrum = turn_spectrum(
+        lambda angles: piston_acceleration(engine, number, speed, angles_deg=np.degrees(angles)),
+        highest,
+    )
+    angles = even_angles(360.0, spectrum.shape[-1])
+    return harmonics(piston_acceleration(engine, number, speed, angles_deg=angles), strokes=2)
+
+
+def order_part(found: Harmonics, order: int, angles: FloatArray) -> FloatArray:
+    """Return one order of an acceleration at crank angles (m,) [rad], shape (m,) [m/s^2]."""
+    place = found.index_of(order)
+    return np.asarray(
+        found.cosine[place] * np.cos(order * angles) + found.sine[place] * np.sin(order * angles)
+    )

@@ -1,20 +1,24 @@
 """Forces of the cylinders as excitation of an engine's chains: torques, and axial forces of throws."""
 
-from typing import TYPE_CHECKING
-
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from crankbase.checks.arrays import ComplexArray, FloatArray, finite_array, positive_vector
+from crankbase.checks.arrays import (
+    ComplexArray,
+    FloatArray,
+    finite_array,
+    finite_vector,
+    positive_number,
+    positive_vector,
+)
 from crankbase.checks.scalars import is_whole
 from crankbase.errors import InputError
-from dynamics.excitation.cylinder_harmonics import CylinderHarmonics
-from dynamics.excitation.cylinders import CylinderForces
-from dynamics.excitation.engine_load import Load
+from dynamics.chains.engine_chains import EngineChain
+from dynamics.excitation.cylinders import CylinderForces, CylinderHarmonics
+from dynamics.excitation.pressure_map import Load
+from dynamics.response.forced import ForcedResponse
+from dynamics.response.loads import elastic_loads
 from dynamics.response.order_excitation import OrderExcitation
-
-if TYPE_CHECKING:
-    from dynamics.chains.engine_chains import EngineChain
 
 
 def torque_excitation(forces: CylinderForces, engine_chain: "EngineChain") -> OrderExcitation:
@@ -22,7 +26,6 @@ def torque_excitation(forces: CylinderForces, engine_chain: "EngineChain") -> Or
 
     Parameters
     ----------
-    forces : CylinderForces
     engine_chain : EngineChain
         Torsional. Crank radius times T of each cylinder acts on the node of its throw; cylinders on
         one throw add up.
@@ -57,7 +60,6 @@ def node_torques(
 
     Parameters
     ----------
-    harmonics : CylinderHarmonics
     engine_chain : EngineChain
         Torsional.
     speed : number or array_like of shape (m,)
@@ -95,7 +97,6 @@ def axial_throw_forces(
 
     Parameters
     ----------
-    forces : CylinderForces
     compliances : array_like of shape (n,)
         Axial compliance e of each throw, as in the axial chain [m/N].
     influence : array_like of shape (n,), (n, p) or (n, p, 2)
@@ -109,11 +110,6 @@ def axial_throw_forces(
     -------
     complex ndarray of shape (K, S, n)
         P_i = (sum over j of c_ij Z_j) / e_i [N].
-
-    Raises
-    ------
-    InputError
-        If shapes do not fit throws and pins, or a compliance is not above zero.
 
     Notes
     -----
@@ -139,7 +135,6 @@ def axial_excitation(
 
     Parameters
     ----------
-    forces : CylinderForces
     engine_chain : EngineChain
         Axial, with a section before and one after each throw.
     compliances, influence, pins
@@ -168,18 +163,11 @@ def axial_section_forces(pressing: ComplexArray, engine_chain: "EngineChain") ->
     ----------
     pressing : complex ndarray of shape (K, S, n)
         P of each throw [N].
-    engine_chain : EngineChain
-        Axial.
 
     Returns
     -------
     complex ndarray of shape (K, S, nodes)
         -P on the section before each throw, +P on that after it [N].
-
-    Raises
-    ------
-    InputError
-        If the chain is not axial or has another number of throws.
     """
     if engine_chain.kind != "axial":
         raise InputError(
@@ -250,3 +238,198 @@ def _pins(pins: ArrayLike, cylinders: int) -> NDArray[np.int64]:
             "cylinders, because its rod sits on one pin."
         )
     return np.array(given, dtype=np.int64)
+
+
+# Two orders are one within this share: that of a propeller comes from a gear ratio.
+SAME_ORDER = 1e-9
+
+
+def combined_excitation(*excitations: OrderExcitation) -> OrderExcitation:
+    """Return several excitations of the same nodes as one with all their orders.
+
+    Parameters
+    ----------
+    excitations : OrderExcitation
+        With the same speeds and nodes; orders may differ, as those of engine and propeller.
+        Phasors of one order are added, with their phases.
+
+    Raises
+    ------
+    InputError
+        If none is given, or speeds or the number of nodes differ.
+    """
+    if not excitations:
+        raise InputError(
+            "excitations: given none; allowed are one or more, because they are added up."
+        )
+    first = excitations[0]
+    for other in excitations[1:]:
+        if (
+            not np.array_equal(other.speeds, first.speeds)
+            or other.forces.shape[2] != first.forces.shape[2]
+        ):
+            raise InputError(
+                f"excitations: given {other.speeds.size} speeds and {other.forces.shape[2]} nodes beside "
+                f"{first.speeds.size} and {first.forces.shape[2]}; allowed are the same speeds and nodes, "
+                "because forces are added speed by speed and node by node."
+            )
+    every = np.sort(np.concatenate([own.orders for own in excitations]))
+    orders = every[np.diff(every, prepend=0.0) > SAME_ORDER * every]
+    forces = np.zeros((orders.size, *first.forces.shape[1:]), dtype=np.complex128)
+    for own in excitations:
+        places = np.argmin(np.abs(orders[:, np.newaxis] - own.orders), axis=0)
+        np.add.at(forces, places, own.forces)
+    return OrderExcitation(orders, first.speeds, forces)
+
+
+def torsion_influence(tangential: ArrayLike, through: ArrayLike, crank_radius: float) -> FloatArray:
+    """Return the lengthening of each throw per torque in each part of the shaft.
+
+    Parameters
+    ----------
+    tangential : array_like of shape (n, n)
+        Lengthening of throw i per unit tangential force T on the pin of throw j, the shaft held
+        against rotation at its free end only [m/N].
+    through : array_like of shape (n,)
+        Lengthening of throw i per unit torque in the sense of rotation at the flywheel's end, held
+        likewise [1/N].
+    crank_radius : float
+        R [m].
+
+    Returns
+    -------
+    ndarray of shape (n, n + 1)
+        Per torque in the parts free end to crank 1, crank 1 to crank 2 ... crank n to flywheel, each
+        positive where it twists the part forwards [1/N]. It does not depend on where the shaft is
+        held.
+
+    Raises
+    ------
+    InputError
+        If shapes do not fit.
+
+    Notes
+    -----
+    A torque in the part between cranks j and j + 1 alone comes from -1 / R on pin j and 1 / R on
+    pin j + 1. In a shaft whose cranks are in one plane all values are zero: mirrored in that plane,
+    torque and T change their sign and lengthening does not.
+    """
+    by_pins, through_shaft = (
+        finite_array("tangential", tangential),
+        finite_vector("through", through),
+    )
+    count = through_shaft.size
+    if by_pins.shape != (count, count):
+        raise InputError(
+            f"tangential: given an array of shape {by_pins.shape}; allowed is ({count}, {count}), because "
+            "through has a value for each throw and each throw has one pin."
+        )
+    per_torque = by_pins / positive_number("crank_radius", crank_radius, "m", "it is a length")
+    ends = np.column_stack((np.zeros(count), per_torque, through_shaft))
+    return np.asarray(np.diff(ends, axis=1))
+
+
+def tangential_towards_flywheel(
+    tangential: ArrayLike, through: ArrayLike, crank_radius: float
+) -> FloatArray:
+    """Return the lengthening per tangential force whose torque goes to the flywheel, (n, p) [m/N].
+
+    Parameters
+    ----------
+    tangential : array_like of shape (n, p)
+        As for `torsion_influence`, of throws with any number of pins [m/N].
+    through, crank_radius
+        As for `torsion_influence`.
+
+    Returns
+    -------
+    ndarray of shape (n, p)
+        The second layer of the influence in `axial_throw_forces`. It is valid if the
+        flywheel keeps its speed and the shaft is far below its torsional resonances.
+
+    Raises
+    ------
+    InputError
+        If shapes do not fit.
+
+    Notes
+    -----
+    A torque -R T at the flywheel's end cancels the reaction to T at the free end.
+    """
+    by_pins, through_shaft = (
+        finite_array("tangential", tangential),
+        finite_vector("through", through),
+    )
+    if by_pins.ndim != 2 or len(by_pins) != through_shaft.size:
+        raise InputError(
+            f"tangential: given an array of shape {by_pins.shape}; allowed is ({through_shaft.size}, p), "
+            "because through has a value for each throw."
+        )
+    radius = positive_number("crank_radius", crank_radius, "m", "it is a length")
+    return np.asarray(by_pins - radius * through_shaft[:, np.newaxis])
+
+
+def axial_excitation_of_torsion(
+    response: ForcedResponse,
+    torsional: EngineChain,
+    axial: EngineChain,
+    compliances: ArrayLike,
+    influence: ArrayLike,
+) -> OrderExcitation:
+    """Return the axial forces that the torques of a torsional vibration excite.
+
+    Parameters
+    ----------
+    response : ForcedResponse
+        Of the torsional chain, bounded everywhere.
+    torsional, axial : EngineChain
+        Of one engine.
+    compliances : array_like of shape (n,)
+        Axial compliance of each throw, as in the axial chain [m/N].
+    influence : array_like of shape (n, n + 1)
+        From `torsion_influence` [1/N].
+
+    Returns
+    -------
+    OrderExcitation
+        On the axial chain [N]; to be added to that of the radial forces.
+
+    Raises
+    ------
+    InputError
+        If chains, compliances and influence have different numbers of throws, or the response is
+        unbounded somewhere.
+
+    Notes
+    -----
+    One way only: the axial vibration does not act back on the torsional one. This reaction, and its
+    shift of the frequencies, requires the whole crankshaft.
+    """
+    if np.any(response.unbounded):
+        raise InputError(
+            "response: given one that is unbounded at some orders and speeds; allowed is a damped one, "
+            "because the torques of an unbounded one are unknown."
+        )
+    e = positive_vector("compliances", compliances, "m/N", "every throw yields under load")
+    lengthening = finite_array("influence", influence)
+    if lengthening.shape != (e.size, e.size + 1) or torsional.throws != e.size:
+        raise InputError(
+            f"influence: given an array of shape {lengthening.shape} for {torsional.throws} throws and "
+            f"{e.size} compliances; allowed is (n, n + 1) for n of both, because a shaft of n throws has "
+            "n + 1 parts between cranks and ends."
+        )
+    torques = _torque_of_parts(elastic_loads(response), torsional)
+    pressing = torques @ lengthening.T / e
+    return OrderExcitation(response.orders, response.speeds, axial_section_forces(pressing, axial))
+
+
+def _torque_of_parts(torques: ComplexArray, torsional: EngineChain) -> ComplexArray:
+    """Return the torque of each part of the crankshaft (K, S, n + 1), zero where there is none."""
+    first, last = torsional.throw_nodes[0], torsional.throw_nodes[-1]
+    pairs = torsional.chain.connections
+    found = np.zeros((*torques.shape[:2], last - first + 2), dtype=np.complex128)
+    # A crankshaft is a row of nodes; what else sits on a crank passes no torque along it.
+    for place, left in enumerate(range(first - 1, last + 1)):
+        if (left, left + 1) in pairs:
+            found[:, :, place] = torques[:, :, pairs.index((left, left + 1))]
+    return found

@@ -1,32 +1,265 @@
 """Forces of all cylinders on their crankpins, by order and speed, for vibration."""
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Literal
+from typing import Literal, cast
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from crankbase.checks.angles import radians_of
-from crankbase.checks.arrays import ComplexArray, FloatArray, read_only
+from crankbase.checks.arrays import (
+    ComplexArray,
+    FloatArray,
+    finite_vector,
+    nonnegative_number,
+    positive_number,
+    read_only,
+    turning_speeds,
+)
 from crankbase.checks.choices import check_choice
 from crankbase.checks.scalars import whole_number, whole_within
 from crankbase.drawing.diagram_style import new_axes
 from crankbase.drawing.legends import legend_inside, write_title
+from crankbase.errors import InputError
 from crankbase.library_types import Axes, Dataset
 from crankbase.summaries import summarized
 from crankbase.tables.frames import grid
+from dynamics.cycle import cycle_radians, even_angles, order_step
+from dynamics.engine import RodModelName
+from dynamics.engine.firing import MOST_CYLINDERS
+from dynamics.engine.forces import MechanismForces, mechanism_forces, over_angles
 from dynamics.engine.layout import EngineLayout
-from dynamics.excitation.cylinder_harmonics import CylinderHarmonics, cylinder_harmonics
-from dynamics.excitation.engine_load import Load, per_minute
-from dynamics.excitation.gas_sources import Pressures
+from dynamics.excitation.gas_sources import (
+    GasSource,
+    Pressures,
+    Weights,
+    constant_weight,
+    gas_sources,
+)
+from dynamics.excitation.pressure_map import (
+    Load,
+    order_indices,
+    per_minute,
+    phasors_of_samples,
+    requested_orders,
+)
 from dynamics.gas.pressure import ATMOSPHERE
-from dynamics.mechanism.rod_model_names import RodModelName
-from dynamics.plots.coordinates import number_axis, orders_and_speeds
-from dynamics.plots.quantities import KILO
-from dynamics.plots.speed_curves import MAIN_ORDERS, draw_orders, set_speed_axis
+from dynamics.harmonics import Harmonics
+from dynamics.plots.curves import MAIN_ORDERS, draw_orders, set_speed_axis
+from dynamics.plots.quantities import KILO, number_axis, orders_and_speeds
 from dynamics.response.order_excitation import at_angles, checked_speed_index, checked_speeds
-from dynamics.torque.cycle_samples import DEFAULT_SAMPLES
+from dynamics.torque.torque import DEFAULT_SAMPLES, checked_throws, throws_along_shaft
+
+TURN = 2.0 * math.pi
+# The forces of moving masses are smooth: so many samples of a turn tell all harmonics that matter.
+INERTIA_SAMPLES = 720
+
+
+@summarized("orders", "crank_radius [m]", "throws", "takes_load", "remarks")
+@dataclass(frozen=True, eq=False)
+class CylinderHarmonics:
+    """Tangential and radial force of every cylinder by orders, for any speed and load.
+
+    Parameters
+    ----------
+    orders : ndarray of shape (K,)
+        In cycles per crankshaft revolution, ascending.
+    crank_radius : float
+        R [m].
+    throws : tuple of c int
+        Throw of each cylinder, from 0 at the free end.
+    gas : tuple of c complex ndarrays of shape (D, K + 1, 2)
+        Mean and phasors of T and Z for each of the cylinder's diagrams [N], at shaft angle zero.
+    weights : tuple of c callables
+        Speeds and load to the weight of each of these diagrams (S, D).
+    inertia : complex ndarray of shape (K + 1, c, 2)
+        Mean and phasors of T and Z of moving masses, per square of the speed [N s^2/rad^2].
+    takes_load : bool
+        Whether the gas depends on a load.
+    one_diagram : str
+        What is used at all speeds though it belongs to one: "pressure diagram", "torque diagram", or ""
+        for nothing.
+    remarks : tuple of str
+    """
+
+    orders: FloatArray
+    crank_radius: float
+    throws: tuple[int, ...]
+    gas: tuple[ComplexArray, ...]
+    weights: tuple[Weights, ...]
+    inertia: ComplexArray
+    takes_load: bool
+    one_diagram: str
+    remarks: tuple[str, ...]
+
+    def phasors(self, speeds: FloatArray, load: Load | None = None) -> ComplexArray:
+        """Return mean and phasors of T and Z of each cylinder, (K + 1, S, c, 2) [N].
+
+        Raises
+        ------
+        InputError
+            If a speed is not a finite number or too high, a speed or load is outside a pressure map,
+            or a load is given but not needed.
+        """
+        speeds = np.atleast_1d(turning_speeds("speeds", speeds))
+        if load is not None and not self.takes_load:
+            raise InputError(
+                "load: given without a pressure map; allowed is none, because a single diagram has no load."
+            )
+        found = speeds[:, np.newaxis, np.newaxis] ** 2 * self.inertia[:, np.newaxis]
+        known: dict[int, FloatArray] = {}
+        for place, (of_diagrams, weigh) in enumerate(zip(self.gas, self.weights, strict=True)):
+            if id(weigh) not in known:
+                known[id(weigh)] = weigh(speeds, load)
+            found[:, :, place] += np.tensordot(known[id(weigh)], of_diagrams, axes=1).swapaxes(0, 1)
+        return found
+
+    def at(
+        self, speed: float | ArrayLike, load: Load | None = None, *, shaft_angle_deg: ArrayLike
+    ) -> tuple[FloatArray, FloatArray]:
+        """Return T and Z over shaft angles, as the sum of mean and all orders.
+
+        Parameters
+        ----------
+        speed : number or array_like of shape (m,)
+            Of the shaft [rad/s]: the inertia forces are proportional to its square, and a pressure map is
+            evaluated at it.
+        load : optional
+            As for `phasors`, at each of these speeds.
+        shaft_angle_deg : array_like of shape (m,)
+            [deg].
+
+        Returns
+        -------
+        tangential, radial : ndarray of shape (m, c)
+            [N].
+
+        Raises
+        ------
+        InputError
+            As `phasors`, and if an angle or speed is not a finite number.
+        """
+        angles = radians_of("shaft_angle_deg", shaft_angle_deg, vector=True)
+        if np.ndim(speed) == 0:
+            single = cast(float, speed)
+            running = np.array([nonnegative_number("speed", single, "rad/s", "the shaft turns")])
+        else:
+            running = over_angles("speed", turning_speeds("speed", speed), angles)
+        turning = np.exp(1j * np.outer(angles, np.concatenate(([0.0], self.orders))))
+        found = self.phasors(running, load)
+        if running.size == 1:
+            total = np.tensordot(turning, found[:, 0], axes=1).real
+        else:
+            total = np.einsum("mk,kmcx->mcx", turning, found).real
+        return total[..., 0], total[..., 1]
+
+
+def cylinder_harmonics(
+    engine: EngineLayout,
+    orders: ArrayLike | float,
+    pressure: Pressures | None = None,
+    *,
+    misfire: Mapping[int, float] | None = None,
+    motored: Pressures | None = None,
+    model: RodModelName = "rigid",
+    inertia: bool = True,
+    samples: int = DEFAULT_SAMPLES,
+    throws: Sequence[int] | None = None,
+    crankcase_pressure: float = ATMOSPHERE,
+) -> CylinderHarmonics:
+    """Find the harmonics of the force of every cylinder on its crankpin, for any speed.
+
+    Parameters
+    ----------
+    engine, orders, pressure, misfire, motored, model, inertia, samples, throws, crankcase_pressure
+        As for `cylinder_forces`.
+
+    Raises
+    ------
+    InputError
+        As `cylinder_forces`, except for speeds and loads.
+    """
+    count = whole_number("samples", samples, 3, "fewer show no harmonic")
+    asked = requested_orders(orders, engine.strokes)
+    places = order_indices(asked, engine.strokes, count, "the force diagrams")
+    under = nonnegative_number("crankcase_pressure", crankcase_pressure, "Pa", "it is absolute")
+    angles = even_angles(cycle_radians(engine.strokes), count)
+    kept = np.concatenate(([0], places))
+    cylinders = len(engine.cylinders)
+    none = np.zeros((kept.size, cylinders, 2), dtype=np.complex128)
+    gas = [none[np.newaxis, :, 0]] * cylinders
+    sources: tuple[GasSource, ...] = ()
+    if pressure is not None:
+        sources = gas_sources(engine, pressure, misfire, motored)
+        known = [source.samples for source in sources if source.samples is not None]
+        if known:
+            order_indices(asked, engine.strokes, min(known), "the pressure diagrams")
+        per_force = _pin_forces(
+            mechanism_forces(engine, 0.0, 1.0, model=model, shaft_angles_deg=np.degrees(angles))
+        )
+        for place, (source, cylinder) in enumerate(zip(sources, engine.cylinders, strict=True)):
+            since_firing = angles - np.radians(engine.firing_deg[place])
+            above = np.array(
+                [
+                    diagram.at(angle_deg=np.degrees(since_firing)) - under
+                    for diagram in source.diagrams
+                ]
+            )
+            forces = cylinder.area * above[:, np.newaxis] * per_force[place]
+            gas[place] = phasors_of_samples(forces)[..., kept].swapaxes(1, 2)
+    elif misfire:
+        raise InputError(
+            "misfire: given without a pressure; allowed is none, because an engine without gas forces "
+            "does not fire."
+        )
+    return CylinderHarmonics(
+        orders=read_only(asked),
+        crank_radius=engine.crank_radius,
+        throws=throw_of_each(engine, throws),
+        gas=tuple(gas),
+        weights=tuple(own.weights for own in sources) or (constant_weight,) * cylinders,
+        inertia=_inertia_phasors(engine, asked, model) if inertia else none,
+        takes_load=any(source.takes_load for source in sources),
+        one_diagram=_one_diagram([own.at_all_speeds for own in sources]),
+        remarks=tuple(dict.fromkeys(text for source in sources for text in source.remarks)),
+    )
+
+
+def _one_diagram(at_all_speeds: Sequence[bool]) -> str:
+    """State what is used at all speeds: the pressure of all cylinders, that of some, or nothing."""
+    if at_all_speeds and all(at_all_speeds):
+        return "pressure diagram"
+    some = [str(number) for number, own in enumerate(at_all_speeds, start=1) if own]
+    return f"pressure diagram of cylinder {', '.join(some)}" if some else ""
+
+
+def throw_of_each(engine: EngineLayout, throws: Sequence[int] | None) -> tuple[int, ...]:
+    """Return the throw of each cylinder from 0, given or found from the layout."""
+    groups = throws_along_shaft(engine) if throws is None else checked_throws(engine, throws)
+    found = {number: throw for throw, group in enumerate(groups) for number in group}
+    return tuple(found[number] for number in range(1, len(engine.cylinders) + 1))
+
+
+def _pin_forces(forces: MechanismForces) -> FloatArray:
+    """Return T and Z of each cylinder (c, 2, m)."""
+    return np.stack((forces.tangential, forces.radial), axis=1)
+
+
+def _inertia_phasors(engine: EngineLayout, orders: FloatArray, model: RodModelName) -> ComplexArray:
+    """Return mean and phasors of T and Z per square of the speed, which repeat every revolution."""
+    whole = np.flatnonzero(orders == np.round(orders))
+    angles = even_angles(TURN, max(INERTIA_SAMPLES, 2 * int(orders[-1]) + 3))
+    forces = phasors_of_samples(
+        _pin_forces(
+            mechanism_forces(engine, 1.0, 0.0, model=model, shaft_angles_deg=np.degrees(angles))
+        )
+    )
+    found = np.zeros((orders.size + 1, len(engine.cylinders), 2), dtype=np.complex128)
+    found[0] = forces[..., 0]
+    found[1 + whole] = np.moveaxis(forces[..., orders[whole].astype(np.int64)], -1, 0)
+    return found
 
 
 @summarized("orders", "speeds [rad/s]", "tangential [N]", "radial [N]", "power [W]", "remarks")
@@ -130,18 +363,10 @@ class CylinderForces:
 
         Parameters
         ----------
-        axes : matplotlib.axes.Axes, optional
-            Where to draw; new axes by default.
-        cylinder : int, optional
-            Its number, from 1.
         show : {"tangential", "radial"}, optional
             Which of the forces on the crankpin.
         main_orders : int, optional
             Number of orders, those with the largest peaks.
-
-        Returns
-        -------
-        matplotlib.axes.Axes
 
         Raises
         ------
@@ -163,18 +388,7 @@ class CylinderForces:
         return axes
 
     def to_xarray(self) -> Dataset:
-        """Return complex T and Z over order, speed and cylinder, and their means.
-
-        Returns
-        -------
-        xarray.Dataset
-            Units in the ``attrs["units"]`` of each array and coordinate.
-
-        Raises
-        ------
-        MissingLibraryError
-            If xarray is not installed.
-        """
+        """Return complex T and Z over order, speed and cylinder, and their means."""
         over, mean = ("order", "speed", "cylinder"), ("speed", "cylinder")
         return grid(
             {
@@ -241,10 +455,6 @@ def cylinder_forces(
     crankcase_pressure : float, optional
         Absolute pressure under the pistons [Pa].
 
-    Returns
-    -------
-    CylinderForces
-
     Raises
     ------
     InputError
@@ -260,8 +470,8 @@ def cylinder_forces(
 
     Examples
     --------
-    >>> from dynamics.engine.cylinder import EngineCylinder
-    >>> from dynamics.mechanism.rods import ConnectingRod
+    >>> from dynamics.engine.layout import EngineCylinder
+    >>> from dynamics.engine.rods import ConnectingRod
     >>> rod = ConnectingRod(length=0.2, mass=1.0, center_distance=0.07, inertia=0.006)
     >>> engine = EngineLayout(0.05, [EngineCylinder(0.1, 1.0, rod)], [1])
     >>> slow_and_fast = cylinder_forces(engine, [50.0, 100.0], 3.0)
@@ -313,4 +523,81 @@ def forces_at_speeds(
         throws=harmonics.throws,
         remarks=remarks,
         of_inertia=bool(np.any(harmonics.inertia)),
+    )
+
+
+def torque_harmonics(
+    torque: Harmonics | Sequence[Harmonics],
+    orders: ArrayLike | float,
+    *,
+    firing_angles_deg: ArrayLike,
+    crank_radius: float,
+    throws: Sequence[int] | None = None,
+) -> CylinderHarmonics:
+    """Return given torques of the cylinders in the form of calculated forces.
+
+    Parameters
+    ----------
+    torque : Harmonics or sequence of c Harmonics
+        Of one cylinder's torque, gas and inertia together [N m], phases counted from its own firing
+        top: the same for all, or one for each. They are used at all speeds.
+    orders : array_like of shape (K,), or a number
+        Ascending; a number for all up to it.
+    firing_angles_deg : array_like of shape (c,)
+        Shaft angle at which each cylinder fires [deg].
+    crank_radius : float
+        R [m].
+    throws : sequence of c int, optional
+        Throw of each cylinder, 0 next to the free end; by default one each.
+
+    Returns
+    -------
+    CylinderHarmonics
+        Without radial forces, which a torque does not determine.
+
+    Raises
+    ------
+    InputError
+        If there is not one for each cylinder, strokes differ, or samples do not resolve an order.
+    """
+    firing = np.radians(finite_vector("firing_angles_deg", firing_angles_deg))
+    each = [torque] * firing.size if isinstance(torque, Harmonics) else list(torque)
+    if firing.size > MOST_CYLINDERS:
+        raise InputError(
+            f"firing_angles_deg: given {firing.size} angles; allowed are at most {MOST_CYLINDERS}, because "
+            "no engine has more cylinders."
+        )
+    if not each or len(each) != firing.size or len({own.strokes for own in each}) > 1:
+        raise InputError(
+            f"torque: given {len(each)} for {firing.size} firing angles; allowed is one for each cylinder, "
+            "all of one kind of cycle, because each cylinder works on the same shaft."
+        )
+    at_throws = tuple(range(firing.size)) if throws is None else tuple(throws)
+    if sorted(set(at_throws)) != list(range(max(at_throws) + 1)) or len(at_throws) != firing.size:
+        raise InputError(
+            f"throws: given {list(at_throws)}; allowed is one for each of {firing.size} cylinders, from "
+            "0 on without a gap, because each cylinder works on one."
+        )
+    radius = positive_number("crank_radius", crank_radius, "m", "it is a length")
+    strokes = each[0].strokes
+    asked = requested_orders(orders, strokes)
+    gas: list[ComplexArray] = []
+    for own, angle in zip(each, firing.tolist(), strict=True):
+        order_indices(asked, strokes, own.samples, "the given torques")
+        order_indices(asked, strokes, 2 * own.orders.size + 1, "the orders kept of the torques")
+        places = np.round(asked / order_step(strokes)).astype(np.int64) - 1
+        phasors = (own.cosine - 1j * own.sine)[places] * np.exp(-1j * asked * angle)
+        tangential = np.zeros(asked.size + 1, dtype=np.complex128)
+        tangential[0], tangential[1:] = own.mean / radius, phasors / radius
+        gas.append(np.stack((tangential, 0.0 * tangential), axis=-1)[np.newaxis])
+    return CylinderHarmonics(
+        orders=read_only(asked),
+        crank_radius=radius,
+        throws=at_throws,
+        gas=tuple(gas),
+        weights=(constant_weight,) * firing.size,
+        inertia=np.zeros((asked.size + 1, firing.size, 2), dtype=np.complex128),
+        takes_load=False,
+        one_diagram="torque diagram",
+        remarks=(),
     )

@@ -8,11 +8,10 @@ import numpy as np
 
 from crankbase.checks.arrays import FloatArray, nonnegative_number
 from crankbase.errors import InputError
-from dynamics.engine.gas_forces import Pressure
+from dynamics.engine.forces import Pressure
 from dynamics.engine.layout import EngineLayout
-from dynamics.engine.orders import checked_cylinder
-from dynamics.excitation.engine_load import Load
-from dynamics.excitation.pressure_map import PressureMap
+from dynamics.engine.motions import checked_cylinder
+from dynamics.excitation.pressure_map import Load, PressureMap
 from dynamics.gas.pressure import GasPressure
 
 # Pressure of one kind for all cylinders, or one for each.
@@ -59,23 +58,7 @@ def gas_sources(
     misfire: Mapping[int, float] | None = None,
     motored: Pressures | None = None,
 ) -> tuple[GasSource, ...]:
-    """Return the source of the pressure in each cylinder; equal sources are one object.
-
-    Parameters
-    ----------
-    engine : EngineLayout
-    pressure : Pressure, PressureMap or sequence of n of them
-    misfire : mapping of int to float, optional
-        Number of each failing cylinder to the share of its combustion that is missing, 0 to 1.
-    motored : as pressure, optional
-        The pressure without combustion.
-
-    Raises
-    ------
-    InputError
-        If there is not one for each cylinder, strokes differ, there is no such cylinder, a share is
-        not from 0 to 1, or cylinders fail and the pressure without combustion is not given.
-    """
+    """Return the source of the pressure in each cylinder; equal sources are one object."""
     fired = _one_for_each("pressure", pressure, engine)
     failing = {
         checked_cylinder(engine, number): _share(number, share)

@@ -1,15 +1,16 @@
 """The pressure in a cylinder over speed and load, interpolated by harmonics."""
 
-from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import get_args
+from typing import Any, Literal, cast, get_args
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from crankbase.checks.arrays import (
     FloatArray,
+    finite_array,
     finite_vector,
     nonnegative_number,
     positive_number,
@@ -23,20 +24,174 @@ from crankbase.errors import InputError
 from crankbase.library_types import Axes
 from crankbase.summaries import summarized
 from crankbase.units.units import RPM
-from dynamics.cycle import cycle_radians, even_angles
-from dynamics.excitation.engine_load import Load, load_at, per_minute
-from dynamics.excitation.grid_weights import (
-    SAME,
-    Method,
-    axis_weights,
-    nearest_index,
-    sorted_unique,
-)
-from dynamics.excitation.sampled_phasors import order_indices, phasors_of_samples
+from dynamics.critical import engine_orders
+from dynamics.cycle import cycle_radians, even_angles, order_step
+from dynamics.gas.cycle_values import GasCycle
+from dynamics.gas.cylinder_volume import Position
+from dynamics.gas.gas_cycle import Solved, gas_cycle
 from dynamics.gas.pressure import GasPressure, gas_pressure
-from dynamics.plots.angle_curves import FROM_FIRING, draw_over_angle
+from dynamics.plots.curves import FROM_FIRING, draw_over_angle
 from dynamics.plots.quantities import MEGA
-from dynamics.response.order_excitation import checked_speeds
+from dynamics.response.order_excitation import checked_orders, checked_speeds
+
+# An order that was calculated is a multiple of the step within this share of it.
+ON_STEP = 1e-9
+
+
+def phasors_of_samples(samples: FloatArray) -> NDArray[np.complex128]:
+    """Return mean and phasors of even samples over a cycle, angles counted from the first.
+
+    Parameters
+    ----------
+    samples : ndarray of shape (..., m)
+
+    Returns
+    -------
+    complex ndarray of shape (..., (m - 1) // 2 + 1)
+        The mean, then Y_j of y = mean + Re sum of Y_j exp(i j 2 pi x / cycle). The order at half the
+        sampling rate is left out: the samples do not determine its phase.
+    """
+    count = samples.shape[-1]
+    found = np.fft.rfft(samples)[..., : (count - 1) // 2 + 1] / count
+    found[..., 1:] *= 2.0
+    return np.asarray(found)
+
+
+def order_indices(orders: ArrayLike, strokes: int, samples: int, what: str) -> NDArray[np.int64]:
+    """Return the indices of orders among the phasors of samples over a cycle.
+
+    Parameters
+    ----------
+    orders : array_like of shape (K,)
+        In cycles per crankshaft revolution, above zero and ascending.
+    """
+    values, step = checked_orders(orders), order_step(strokes)
+    places = np.round(values / step)
+    between = np.flatnonzero(np.abs(values / step - places) > ON_STEP * places)
+    if between.size:
+        first = int(between[0])
+        raise InputError(
+            f"orders[{first}]: given {values[first]:g}; allowed are multiples of {step:g}, because "
+            f"a cycle of {strokes} strokes has no others."
+        )
+    highest = (samples - 1) // 2
+    beyond = np.flatnonzero(places > highest)
+    if beyond.size:
+        first = int(beyond[0])
+        raise InputError(
+            f"orders[{first}]: given {values[first]:g}; allowed are orders up to {step * highest:g}, because "
+            f"{what} have {samples} samples over the cycle and in them a higher order looks like a lower "
+            "one."
+        )
+    return np.asarray(places, dtype=np.int64)
+
+
+def requested_orders(orders: ArrayLike | float, strokes: int) -> FloatArray:
+    """Return the requested orders (K,): those given, or all up to a highest one."""
+    if np.ndim(orders) == 0:
+        return engine_orders(strokes, cast(float, orders))
+    return checked_orders(orders)
+
+
+# A number, one for each speed, or a function of the speeds [rad/s].
+Load = float | ArrayLike | Callable[[FloatArray], ArrayLike]
+# What a load is a measure of, and how it goes with the speed of a propeller.
+PROPELLER_EXPONENTS = {"torque": 2.0, "power": 3.0}
+
+
+def propeller_load(
+    rated_speed: float, rated_load: float = 1.0, *, measure: Literal["torque", "power"] = "torque"
+) -> Callable[[FloatArray], FloatArray]:
+    """Return the load of an engine that drives a propeller, as a function of its speed.
+
+    Parameters
+    ----------
+    rated_speed : float
+        [rad/s].
+    rated_load : float, optional
+        Load at that speed, in the unit of the map.
+    measure : {"torque", "power"}, optional
+        What the load measures: torque (or mean effective pressure), which is proportional to the square
+        of the speed, or power, proportional to its cube.
+
+    Raises
+    ------
+    InputError
+        If the speed is not above zero, the load is negative, or the measure is unknown.
+
+    Examples
+    --------
+    >>> propeller_load(100.0)(np.array([50.0, 100.0])).tolist()
+    [0.25, 1.0]
+    """
+    rated = positive_number("rated_speed", rated_speed, "rad/s", "the rated engine turns")
+    most = nonnegative_number("rated_load", rated_load, "", "the engine drives")
+    why = "a propeller takes the square or the cube of its speed of them"
+    check_choice("measure", measure, PROPELLER_EXPONENTS, why)
+    exponent = PROPELLER_EXPONENTS[measure]
+
+    def load(speeds: FloatArray) -> FloatArray:
+        return np.asarray(most * (speeds / rated) ** exponent, dtype=np.float64)
+
+    return load
+
+
+def load_at(load: Load, speeds: FloatArray) -> FloatArray:
+    """Return the load at each speed (S,)."""
+    values = finite_array("load", load(speeds) if callable(load) else load)
+    if values.shape not in ((), speeds.shape):
+        raise InputError(
+            f"load: given an array of shape {values.shape}; allowed is a number or an array of shape "
+            f"{speeds.shape}, because there is one load at each speed."
+        )
+    return np.array(np.broadcast_to(values, speeds.shape))
+
+
+def per_minute(speed: float) -> str:
+    """Return a speed [rad/s] for a message."""
+    return f"{speed * RPM:.6g} 1/min"
+
+
+Method = Literal["cubic", "linear"]
+# Speeds or loads of two points are one within this share.
+SAME = 1e-9
+
+
+def sorted_unique(values: list[float]) -> FloatArray:
+    """Return values sorted in ascending order, each once."""
+    ordered = np.unique(np.array(values))
+    apart = np.diff(ordered, prepend=-np.inf) > SAME * np.abs(ordered)
+    return np.asarray(ordered[apart])
+
+
+def nearest_index(values: FloatArray, value: float) -> int:
+    """Return the index of the nearest value."""
+    return int(np.argmin(np.abs(values - value)))
+
+
+def axis_weights(field: str, grid: FloatArray, asked: FloatArray, method: Method) -> FloatArray:
+    """Return the weight of each grid value at the requested points (S, a)."""
+    room = SAME * np.abs(grid[[0, -1]])
+    outside = np.flatnonzero((asked < grid[0] - room[0]) | (asked > grid[-1] + room[1]))
+    if outside.size:
+        shown = per_minute if field == "speed" else "{:g}".format
+        low, high = shown(float(grid[0])), shown(float(grid[-1]))
+        allowed = low if grid.size == 1 else f"{low} to {high}"
+        raise InputError(
+            f"{field}: given {shown(float(asked[outside[0]]))}; allowed is {allowed}, because the pressure "
+            "map has no diagrams beyond and is not extended."
+        )
+    within = np.clip(asked, grid[0], grid[-1])  # by round-off only
+    unit = np.eye(grid.size)
+    if grid.size == 1:
+        return np.ones((asked.size, 1))
+    if method == "linear":
+        return np.array([np.interp(within, grid, own) for own in unit]).T
+    from scipy.interpolate import CubicSpline  # here: loading it takes a quarter second
+
+    # Through three points a parabola, through two a straight line.
+    return np.asarray(CubicSpline(grid, unit)(within), dtype=np.float64)
+
 
 # Lightest color that a curve has, of a scale from dark (0) to nearly white (1); columns of the legend.
 LIGHTEST, LEGEND_COLUMNS = 0.85, 4
@@ -222,16 +377,10 @@ class PressureMap:
 
         Parameters
         ----------
-        axes : matplotlib.axes.Axes, optional
-            Where to draw; new axes by default.
         speed : float, optional
             Speed at which one diagram is interpolated [rad/s]; by default those of all speeds of the map.
         load : float, optional
             If the map has loads: any with a speed, one of the map's without; the highest by default.
-
-        Returns
-        -------
-        matplotlib.axes.Axes
 
         Raises
         ------
@@ -293,10 +442,6 @@ def pressure_map(
         at each speed, as along a propeller's curve.
     method : {"cubic", "linear"}, optional
         Interpolation between the diagrams, along either axis.
-
-    Returns
-    -------
-    PressureMap
 
     Raises
     ------
@@ -366,3 +511,99 @@ def _speed_names(speeds: FloatArray) -> list[str]:
     """Return speeds [rad/s] for a legend, to four digits if these distinguish them."""
     short = [f"{RPM * speed:.4g} 1/min" for speed in speeds.tolist()]
     return short if len(set(short)) == len(short) else [per_minute(one) for one in speeds.tolist()]
+
+
+# What a cycle has of its own, and its solution is not told.
+OF_CYCLE = ("intake_pressure", "exhaust_pressure")
+
+
+def pressure_map_from_cycles(
+    cycle: GasCycle,
+    position: Position,
+    area: float,
+    speeds: ArrayLike,
+    loads: ArrayLike,
+    *,
+    heat: ArrayLike | None = None,
+    peak_pressure: ArrayLike | None = None,
+    mean_effective_pressure: ArrayLike | None = None,
+    intake_pressure: ArrayLike | None = None,
+    exhaust_pressure: ArrayLike | None = None,
+    solve_for: Solved = "combustion_start_deg",
+    samples: int | None = None,
+    method: Method = "cubic",
+) -> PressureMap:
+    """Calculate a cycle at each point of speed and load that reaches the values known there.
+
+    Parameters
+    ----------
+    cycle : GasCycle
+        Parameters that the points do not specify.
+    position, area, samples, solve_for
+        As for `gas_cycle`.
+    speeds : array_like of shape (a,)
+        [rad/s].
+    loads : array_like of shape (b,)
+        In any measure.
+    heat : array_like of shape (a, b), optional
+        Heat released in one cycle at each point [J], instead of the pressures below; 0 is a motored
+        engine.
+    peak_pressure, mean_effective_pressure : array_like of shape (a, b), optional
+        Highest absolute pressure, and indicated mean effective pressure [Pa] at each point; one of
+        them or both. Shapes that broadcast to (a, b) are allowed.
+    intake_pressure, exhaust_pressure : array_like of shape (a, b), optional
+        Absolute pressure at the end of the intake and during exhaust [Pa]; by default those of the
+        cycle. With a turbocharger both rise together.
+    method : {"cubic", "linear"}, optional
+        Interpolation between the points.
+
+    Raises
+    ------
+    InputError
+        If a shape does not fit, or a cycle cannot reach its point (the message names it).
+    """
+    running, loaded = finite_vector("speeds", speeds), finite_vector("loads", loads)
+    shape = (running.size, loaded.size)
+    given = {
+        "heat": heat,
+        "peak_pressure": peak_pressure,
+        "mean_effective_pressure": mean_effective_pressure,
+        "intake_pressure": intake_pressure,
+        "exhaust_pressure": exhaust_pressure,
+    }
+    known = {
+        name: _at_points(name, values, shape)
+        for name, values in given.items()
+        if values is not None
+    }
+    points = []
+    for place in np.ndindex(*shape):
+        speed, load = float(running[place[0]]), float(loaded[place[1]])
+        wanted = {name: float(values[place]) for name, values in known.items()}
+        own: dict[str, Any] = {name: wanted.pop(name) for name in OF_CYCLE if name in wanted}
+        try:
+            found = gas_cycle(
+                replace(cycle, **own),
+                position,
+                area,
+                **wanted,
+                solve_for=solve_for,
+                samples=samples,
+            )
+        except InputError as error:
+            raise InputError(f"at {per_minute(speed)} and load {load:g}: {error}") from None
+        # What was solved at each point would make a remark of its own for every one.
+        kept = tuple(text for text in found.pressure.remarks if not text.startswith("Solved"))
+        points.append((speed, load, replace(found.pressure, remarks=kept)))
+    return pressure_map(points, method=method)
+
+
+def _at_points(field: str, values: ArrayLike, shape: tuple[int, int]) -> FloatArray:
+    given = finite_array(field, values)
+    try:
+        return np.asarray(np.broadcast_to(given, shape))
+    except ValueError:
+        raise InputError(
+            f"{field}: given an array of shape {given.shape}; allowed is {shape}, because there is one for "
+            "each speed and load."
+        ) from None

@@ -19,8 +19,7 @@ from crankbase.checks.choices import check_choice
 from crankbase.checks.scalars import whole_number
 from crankbase.errors import InputError
 from crankbase.summaries import summarized
-from dynamics.chains.chain import Chain
-from dynamics.chains.connections import speed_ratios
+from dynamics.chains.chain import Chain, speed_ratios
 from dynamics.indices import node_index
 from dynamics.response.order_excitation import OrderExcitation, checked_speeds
 
@@ -133,7 +132,6 @@ def propeller_excitation(
 
     Parameters
     ----------
-    propeller : PropellerForces
     chain : Chain
         Torsional or axial, with node 0 in the crankshaft.
     node : int

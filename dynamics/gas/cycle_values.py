@@ -235,8 +235,6 @@ def usual_gas_cycle(compression_ratio: float, strokes: int = 4, **given: float) 
     ----------
     compression_ratio : float
         Largest over smallest volume.
-    strokes : int, optional
-        Strokes per cycle, 2 or 4.
     **given : float
         Any other parameters of `GasCycle`: angles in degrees, the rest in SI units.
 

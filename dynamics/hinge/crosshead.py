@@ -3,19 +3,69 @@
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import TYPE_CHECKING, Literal, get_args
 
 import numpy as np
+from numpy.typing import ArrayLike
 
+from crankbase.checks.angles import checked_degrees
 from crankbase.checks.arrays import FloatArray, finite_array, nonnegative_number, positive_number
+from crankbase.checks.choices import check_choice
 from crankbase.errors import InputError
-from dynamics.engine.cylinder import EngineCylinder
-from dynamics.engine.gas_forces import Pressure, gas_forces, piston_position
-from dynamics.engine.layout import EngineLayout
+from crankbase.input_file import GivenFile
+from crankbase.summaries import summarized
+from dynamics.cycle import even_angles
+from dynamics.engine.forces import Pressure, gas_forces, piston_position, rod_models
+from dynamics.engine.layout import EngineCylinder, EngineLayout
+from dynamics.engine.motions import parts_motion, reduced_inertia
+from dynamics.engine.rods import ConnectingRod
+from dynamics.engine.slider_crank import check_reach
 from dynamics.gas.cycle_values import usual_gas_cycle
 from dynamics.gas.gas_cycle import GasCycleResult, gas_cycle
-from dynamics.gas.pressure import ATMOSPHERE
-from dynamics.mechanism.rods import ConnectingRod
-from dynamics.mechanism.slider_crank import check_reach
+from dynamics.gas.pressure import (
+    ATMOSPHERE,
+    CLOSING_TOLERANCE,
+    WIDEST_GAP,
+    closes_cycle,
+    opens_little,
+    widest_gap,
+)
+from dynamics.sample_table import TableKind, read_sample_rows
+
+if TYPE_CHECKING:
+    from scipy.interpolate import CubicSpline
+
+
+TURN = 2.0 * math.pi
+
+
+def turn_integral(samples: FloatArray) -> float:
+    """Return the integral over a revolution of a function given at even angles.
+
+    The plain sum is exact for all harmonics that the samples resolve.
+    """
+    return TURN * float(np.mean(samples))
+
+
+def antiderivative(samples: FloatArray) -> FloatArray:
+    """Return the integral from the first angle to each one, for samples of mean zero.
+
+    Harmonic by harmonic. A mean is left out: its integral would not be periodic.
+    """
+    spectrum = np.fft.rfft(samples)
+    spectrum[1:] /= 1j * np.arange(1, spectrum.size)
+    spectrum[0] = 0.0
+    found = np.fft.irfft(spectrum, samples.size)
+    return np.asarray(found - found[0])
+
+
+def periodic_spline(samples: FloatArray) -> "CubicSpline":
+    """Return the cubic spline that repeats every turn through samples at even angles."""
+    from scipy.interpolate import CubicSpline  # here: loading it takes a quarter second
+
+    angles = np.append(even_angles(TURN, samples.size), TURN)
+    return CubicSpline(angles, np.append(samples, samples[0]), bc_type="periodic")
+
 
 # Force on the piston towards the shaft [N] at crank angles [rad] of shape (m,).
 GasForce = Callable[[FloatArray], FloatArray]
@@ -124,7 +174,6 @@ def piston_gas_force(
 
     Parameters
     ----------
-    engine : CrossheadEngine
     pressure : GasPressure
         Two-stroke, over the angle from the top.
     pressure_below : float, optional
@@ -154,7 +203,6 @@ def two_stroke_cycle(
 
     Parameters
     ----------
-    engine : CrossheadEngine
     compression_ratio : float
         Largest over smallest volume.
     peak_pressure, mean_effective_pressure, intake_pressure : float
@@ -179,3 +227,172 @@ def two_stroke_cycle(
         mean_effective_pressure=mean_effective_pressure,
         solve_for="combustion_duration_deg",
     )
+
+
+CRANK_ANGLE = "crank_angle_deg"
+UNITS = {"N": 1.0, "kN": 1e3, "MN": 1e6}
+TURN_DEG = 360.0
+
+TABLE = TableKind(
+    name="gas force table",
+    angle_names=(CRANK_ANGLE,),
+    value_names=tuple(f"gas_force_{unit}" for unit in UNITS),
+    headers=f'"{CRANK_ANGLE},gas_force_N", or "kN" or "MN" for "N"',
+    header_says="in which unit the force is given",
+)
+
+
+def read_gas_force(path: GivenFile) -> GasForce:
+    """Read a gas force table.
+
+    The file is CSV: comment lines that start with a number sign, the header
+    ``crank_angle_deg,gas_force_N`` (or ``kN``, ``MN``), then one sample a line. Angles count from the top
+    dead center and cover a revolution, wherever it starts, in steps of up to 10 deg; the force is positive
+    towards the shaft. A closing sample that repeats the first is dropped.
+
+    Returns
+    -------
+    callable
+        Force [N] at crank angles [rad] from the top: the periodic cubic spline through the
+        samples.
+    """
+    rows = read_sample_rows(path, TABLE)
+    rows.strokes(
+        {2: TURN_DEG},
+        lambda angles, turn: closes_cycle(angles, turn) or opens_little(angles, turn),
+        f" and open by {WIDEST_GAP:g} deg at most",
+    )
+    angles, force = rows.angles, rows.values * UNITS[rows.value_name.rpartition("_")[2]]
+    if closes_cycle(angles, TURN_DEG):
+        rows.check_closing(force, CLOSING_TOLERANCE)
+        angles, force = angles[:-1], force[:-1]
+    index, gap = widest_gap(angles, TURN_DEG)
+    if index > 0 and gap > WIDEST_GAP * (1.0 + 1e-9):
+        raise rows.step_error(
+            index,
+            f"gaps of {WIDEST_GAP:g} deg at most, because a wider one may hide the force's rise",
+        )
+    return _repeated(np.radians(angles), force)
+
+
+def _repeated(angles: FloatArray, values: FloatArray) -> GasForce:
+    from scipy.interpolate import CubicSpline  # here: loading it takes a quarter second
+
+    closed = np.append(angles, angles[0] + TURN)
+    curve = CubicSpline(closed, np.append(values, values[0]), bc_type="periodic")
+    return lambda asked: np.asarray(curve(asked))
+
+
+Kinematics = Literal["exact", "series", "printed"]
+KINEMATICS: tuple[Kinematics, ...] = get_args(Kinematics)
+
+
+@summarized("inertia [kg m^2]", "travel_rate [m]", "weight_moment [N m]")
+@dataclass(frozen=True, eq=False)
+class ReducedCrank:
+    """An engine of one degree of freedom reduced to its crank, arrays of shape (m,).
+
+    Parameters
+    ----------
+    inertia : ndarray
+        I, in T = I w^2 / 2 [kg m^2].
+    inertia_rate : ndarray
+        dI/dphi [kg m^2/rad].
+    travel_rate : ndarray
+        Travel of the piston towards the shaft per crank angle, dx/dphi [m/rad].
+    weight_moment : ndarray
+        Moment of the weights of crank and rod, positive when it drives [N m].
+    """
+
+    inertia: FloatArray
+    inertia_rate: FloatArray
+    travel_rate: FloatArray
+    weight_moment: FloatArray
+
+
+def reduced_crank(
+    engine: CrossheadEngine, kinematics: Kinematics = "exact", *, angles_deg: ArrayLike
+) -> ReducedCrank:
+    """Reduce an engine to its crank.
+
+    Parameters
+    ----------
+    kinematics : str, optional
+        "exact"; "series", in which velocities end at the second harmonic; or "printed", the series
+        with the sign of the rod's second harmonic as printed in the source.
+    angles_deg : array_like of shape (m,)
+        Crank angles from the top dead center [deg].
+
+    Raises
+    ------
+    InputError
+        If there are no such kinematics, an angle is not a finite number, or they are radians.
+
+    Notes
+    -----
+    The series is that of A. N. Zotov, E. Sh. Imaeva, Transport i khranenie nefteproduktov i
+    uglevodorodnogo syr'ya 2024 no. 1-2, pp. 50-55, doi 10.24412/0131-4270-2024-1-2-50-55: with
+    lambda = R / L, dx = R (sin phi + lambda/2 sin 2 phi) dphi, and
+    cos gamma = 1 - lambda^2/4 + lambda^2/4 cos 2 phi for the rod's angle gamma. Its equations (2),
+    (6), (7), (8) give the rod's center of mass the velocity R (sin phi - lambda l_1/(2 L) sin 2 phi)
+    along the cylinder. From s = R cos phi + l_1 cos gamma it is plus: with l_1 = L the center of
+    mass is at the crosshead, whose velocity has a plus in the same papers.
+    """
+    check_choice(
+        "kinematics", kinematics, KINEMATICS, "these are the ways to describe the mechanism"
+    )
+    places_deg = checked_degrees("angles_deg", angles_deg, vector=True)
+    places = np.radians(places_deg)
+    if kinematics != "exact":
+        return _series(engine, places, 1.0 if kinematics == "series" else -1.0)
+    layout = engine.layout
+    motion = parts_motion(layout, 1, places)
+    rod_rise = motion.rod_point(engine.rod.center).first.imag
+    return ReducedCrank(
+        *reduced_inertia(layout, rod_models(layout, "rigid"), shaft_angles_deg=places_deg),
+        travel_rate=-motion.piston.first.real,
+        weight_moment=_weight_moment(engine, places, rod_rise),
+    )
+
+
+def _series(engine: CrossheadEngine, angles: FloatArray, sign: float) -> ReducedCrank:
+    """Reduce with velocities up to the second harmonic; `sign` is that of the rod's own."""
+    rod, radius, ratio = engine.rod, engine.crank_radius, engine.crank_ratio
+    if rod.center_offset != 0.0:
+        raise InputError(
+            f"rod center_offset: given {rod.center_offset:g} m; allowed is 0 with the series, because it "
+            "is for rods with the center of mass on their axis."
+        )
+    near = sign * rod.center_distance / rod.length
+    far = 1.0 - rod.center_distance / rod.length
+    sine, cosine = np.sin(angles), np.cos(angles)
+    sine_2, cosine_2 = np.sin(2.0 * angles), np.cos(2.0 * angles)
+    rod_cosine = 1.0 - 0.25 * ratio**2 + 0.25 * ratio**2 * cosine_2
+    swing = ratio * cosine / rod_cosine
+    swing_rate = ratio * (-sine / rod_cosine + 0.5 * ratio**2 * sine_2 * cosine / rod_cosine**2)
+    travel_rate = radius * (sine + 0.5 * ratio * sine_2)
+    travel_second = radius * (cosine + ratio * cosine_2)
+    along = radius * (sine + 0.5 * ratio * near * sine_2)
+    along_rate = radius * (cosine + ratio * near * cosine_2)
+    across, across_rate = radius * far * cosine, -radius * far * sine
+    inertia = (
+        engine.crank_inertia
+        + engine.sliding_mass * travel_rate**2
+        + rod.mass * (along**2 + across**2)
+        + rod.inertia * swing**2
+    )
+    rate = 2.0 * (
+        engine.sliding_mass * travel_rate * travel_second
+        + rod.mass * (along * along_rate + across * across_rate)
+        + rod.inertia * swing * swing_rate
+    )
+    # The source joins the series of cos gamma to the exact derivative of gamma.
+    exact_cosine = np.sqrt(1.0 - (ratio * sine) ** 2)
+    rod_rise = (rod.length - rod.center_distance) * rod_cosine * ratio * cosine / exact_cosine
+    return ReducedCrank(inertia, rate, travel_rate, _weight_moment(engine, angles, rod_rise))
+
+
+def _weight_moment(engine: CrossheadEngine, angles: FloatArray, rod_rise: FloatArray) -> FloatArray:
+    """Return the weights' moment from the rise of the rod's center by angle [m/rad]."""
+    crank_rise = engine.crank_center_distance * np.cos(angles)
+    return -engine.gravity * (engine.crank_mass * crank_rise + engine.rod.mass * rod_rise)

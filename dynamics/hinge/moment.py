@@ -14,10 +14,18 @@ from crankbase.summaries import summarized
 from crankbase.tables.frames import table
 from crankbase.units.quantity import format_quantity
 from dynamics.cycle import even_angles
-from dynamics.hinge.crosshead import CrossheadEngine, GasForce
-from dynamics.hinge.periodic import TURN, antiderivative, periodic_spline, turn_integral
-from dynamics.hinge.reduced_crank import Kinematics, ReducedCrank, reduced_crank
-from dynamics.plots.angle_curves import FROM_TOP, draw_over_angle
+from dynamics.hinge.crosshead import (
+    TURN,
+    CrossheadEngine,
+    GasForce,
+    Kinematics,
+    ReducedCrank,
+    antiderivative,
+    periodic_spline,
+    reduced_crank,
+    turn_integral,
+)
+from dynamics.plots.curves import FROM_TOP, draw_over_angle
 from dynamics.plots.quantities import KILO
 
 SAMPLES = 1440
@@ -85,17 +93,7 @@ class HingeMoment:
         return reduced, gas + reduced.weight_moment - self.load
 
     def plot(self, axes: Axes | None = None) -> Axes:
-        """Draw the moments of hinge, gas and driven machine over the crank angle.
-
-        Parameters
-        ----------
-        axes : matplotlib.axes.Axes, optional
-            Where to draw; new axes by default.
-
-        Returns
-        -------
-        matplotlib.axes.Axes
-        """
+        """Draw the moments of hinge, gas and driven machine over the crank angle."""
         curves = {
             "hinge": KILO * self.moment,
             "gas": KILO * self.gas_moment,
@@ -112,18 +110,7 @@ class HingeMoment:
         )
 
     def to_pandas(self) -> DataFrame:
-        """Return a row for each crank angle: gas force, moments, energy, the engine reduced to its crank.
-
-        Returns
-        -------
-        pandas.DataFrame
-            Units of the columns in ``attrs["units"]``.
-
-        Raises
-        ------
-        MissingLibraryError
-            If pandas is not installed.
-        """
+        """Return a row for each crank angle: gas force, moments, energy, the engine reduced to its crank."""
         return table(
             {
                 "crank_angle": (self.angles_deg, "deg"),
@@ -151,7 +138,6 @@ def hinge_moment(
 
     Parameters
     ----------
-    engine : CrossheadEngine
     gas_force : callable or array_like of shape (k,)
         Force on the piston towards the shaft [N]: a function of an array of crank angles [rad] from
         the top dead center, or values at even angles over one revolution from the top, without the
@@ -162,10 +148,6 @@ def hinge_moment(
         "exact", "series" or "printed"; see `reduced_crank`.
     samples : int, optional
         Number of angles over the revolution.
-
-    Returns
-    -------
-    HingeMoment
 
     Raises
     ------
@@ -182,7 +164,7 @@ def hinge_moment(
 
     Examples
     --------
-    >>> from dynamics.mechanism.rods import ConnectingRod
+    >>> from dynamics.engine.rods import ConnectingRod
     >>> rod = ConnectingRod(1.55, 150.0, 0.8, 50.0)
     >>> engine = CrossheadEngine(0.3, 0.5, 80.0, 0.2, 30.0, rod, 150.0, 200.0, 110.0)
     >>> found = hinge_moment(engine, lambda angle: 2e5 * (1.0 + np.sin(angle)), 9.3)
@@ -219,13 +201,7 @@ def hinge_moment(
 
 
 def as_function(gas_force: GasForce | ArrayLike) -> GasForce:
-    """Return a gas force as a function of angles [rad]; samples are interpolated by a periodic spline.
-
-    Raises
-    ------
-    InputError
-        If samples are too few or not finite.
-    """
+    """Return a gas force as a function of angles [rad]; samples are interpolated by a periodic spline."""
     if callable(gas_force):
         return gas_force
     given = finite_vector("gas_force", gas_force)

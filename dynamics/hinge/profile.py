@@ -11,6 +11,7 @@ from crankbase.checks.angles import radians_of
 from crankbase.checks.arrays import (
     ComplexArray,
     FloatArray,
+    finite_array,
     nonnegative_number,
     positive_number,
     read_only,
@@ -24,20 +25,260 @@ from crankbase.summaries import summarized
 from crankbase.tables.frames import Row, table
 from crankbase.units.quantity import format_quantity
 from dynamics.cycle import even_angles
+from dynamics.hinge.crosshead import periodic_spline
 from dynamics.hinge.moment import HingeMoment
-from dynamics.hinge.periodic import periodic_spline
-from dynamics.hinge.polar_curves import (
-    check_roller,
-    outer_parallel,
-    polar_curvature,
-    smallest_hollow,
-)
-from dynamics.hinge.spring import LEAST_COLUMN, GasSpring
-from dynamics.plots.angle_curves import FROM_TOP, draw_over_angle
+from dynamics.plots.curves import FROM_TOP, draw_over_angle
 from dynamics.plots.quantities import KILO, MILLI
 
 if TYPE_CHECKING:
     from scipy.interpolate import CubicSpline
+
+
+def polar_curvature(radius: FloatArray, first: FloatArray, second: FloatArray) -> FloatArray:
+    """Return the curvature of a curve rho(phi).
+
+    Parameters
+    ----------
+    radius, first, second : ndarray of shape (m,)
+        rho [m] and its derivatives by the angle [m/rad, m/rad^2].
+
+    Returns
+    -------
+    ndarray of shape (m,)
+        (rho^2 + 2 rho'^2 - rho rho'') / (rho^2 + rho'^2)^(3/2) [1/m], positive where the curve
+        bends around the origin, like a circle about it.
+    """
+    square = radius**2 + first**2
+    return np.asarray((square + first**2 - radius * second) / square**1.5)
+
+
+def outer_parallel(
+    angles: FloatArray, radius: FloatArray, first: FloatArray, distance: float
+) -> ComplexArray:
+    """Return the points outside a curve rho(phi) at a distance from it along its normals.
+
+    Parameters
+    ----------
+    angles, radius, first : ndarray of shape (m,)
+        phi [rad], rho [m] and its derivative [m/rad].
+    distance : float
+        Radius of a roller whose center runs along the curve [m].
+
+    Returns
+    -------
+    complex ndarray of shape (m,)
+        Points x + i y [m].
+
+    Notes
+    -----
+    The tangent of rho exp(i phi) is (rho' + i rho) exp(i phi); the outer normal is -i times it.
+    """
+    direction = np.exp(1j * angles)
+    normal = (radius - 1j * first) / np.hypot(radius, first)
+    return np.asarray((radius + distance * normal) * direction)
+
+
+def smallest_hollow(curvature: FloatArray) -> float:
+    """Return the smallest radius of curvature where a curve bends away from the origin [m].
+
+    Infinite if it does so nowhere. A larger roller outside the curve would undercut it.
+    """
+    least = float(np.min(curvature))
+    return -1.0 / least if least < 0.0 else float("inf")
+
+
+def check_roller(roller_radius: float, curvature: FloatArray) -> None:
+    """Refuse a roller whose guide would have a cusp."""
+    hollow = smallest_hollow(curvature)
+    if roller_radius >= hollow:
+        raise InputError(
+            f"roller_radius: given {roller_radius:g} m; allowed is less than {hollow:.4g} m, because "
+            "there the roller's path bends away from the axis with that radius, and the guide of a "
+            "larger roller has a cusp."
+        )
+
+
+# The gas column counts as gone when this share of its height is left.
+LEAST_COLUMN = 0.01
+# From isothermal to adiabatic gas of single atoms.
+LOWEST_EXPONENT, HIGHEST_EXPONENT = 1.0, 5.0 / 3.0
+NEWTON_STEPS = 60
+
+
+@dataclass(frozen=True)
+class GasSpring:
+    """A gas spring of two opposed pistons.
+
+    Parameters
+    ----------
+    piston_area : float
+        A [m^2].
+    height : float
+        H, height of the gas column with both rollers at the initial radius [m].
+    pressure : float
+        p_0, initial pressure of the gas [Pa]; above `ambient`.
+    exponent : float, optional
+        n of the polytropic law p V^n = const.
+    ambient : float, optional
+        Pressure on the outer sides of the pistons [Pa]. The law of Zotov, Imaeva 2024 has none:
+        they call p_0 an excess pressure and use it in the polytropic law, which holds for
+        absolute pressure. With 0 the spring is theirs, p_0 being the absolute pressure without
+        atmospheric pressure on the pistons; with 101325 Pa it is exact for p_0 in excess.
+
+    Raises
+    ------
+    InputError
+        If a value is out of its range.
+
+    Examples
+    --------
+    >>> spring = GasSpring(piston_area=0.031, height=1.0, pressure=5e6)
+    >>> round(float(spring.force(0.0)))
+    155000
+    >>> work = spring.work(0.2)
+    >>> round(float(spring.compression(work)), 12)
+    0.2
+    """
+
+    piston_area: float
+    height: float
+    pressure: float
+    exponent: float = 1.25
+    ambient: float = 0.0
+
+    def __post_init__(self) -> None:
+        positive_number("piston_area", self.piston_area, "m^2", "the gas presses on it")
+        positive_number("height", self.height, "m", "it is a length")
+        positive_number("pressure", self.pressure, "Pa", "the spring presses the rollers out")
+        nonnegative_number("ambient", self.ambient, "Pa", "it is absolute pressure")
+        exponent = float(finite_array("exponent", self.exponent))
+        if not LOWEST_EXPONENT <= exponent <= HIGHEST_EXPONENT:
+            raise InputError(
+                f"exponent: given {exponent:g}; allowed are {LOWEST_EXPONENT:g} to "
+                f"{HIGHEST_EXPONENT:.4g}, because gas is between isothermal and adiabatic."
+            )
+
+    @property
+    def absolute(self) -> float:
+        """Absolute pressure at the start [Pa]."""
+        return self.pressure + self.ambient
+
+    def gas_pressure(self, compression: ArrayLike) -> FloatArray:
+        """Return the pressure above ambient [Pa] when the column is z [m] shorter.
+
+        Raises
+        ------
+        InputError
+            If z is not a finite number below the height.
+        """
+        share = 1.0 - self._within(compression) / self.height
+        return np.asarray(self.absolute * share**-self.exponent - self.ambient)
+
+    def force(self, compression: ArrayLike) -> FloatArray:
+        """Return the force on each piston, outwards [N], when the column is z [m] shorter.
+
+        Raises
+        ------
+        InputError
+            If z is not a finite number below the height.
+        """
+        return self.piston_area * self.gas_pressure(compression)
+
+    def work(self, compression: ArrayLike) -> FloatArray:
+        """Return the work that shortens the column by z [m], the integral of the force [J].
+
+        Raises
+        ------
+        InputError
+            If z is not a finite number below the height.
+        """
+        shorter = self._within(compression)
+        logarithm = -np.log1p(-shorter / self.height)
+        less = self.exponent - 1.0
+        scale = self.piston_area * self.absolute * self.height
+        stretched = np.expm1(less * logarithm) / less if less > 0.0 else logarithm
+        return np.asarray(scale * stretched - self.piston_area * self.ambient * shorter)
+
+    def compression(self, work: ArrayLike) -> FloatArray:
+        """Return the shortening of the column after a work.
+
+        Parameters
+        ----------
+        work : array_like
+            Work done on the gas since the start [J]; negative for released work.
+
+        Returns
+        -------
+        ndarray of the same shape
+            z [m], negative where the column is longer than at the start.
+
+        Raises
+        ------
+        InputError
+            If the gas cannot release so much, or almost nothing of the column would be left.
+
+        Notes
+        -----
+        Without ambient pressure (H - z)^(1-n) = H^(1-n) + (n - 1) W / (A p_0 H^n). Otherwise
+        Newton's method from above: the work is convex in z while the spring pushes outwards.
+        """
+        wanted = finite_array("work", work)
+        self._check_energy(wanted)
+        self._check_column(wanted)
+        found = self._closed_form(wanted + self.piston_area * self.ambient * self.height)
+        if self.ambient > 0.0:
+            for _ in range(NEWTON_STEPS):
+                found = found - (self.work(found) - wanted) / self.force(found)
+        return np.asarray(found)
+
+    def _within(self, compression: ArrayLike) -> FloatArray:
+        """Return compressions that leave part of the column."""
+        shorter = finite_array("compression", compression)
+        largest = float(np.max(shorter, initial=0.0))
+        if largest >= self.height:
+            raise InputError(
+                f"compression: given {largest:g} m of a gas column {self.height:g} m high; allowed is less "
+                "than its height, because the gas takes up room."
+            )
+        return shorter
+
+    def _closed_form(self, work: FloatArray) -> FloatArray:
+        """Return z for the work of the gas alone."""
+        less = self.exponent - 1.0
+        share = work / (self.piston_area * self.absolute * self.height)
+        logarithm = np.log1p(less * share) / less if less > 0.0 else share
+        return np.asarray(-self.height * np.expm1(-logarithm))
+
+    def _check_column(self, work: FloatArray) -> None:
+        """Refuse works that leave almost nothing of the column."""
+        largest = float(np.max(work, initial=0.0))
+        most = float(self.work((1.0 - LEAST_COLUMN) * self.height))
+        if largest > most:
+            raise InputError(
+                f"pressure: given {self.pressure / 1e6:g} MPa in a spring {self.height:g} m high that must "
+                f"take {largest / 1e3:.4g} kJ; allowed is a pressure at which the gas takes more, here at "
+                f"most {most / 1e3:.4g} kJ until {LEAST_COLUMN * self.height:.3g} m of the column are left, "
+                "because the compression z must stay below the height H."
+            )
+
+    def _check_energy(self, work: FloatArray) -> None:
+        """Refuse works below what the gas releases until it no longer pushes outwards."""
+        asked = -float(np.min(work, initial=0.0))
+        if self.ambient > 0.0:
+            slack = self.height * (1.0 - (self.absolute / self.ambient) ** (1.0 / self.exponent))
+            given = -float(self.work(slack))
+        elif self.exponent > 1.0:
+            scale = self.piston_area * self.absolute * self.height
+            given = scale / (self.exponent - 1.0)
+        else:
+            return
+        if asked >= given * (1.0 - 1e-9):
+            raise InputError(
+                f"pressure: given {self.pressure / 1e6:g} MPa in a spring that must give "
+                f"{asked / 1e3:.4g} kJ; allowed is a pressure at which the gas gives more, here at most "
+                f"{given / 1e3:.4g} kJ, because it does no more work when it has expanded."
+            )
+
 
 # [rad] Steeper guides press a sliding follower hard to the side; 30 deg is the usual limit of cams.
 STEEP = np.pi / 6.0
@@ -270,13 +511,7 @@ class HingeProfile:
 
         Parameters
         ----------
-        axes : matplotlib.axes.Axes, optional
-            Where to draw; new axes by default.
         show : {"guide", "moment", "radius"}, optional
-
-        Returns
-        -------
-        matplotlib.axes.Axes
 
         Raises
         ------
@@ -315,18 +550,7 @@ class HingeProfile:
         return axes
 
     def to_pandas(self) -> DataFrame:
-        """Return a row for each crank angle: radius, spring, forces, moment.
-
-        Returns
-        -------
-        pandas.DataFrame
-            Units of the columns in ``attrs["units"]``.
-
-        Raises
-        ------
-        MissingLibraryError
-            If pandas is not installed.
-        """
+        """Return a row for each crank angle: radius, spring, forces, moment."""
         guide = self.guide()
         return table(
             {
@@ -355,7 +579,6 @@ def hinge_profile(
     ----------
     moment : HingeMoment
         Its M_h is required.
-    spring : GasSpring
     start_radius : float
         rho_0 at the top dead center [m].
     roller_radius : float, optional

@@ -9,8 +9,8 @@ from crankbase.checks.arrays import FloatArray
 from crankbase.drawing.diagram_style import COLORS, GRAY
 from crankbase.library_types import Axes
 from crankbase.units.units import RPM
+from dynamics.plots.harmonics import KIND_COLORS
 from dynamics.plots.quantities import SPEED_LABEL
-from dynamics.plots.stars import KIND_COLORS
 
 RUNNING = "#eef3f8"
 # Least and further size of a resonance's dot [points], the latter at severity 1.

@@ -19,10 +19,9 @@ from crankbase.summaries import summarized
 from crankbase.tables.frames import table
 from dynamics.chains.chain import Chain
 from dynamics.chains.chain_modes import elastic_modes
-from dynamics.response.damping import DampedChain
 from dynamics.response.forced import ForcedResponse, chain_and_system
 from dynamics.response.harmonic import UNBOUNDED_WITHIN, DampedModes, damped_modes
-from dynamics.response.linear_system import LinearSystem
+from dynamics.response.linear_system import DampedChain, LinearSystem
 from dynamics.response.loads import dashpot_names
 
 if TYPE_CHECKING:

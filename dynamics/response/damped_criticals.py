@@ -12,13 +12,13 @@ from crankbase.errors import InputError
 from crankbase.summaries import summarized
 from crankbase.tables.frames import Row
 from crankbase.units.units import RPM
+from dynamics.indices import within
 from dynamics.response.complex_modes import ComplexModes, complex_modes
 from dynamics.response.forced import ForcedResponse
 from dynamics.response.harmonic import harmonic_response
-from dynamics.response.over_speed import OverSpeed
-from dynamics.response.place_rows import load_rows, motion_rows
-from dynamics.response.speed_grid import LEAST_RATIO, refined_speeds
-from dynamics.running_limits import within
+from dynamics.response.loads import LinearQuantities, load_rows, motion_rows
+from dynamics.response.order_excitation import OverSpeed
+from dynamics.response.resonance import LEAST_RATIO, refined_speeds
 
 # Maxima below this share of the largest one are round-off of orders that nothing excites.
 LEAST_SHARE = 1e-9
@@ -230,17 +230,43 @@ def damped_criticals(
             f"node: given {node!r} together with elements; allowed is one of both, because peaks are those "
             "of loads or of a motion."
         )
-    rows, names, loads = _places(response, elements, node)
+    return criticals_of(
+        response, _quantities(response, elements, node), speed_range, modes=modes, first=first
+    )
+
+
+def criticals_of(
+    response: ForcedResponse,
+    quantities: LinearQuantities,
+    speed_range: tuple[float, float] | None = None,
+    *,
+    modes: ComplexModes | None = None,
+    first: Collection[str] = (),
+    least: float | None = None,
+) -> tuple[DampedCritical, ...]:
+    """Find the critical speeds of a system in given quantities; see `damped_criticals`.
+
+    Parameters
+    ----------
+    least : float, optional
+        A place may stand for a critical speed if its share of its own largest peak is this, or as large as
+        anywhere, in place of `LARGE`.
+    """
+    names, loads = quantities.names, quantities.loads
     modes = complex_modes(response) if modes is None else modes
     ends = _checked_ends(response, speed_range)
-    forces = OverSpeed.of(response.speeds, response.excitation.forces)
-    vibration = _Vibration(response, modes, rows, forces)
+    # Most points of a whole crankshaft are free of forces.
+    nodes = np.flatnonzero(np.any(response.excitation.forces, axis=(0, 1)))
+    forces = OverSpeed.of(response.speeds, response.excitation.forces[:, :, nodes])
+    vibration = _Vibration(
+        response, modes, quantities.under(nodes), forces, response.system.expand[nodes]
+    )
     maxima = vibration.maxima()
-    scales = _largest(maxima, np.isfinite(maxima.values), len(rows))
-    kinds = np.where(loads, *(np.max(scales[loads == own], initial=0.0) for own in (True, False)))
+    scales = _largest(maxima, np.isfinite(maxima.values), len(names))
+    kinds = np.where(loads, *(np.max(scales[loads == kind], initial=0.0) for kind in (True, False)))
     maxima = maxima.chosen(maxima.values > LEAST_SHARE * kinds[maxima.places])
     inside = within(maxima.speeds, *ends)
-    scales = _largest(maxima, inside & np.isfinite(maxima.values), len(rows))
+    scales = _largest(maxima, inside & np.isfinite(maxima.values), len(names))
     preferred = np.isin(names, list(first))
     peaks: list[_Peak] = []
     met: set[tuple[float, int]] = set()
@@ -250,24 +276,26 @@ def damped_criticals(
         makers = np.append(modes.numbers, 0)[made.mode]
         met = set(zip(response.orders[maxima.orders].tolist(), makers.tolist(), strict=True))
         peaks = vibration.peaks(
-            maxima.chosen(inside), made.chosen(inside), scales, kinds, loads, preferred
+            maxima.chosen(inside), made.chosen(inside), scales, kinds, preferred, least
         )
-    found = [_critical(modes, one, names, loads) for one in peaks]
-    met |= {(one.order, number) for one in peaks for number in one.modes}
+    criticals = [_critical(modes, peak, quantities) for peak in peaks]
+    met |= {(peak.order, number) for peak in peaks for number in peak.modes}
     for order in response.orders.tolist():
         for number in range(1, modes.undamped.size + 1):
             if (order, number) not in met and _meets(modes, order, number, ends):
-                found.append(_critical(modes, _no_peak(order, number), names, loads))
-    return tuple(sorted(found, key=lambda one: (one.order, one.mode, one.speed)))
+                criticals.append(_critical(modes, _no_peak(order, number), quantities))
+    return tuple(
+        sorted(criticals, key=lambda critical: (critical.order, critical.mode, critical.speed))
+    )
 
 
-def _places(
+def _quantities(
     response: ForcedResponse, elements: Sequence[int | str] | None, node: int | str | None
-) -> tuple[FloatArray, tuple[str, ...], NDArray[np.bool_]]:
-    """Return rows (p, q) per motion of the unknowns, names, and which are loads."""
+) -> LinearQuantities:
+    """Return the loads and motions in which peaks are sought."""
     if node is not None:
         rows, names = motion_rows(response, [node])
-        return rows, names, np.zeros(1, dtype=bool)
+        return LinearQuantities(names, rows, np.zeros(1, dtype=bool))
     if elements is not None or response.chain is not None:
         rows, names = load_rows(response, elements)
     else:
@@ -276,7 +304,7 @@ def _places(
     if elements is None:
         moved, nodes = motion_rows(response)
         rows, names = np.concatenate((rows, moved)), (*names, *nodes)
-    return rows, names, np.arange(len(rows)) < loads
+    return LinearQuantities(names, rows, np.arange(len(rows)) < loads)
 
 
 class _Maxima(NamedTuple):
@@ -345,20 +373,22 @@ def _checked_ends(
 
 @dataclass(frozen=True, eq=False)
 class _Vibration:
-    """A response evaluated at pairs of order and speed, and its maxima at the places of the rows."""
+    """A response evaluated at pairs of order and speed, and the maxima of quantities."""
 
     response: ForcedResponse
     modes: ComplexModes
-    rows: FloatArray
+    quantities: LinearQuantities
     forces: OverSpeed
+    expand: FloatArray
 
     def answer(
         self, orders: NDArray[np.intp], speeds: FloatArray
     ) -> tuple[ComplexArray, NDArray[np.bool_], ComplexArray]:
-        """Return motions (m, q), where unbounded (m,), and forces on the unknowns (m, q)."""
-        system = self.response.system
-        forces = self.forces.at(orders, speeds) @ system.expand
-        answer = harmonic_response(system, self.response.orders[orders] * speeds, forces)
+        """Return motions (m, q), where unbounded (m,), and forces on the loaded nodes (m, n)."""
+        forces = self.forces.at(orders, speeds)
+        answer = harmonic_response(
+            self.response.system, self.response.orders[orders] * speeds, forces @ self.expand
+        )
         return answer.motion, answer.unbounded, forces
 
     def maxima(self) -> _Maxima:
@@ -372,13 +402,14 @@ class _Vibration:
         about = refined_speeds(self.modes.frequencies, self.modes.damping_ratios, [order], ends)
         added = np.setdiff1d(about, known)
         motion, unbounded = self.response.unknowns[place], self.response.unbounded[place]
+        forces = self.forces.at(np.array(place), known)
         if added.size:
-            more, endless, _ = self.answer(np.full(added.size, place), added)
-            motion = np.concatenate((motion, more))
+            more, endless, beside = self.answer(np.full(added.size, place), added)
+            motion, forces = np.concatenate((motion, more)), np.concatenate((forces, beside))
             unbounded = np.concatenate((unbounded, endless))
         ascending = np.argsort(np.concatenate((known, added)))
         grid = np.concatenate((known, added))[ascending]
-        values = np.abs(motion[ascending] @ self.rows.T)
+        values = np.abs(self.quantities.at(order * grid, motion[ascending], forces[ascending]))
         values[unbounded[ascending]] = np.inf
         middle = values[1:-1]
         tops, places = np.nonzero((middle > values[:-2]) & (middle >= values[2:]))
@@ -414,9 +445,10 @@ class _Vibration:
     ) -> "_Made":
         """Return what makes maxima at speeds."""
         motion, unbounded, forces = self.answer(orders, speeds)
-        rows = self.rows[places]
-        value = np.sum(motion * rows, axis=1)
         w = self.response.orders[orders] * speeds
+        rows = self.quantities.rows_at(places, w)
+        value = self.quantities.each(places, w, motion, forces)
+        forces = forces @ self.expand
         size = np.where(value == 0.0, 1.0, np.abs(value))[:, np.newaxis]
         phase = np.conj(value[:, np.newaxis] / size)
         parts, bends = (
@@ -449,8 +481,8 @@ class _Vibration:
         made: "_Made",
         scales: FloatArray,
         kinds: FloatArray,
-        loads: NDArray[np.bool_],
         preferred: NDArray[np.bool_],
+        least: float | None,
     ) -> list[_Peak]:
         """Return the critical speeds of maxima, those of several places taken together."""
         if not maxima.speeds.size:
@@ -465,20 +497,15 @@ class _Vibration:
         # Values beside the largest of their kind, since loads and motions have different units.
         kind = kinds[maxima.places]
         size = np.divide(maxima.values, kind, out=np.ones(kind.size), where=kind > 0.0)
-        ranks = np.lexsort((size, loads[maxima.places], preferred[maxima.places]))
+        ranks = np.lexsort((size, self.quantities.loads[maxima.places], preferred[maxima.places]))
         rank = np.empty(ranks.size)
         rank[ranks] = np.arange(ranks.size)
-        told = np.array(
-            [
-                group[
-                    np.argmax(
-                        np.where(share[group] >= LARGE * np.max(share[group]), rank[group], -1.0)
-                    )
-                ]
-                for group in groups
-            ]
-        )
-        chosen = maxima.chosen(told)
+        told = []
+        for group in groups:
+            largest = np.max(share[group])
+            stands = share[group] >= (LARGE * largest if least is None else min(least, largest))
+            told.append(group[np.argmax(np.where(stands, rank[group], -1.0))])
+        chosen = maxima.chosen(np.array(told))
         speeds = _golden_section(
             lambda some: self._amplitudes(chosen.orders, chosen.places, some),
             chosen.low,
@@ -518,8 +545,9 @@ class _Vibration:
     def _amplitudes(
         self, orders: NDArray[np.intp], places: NDArray[np.intp], speeds: FloatArray
     ) -> FloatArray:
-        motion, unbounded, _ = self.answer(orders, speeds)
-        return np.where(unbounded, np.inf, np.abs(np.sum(motion * self.rows[places], axis=1)))
+        motion, unbounded, forces = self.answer(orders, speeds)
+        w = self.response.orders[orders] * speeds
+        return np.where(unbounded, np.inf, np.abs(self.quantities.each(places, w, motion, forces)))
 
 
 class _Made(NamedTuple):
@@ -585,11 +613,9 @@ def _meets(modes: ComplexModes, order: float, number: int, ends: tuple[float, fl
     return any(within(2.0 * np.pi * frequency / order, *ends) for frequency in known)
 
 
-def _critical(
-    modes: ComplexModes, peak: _Peak, names: tuple[str, ...], loads: NDArray[np.bool_]
-) -> DampedCritical:
+def _critical(modes: ComplexModes, peak: _Peak, quantities: LinearQuantities) -> DampedCritical:
     """Describe a peak, or state that a mode has none, with the frequencies of the mode."""
-    none, number = float("nan"), peak.number
+    none, number, names = float("nan"), peak.number, quantities.names
     places = np.flatnonzero(modes.numbers == number)
 
     def met(frequencies: FloatArray | None) -> float:
@@ -610,7 +636,7 @@ def _critical(
         undamped_speed=met(modes.undamped),
         locked_speed=met(modes.locked),
         severity=peak.severity,
-        of_load=peak.place >= 0 and bool(loads[peak.place]),
+        of_load=peak.place >= 0 and bool(quantities.loads[peak.place]),
         first_amplitude=peak.first_amplitude,
         others=tuple(names[place] for place in peak.others),
         spread=peak.spread,

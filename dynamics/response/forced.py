@@ -15,14 +15,17 @@ from crankbase.memory import check_memory
 from crankbase.summaries import summarized
 from crankbase.tables.frames import grid
 from dynamics.chains.chain import Chain
-from dynamics.plots.coordinates import infinite_where_unbounded, name_axis, orders_and_speeds
-from dynamics.plots.quantities import Quantity, quantity_display
-from dynamics.response.damping import DampedChain
+from dynamics.plots.quantities import (
+    Quantity,
+    infinite_where_unbounded,
+    name_axis,
+    orders_and_speeds,
+    quantity_display,
+)
 from dynamics.response.harmonic import Method, harmonic_response
-from dynamics.response.linear_system import LinearSystem, chain_system
+from dynamics.response.linear_system import DampedChain, LinearSystem, chain_system
 from dynamics.response.order_excitation import OrderExcitation
-from dynamics.response.series import DrawnBeside, OrderSeries
-from dynamics.response.synthesis import Synthesis
+from dynamics.response.series import DrawnBeside, OrderSeries, Synthesis
 
 # Complex amplitudes of every order, speed, node and unknown are held so many times at once.
 COPIES = 3.0

@@ -21,9 +21,58 @@ from crankbase.library_types import Dataset
 from crankbase.summaries import summarized
 from crankbase.tables.frames import grid
 from dynamics.harmonics import Harmonics
-from dynamics.plots.coordinates import orders_and_speeds
-from dynamics.plots.quantities import Quantity, quantity_display
-from dynamics.response.over_speed import OverSpeed
+from dynamics.plots.quantities import Quantity, orders_and_speeds, quantity_display
+
+
+@dataclass(frozen=True, eq=False)
+class OverSpeed:
+    """Amplitudes by orders as piecewise polynomials of the speed.
+
+    Parameters
+    ----------
+    speeds : ndarray of shape (S,)
+        Ascending [rad/s].
+    coefficients : complex ndarray of shape (pieces, powers, K, n)
+        By powers of the speed above the piece's lower end, the highest first; one piece of one power
+        for a single known speed.
+    """
+
+    speeds: FloatArray
+    coefficients: ComplexArray
+
+    @classmethod
+    def of(cls, speeds: FloatArray, amplitudes: ComplexArray) -> "OverSpeed":
+        """Return the curves through amplitudes (K, S, n).
+
+        Notes
+        -----
+        A cubic spline, through three speeds a parabola. Two speeds alone are joined by a + b w^2,
+        not linearly. All are exact for constants and squares of the speed.
+        """
+        values = amplitudes.swapaxes(0, 1)
+        if speeds.size == 1:
+            return cls(speeds, values[:, np.newaxis])
+        if speeds.size == 2:
+            square = (values[1] - values[0]) / (speeds[1] ** 2 - speeds[0] ** 2)
+            return cls(speeds, np.array([[square, 2.0 * speeds[0] * square, values[0]]]))
+        from scipy.interpolate import CubicSpline  # here: loading it takes a quarter second
+
+        return cls(speeds, np.asarray(CubicSpline(speeds, values).c).swapaxes(0, 1))
+
+    def pieces(self, speeds: FloatArray) -> NDArray[np.int64]:
+        """Return the pieces of speeds; the first and the last one are extrapolated."""
+        found = np.searchsorted(self.speeds, speeds, "right") - 1
+        return np.asarray(np.clip(found, 0, len(self.coefficients) - 1))
+
+    def at(self, order_index: NDArray[np.int64], speeds: FloatArray) -> ComplexArray:
+        """Return amplitudes at pairs of order and speed, which are broadcast, shape (..., n)."""
+        pieces = self.pieces(speeds)
+        above = (speeds - self.speeds[pieces])[..., np.newaxis]
+        total = self.coefficients[pieces, 0, order_index]
+        for power in range(1, self.coefficients.shape[1]):
+            total = total * above + self.coefficients[pieces, power, order_index]
+        return np.asarray(total)
+
 
 # Room for the round-off of a speed at the end of a range.
 ROOM = 1e-12

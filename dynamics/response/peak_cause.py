@@ -11,10 +11,9 @@ from crankbase.units.quantity import format_quantity
 from dynamics.indices import index_of_name
 from dynamics.response.complex_modes import ComplexModes, complex_modes
 from dynamics.response.forced import ForcedResponse
+from dynamics.response.loads import named_row
 from dynamics.response.order_excitation import OrderExcitation, checked_speed_index
-from dynamics.response.place_rows import named_row
-from dynamics.response.series import OrderSeries
-from dynamics.response.synthesis import extreme_angles
+from dynamics.response.series import OrderSeries, extreme_angles
 
 if TYPE_CHECKING:
     from pandas import DataFrame

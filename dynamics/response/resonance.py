@@ -1,18 +1,31 @@
-"""Resonances within a range of speeds, each calculated at its own speed."""
+"""Resonances within a range of speeds, the speeds to calculate at, and the Campbell diagram."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from math import pi
 from typing import Literal
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
-from crankbase.checks.arrays import ComplexArray, FloatArray
+from crankbase.checks.arrays import (
+    ComplexArray,
+    FloatArray,
+    checked_range,
+    nonnegative_vector,
+    one_for_each,
+    positive_vector,
+)
+from crankbase.checks.scalars import whole_number
+from crankbase.drawing.diagram_style import new_axes
+from crankbase.drawing.legends import write_title
 from crankbase.errors import InputError
+from crankbase.library_types import Axes
 from crankbase.summaries import summarized
 from crankbase.tables.frames import Row
 from dynamics.critical import critical_speeds
 from dynamics.indices import index_of_name
+from dynamics.plots.campbell import draw_campbell
 from dynamics.response.forced import ForcedResponse
 from dynamics.response.harmonic import NO_WORK, UNDAMPED, harmonic_response
 
@@ -189,3 +202,127 @@ def _summed(phasors: ComplexArray) -> tuple[FloatArray, FloatArray]:
     sums, sizes = np.abs(phasors.sum(axis=1)), np.abs(phasors).sum(axis=1)
     share: NDArray[np.float64] = np.divide(sums, sizes, out=np.zeros(sums.size), where=sizes > 0.0)
     return sums, share
+
+
+# Distances from a resonance in half bandwidths; then 1.5 times as far each, up to the even grid.
+NEAR = (0.125, 0.25, 0.375, 0.5, 0.75, 1.0)
+GROWTH = 1.5
+# Half bandwidth taken where there is (almost) no damping, as a share of the speed.
+LEAST_RATIO = 1e-4
+# Speeds within this share of each other are one.
+SAME_SPEED = 1e-12
+
+
+def refined_speeds(
+    frequencies: ArrayLike,
+    damping_ratios: ArrayLike,
+    orders: ArrayLike,
+    speed_range: tuple[float, float],
+    *,
+    points: int = 200,
+) -> FloatArray:
+    """Return speeds that miss no peak of a lightly damped system.
+
+    Parameters
+    ----------
+    frequencies : array_like of shape (n,)
+        Natural frequencies [Hz]; zero for rigid-body modes.
+    damping_ratios : float or array_like of shape (n,)
+        Share of critical damping of each mode; 1 / (2 magnifier).
+    orders : array_like of shape (K,)
+        In cycles per crankshaft revolution.
+    speed_range : tuple of two floats
+        Lowest and highest speed [rad/s].
+    points : int, optional
+        Number of speeds of the even grid.
+
+    Returns
+    -------
+    ndarray of shape (S,)
+        Ascending [rad/s]: the even grid, each critical speed itself, and speeds about it.
+
+    Raises
+    ------
+    InputError
+        If a value is out of range, or the range is reversed.
+
+    Notes
+    -----
+    The response of a mode of damping ratio d is 1 / sqrt(1 + (x / d)^2) of its peak at the relative
+    distance x from resonance: half the bandwidth at half power is d. At magnifier 40 this is 1.25 %
+    of the speed, so an even grid may give a peak far too low. Here the speeds are d/8 apart
+    within d/2: wherever other modes shift the peak between them, at least
+    1 - (1/16)^2 / 2 = 99.8 % of it is found. Further away the spacing grows to that of the even grid.
+    """
+    natural = nonnegative_vector("frequencies", frequencies, "Hz", "they count vibrations in time")
+    ratios = one_for_each(
+        "damping_ratios",
+        damping_ratios,
+        natural.size,
+        "frequencies",
+        "",
+        "damping takes energy away",
+    )
+    count = whole_number("points", points, 2, "the range has two ends")
+    critical = critical_speeds(natural, orders, speed_range)
+    low, high = (float(limit) for limit in speed_range)
+    even = np.linspace(low, high, count)
+    spacing = (high - low) / (count - 1)
+    found = [even]
+    for own in critical:
+        half = max(float(ratios[own.mode]), LEAST_RATIO) * own.speed
+        offsets = list(NEAR)
+        while offsets[-1] * (GROWTH - 1.0) * half < spacing and offsets[-1] * half < high - low:
+            offsets.append(offsets[-1] * GROWTH)
+        about = half * np.array(offsets)
+        found += [own.speed - about, np.array([own.speed]), own.speed + about]
+    speeds = np.sort(np.concatenate(found))
+    speeds = speeds[(speeds >= low) & (speeds <= high)]
+    # Of several alike the first stays; they differ by round-off.
+    apart = np.diff(speeds, prepend=0.0) > SAME_SPEED * speeds
+    return np.asarray(speeds[apart])
+
+
+def campbell_diagram(
+    frequencies: ArrayLike,
+    orders: ArrayLike,
+    speed_range: tuple[float, float],
+    found: Sequence[Resonance] = (),
+    axes: Axes | None = None,
+) -> Axes:
+    """Draw natural frequencies and order lines over speed, with a dot at each resonance.
+
+    Parameters
+    ----------
+    frequencies : array_like of shape (n,)
+        Natural frequencies of elastic modes [Hz]; those above the range of the orders are left out.
+    orders : array_like of shape (K,)
+        In cycles per crankshaft revolution.
+    speed_range : tuple of two floats
+        Running range [rad/s], shaded.
+    found : sequence of Resonance, optional
+        Dots grow with their severity.
+    axes : matplotlib.axes.Axes, optional
+        Where to draw; new axes by default.
+
+    Returns
+    -------
+    matplotlib.axes.Axes
+
+    Raises
+    ------
+    InputError
+        If frequencies are not a row of finite numbers of zero or more, orders not finite numbers above
+        zero, at least one, or the range is not two speeds, the lower first.
+    """
+    natural = nonnegative_vector("frequencies", frequencies, "Hz", "modes swing at them")
+    lines = positive_vector("orders", orders, "", "their lines rise with the speed")
+    if not lines.size:
+        raise InputError(
+            "orders: given none; allowed is one or more, because their lines set the height."
+        )
+    ends = checked_range("speed_range", speed_range, "rad/s", "it is shaded")
+    axes = new_axes(axes, height=4.8)
+    draw_campbell(axes, natural, lines, ends, found)
+    write_title(axes, "Campbell diagram")
+    return axes

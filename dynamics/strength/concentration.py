@@ -1,13 +1,181 @@
-"""Factors of stress concentration at fillets and oil hole, by the formulas of UR M53."""
+"""Crank webs and their stress concentration at fillets and oil hole: UR M53's formulas, or elements."""
 
 import math
-from dataclasses import dataclass
+from dataclasses import KW_ONLY, dataclass, fields
 from typing import Literal, get_args
 
+from crankbase.checks.arrays import nonnegative_number, positive_number
 from crankbase.checks.choices import check_choice
 from crankbase.errors import InputError
 from crankbase.summaries import summarized
-from dynamics.strength.crank_web import CrankWeb, check_ranges, check_ratio
+
+M53_SOURCE = (
+    "IACS unified requirement M53 Rev.5, as carried into the Korean Register's Rules for Steel Ships 2025, "
+    "Part 5 Guidance, Annex 5-3"
+)
+# Between these the rule's factors hold: lengths over the pin's diameter.
+RANGES = {
+    "overlap": ("s", -math.inf, 0.5),
+    "web_thickness": ("w", 0.2, 0.8),
+    "web_width": ("b", 1.1, 2.2),
+    "pin_fillet_radius": ("r", 0.03, 0.13),
+    "journal_fillet_radius": ("r", 0.03, 0.13),
+    "pin_bore": ("d_H", 0.0, 0.8),
+    "journal_bore": ("d_G", 0.0, 0.8),
+    "oil_hole_diameter": ("d_O", 0.0, 0.2),
+}
+LENGTHS = ("pin_diameter", "journal_diameter", "crank_radius", "web_thickness", "web_width")
+MAY_BE_ZERO = (
+    *("pin_fillet_radius", "journal_fillet_radius", "pin_bore", "journal_bore"),
+    *("pin_recess", "journal_recess", "oil_hole_diameter"),
+)
+
+
+@summarized("pin_diameter [m]", "journal_diameter [m]", "overlap [m]", "web_thickness [m]")
+@dataclass(frozen=True)
+class CrankWeb:
+    """One web of a throw with the adjacent pin and main journal [m].
+
+    Parameters
+    ----------
+    pin_diameter, journal_diameter : float
+        D, D_G.
+    crank_radius : float
+        E.
+    web_thickness, web_width : float
+        W, B; of a semi-built crank B at the center of the pin's fillet.
+    pin_fillet_radius, journal_fillet_radius : float
+        R_H, R_G.
+    pin_bore, journal_bore : float, optional
+        D_BH, D_BG.
+    pin_recess, journal_recess : float, optional
+        T_H, T_G: depth to which the fillets are recessed into the web.
+    oil_hole_diameter : float, optional
+        D_O of a radial hole in the pin; 0 for none.
+    semi_built : bool, optional
+        Whether the journal is shrunk into the web: then it has no fillet to be assessed.
+
+    Raises
+    ------
+    InputError
+        If a length is not above zero (recesses, fillets and holes: negative), or a bore not smaller than
+        its journal.
+    """
+
+    pin_diameter: float
+    journal_diameter: float
+    crank_radius: float
+    web_thickness: float
+    web_width: float
+    pin_fillet_radius: float
+    journal_fillet_radius: float
+    _: KW_ONLY
+    pin_bore: float = 0.0
+    journal_bore: float = 0.0
+    pin_recess: float = 0.0
+    journal_recess: float = 0.0
+    oil_hole_diameter: float = 0.0
+    semi_built: bool = False
+
+    def __post_init__(self) -> None:
+        for name in LENGTHS:
+            positive_number(name, getattr(self, name), "m", "it is a length")
+        for name in MAY_BE_ZERO:
+            nonnegative_number(name, getattr(self, name), "m", "it is a length")
+        for part in ("pin", "journal"):
+            bore, diameter = getattr(self, f"{part}_bore"), getattr(self, f"{part}_diameter")
+            if bore >= diameter:
+                raise InputError(
+                    f"{part}_bore: given {bore:g} m; allowed is less than the diameter of {diameter:g} m, "
+                    "because a wall is left."
+                )
+        if self.section_thickness <= 0.0:
+            raise InputError(
+                f"pin_recess: given {self.pin_recess:g} m; allowed is less than web thickness and pin fillet "
+                f"radius together, {self.web_thickness + self.pin_fillet_radius:g} m, because a web is left."
+            )
+
+    @property
+    def overlap(self) -> float:
+        """S of pin and journal, negative without overlap [m]."""
+        return 0.5 * (self.pin_diameter + self.journal_diameter) - self.crank_radius
+
+    @property
+    def section_thickness(self) -> float:
+        """W, reduced by a recess deeper than the pin's fillet if pin and journal do not overlap [m].
+
+        W_red = W - (T_H - R_H), of semi-built cranks at any overlap.
+        """
+        cut = self.pin_recess - self.pin_fillet_radius
+        reduced = (self.semi_built or self.overlap < 0.0) and cut > 0.0
+        return self.web_thickness - cut if reduced else self.web_thickness
+
+    @property
+    def bending_modulus(self) -> float:
+        """W_eqw = B W^2 / 6 of the web's section [m^3]."""
+        return self.web_width * self.section_thickness**2 / 6.0
+
+    def ratio(self, name: str) -> float:
+        """Return a length over the diameter of the pin; the web's thickness as of `section_thickness`.
+
+        Raises
+        ------
+        InputError
+            If the web has no length of that name.
+        """
+        names = [one.name for one in fields(self) if one.name != "semi_built"]
+        check_choice("name", name, [*names, "overlap"], "these are the lengths of a crank web")
+        length = "section_thickness" if name == "web_thickness" else name
+        return float(getattr(self, length)) / self.pin_diameter
+
+    def place_radius(self, place: str) -> tuple[float, float]:
+        """Return the diameter and the radius that determine the strength of a fillet or oil hole [m]."""
+        check_choice("place", place, PLACES, "the rule judges these")
+        return {
+            "pin fillet": (self.pin_diameter, self.pin_fillet_radius),
+            "journal fillet": (self.journal_diameter, self.journal_fillet_radius),
+            "oil hole": (self.pin_diameter, 0.5 * self.oil_hole_diameter),
+        }[place]
+
+
+PLACES = ("pin fillet", "journal fillet", "oil hole")
+
+
+def check_ranges(web: CrankWeb) -> None:
+    """Refuse a web for which the rule has no factors of stress concentration.
+
+    Raises
+    ------
+    InputError
+        With the ratio that is outside.
+    """
+    for name in RANGES:
+        if web.semi_built and name == "journal_fillet_radius":
+            continue
+        check_ratio(f"{name} over pin_diameter", name, web.ratio(name))
+    if not web.semi_built:
+        own = web.journal_fillet_radius / web.journal_diameter
+        check_ratio("journal_fillet_radius over journal_diameter", "journal_fillet_radius", own)
+
+
+def check_ratio(what: str, name: str, value: float, lowest: float | None = None) -> None:
+    """Refuse a ratio outside its range, or below the `lowest` of one factor.
+
+    Raises
+    ------
+    InputError
+    """
+    symbol, low, high = RANGES[name]
+    low = low if lowest is None else lowest
+    slack = 1e-12
+    if low - slack <= value <= high + slack:
+        return
+    allowed = f"{low:g} to {high:g}" if math.isfinite(low) else f"up to {high:g}"
+    raise InputError(
+        f"{what} ({symbol}): given {value:.4g}; allowed is {allowed}, because the formulas of UR M53 hold "
+        "there alone; use finite elements."
+    )
+
 
 Coefficients = Literal["printed", "suspected"]
 COEFFICIENTS: tuple[Coefficients, ...] = get_args(Coefficients)
@@ -254,3 +422,100 @@ def _polynomial(x: float, *coefficients: float) -> float:
 
 def _power(x: float, factor: float, exponent: float) -> float:
     return factor * math.pow(x, exponent)
+
+
+SYMBOLS = dict(
+    zip(
+        FACTORS,
+        ("alpha_B", "alpha_T", "beta_B", "beta_Q", "beta_T", "gamma_B", "gamma_T"),
+        strict=True,
+    )
+)
+
+
+@summarized("alpha_bending", "alpha_torsion", "beta_bending", "beta_shear", "beta_torsion")
+@dataclass(frozen=True)
+class ElementFactors:
+    """Factors on the nominal stresses of a web's pin and journal by finite elements (Appendix III, VI).
+
+    Parameters
+    ----------
+    web : CrankWeb
+    alpha_bending, alpha_torsion : float or None
+        At the pin's fillet: largest equivalent stress by von Mises under a bending moment, largest shear
+        stress under a torque. None without a fillet.
+    beta_bending, beta_torsion : float or None
+        At the journal's fillet.
+    beta_shear : float or None
+        Method 1: (s_3P - s_N3P beta_B) / s_Q3P of a throw in three-point bending.
+    beta_combined : float or None
+        Method 2: s_3P / s_N3P, on the bending stress alone.
+    gamma_bending, gamma_torsion : float or None
+        Largest principal stress at the pin's oil hole, the moment about the axis across the hole. None
+        without a hole.
+    error : float
+        Estimated relative error of the largest stresses.
+    as_ruled : bool
+        Whether mesh and stresses meet the criteria of Appendix III.
+    """
+
+    web: CrankWeb
+    alpha_bending: float | None
+    alpha_torsion: float | None
+    beta_bending: float | None
+    beta_shear: float | None
+    beta_torsion: float | None
+    beta_combined: float | None
+    gamma_bending: float | None
+    gamma_torsion: float | None
+    error: float
+    as_ruled: bool
+
+    @property
+    def shear_error(self) -> float | None:
+        """Estimated relative error of `beta_shear`: `error`, magnified by the difference of stresses."""
+        if self.beta_combined is None or self.beta_bending is None:
+            return None
+        left = abs(self.beta_combined - self.beta_bending)
+        return self.error * self.beta_combined / left if left > 0.0 else math.inf
+
+    def at(self, place: str) -> tuple[float, float, float]:
+        """Return the factors on bending, shear and torsion at a location; 0 where shear does not count.
+
+        Raises
+        ------
+        InputError
+            If the throw is modeled without that location.
+        """
+        bending, shear, torsion = {
+            "pin fillet": (self.alpha_bending, 0.0, self.alpha_torsion),
+            "journal fillet": (self.beta_bending, self.beta_shear, self.beta_torsion),
+            "oil hole": (self.gamma_bending, 0.0, self.gamma_torsion),
+        }[place]
+        if bending is None or shear is None or torsion is None:
+            part = "oil_holes" if place == "oil hole" else "fillet_radius"
+            raise InputError(
+                f"{part}: given none there; allowed is a throw with this {place}, because finite elements "
+                "have no factor for what is not meshed."
+            )
+        return bending, shear, torsion
+
+
+def unsafe_formulas(
+    formulas: ConcentrationFactors | None, elements: ElementFactors | None
+) -> dict[str, tuple[float, float]]:
+    """Return the factors that are smaller by the rule's formulas than by finite elements: symbol to both."""
+    found: dict[str, tuple[float, float]] = {}
+    if formulas is None or elements is None:
+        return found
+    for name, symbol in SYMBOLS.items():
+        by_elements = getattr(elements, name)
+        if by_elements is None:
+            continue
+        try:
+            by_formula = getattr(formulas, name)
+        except InputError:
+            continue
+        if by_formula < by_elements:
+            found[symbol] = by_formula, by_elements
+    return found

@@ -17,7 +17,7 @@ from crankbase.errors import InputError
 from crankbase.summaries import summarized
 from dynamics.cycle import checked_strokes
 from dynamics.response.loads import section_modulus
-from dynamics.strength.crank_web import CrankWeb
+from dynamics.strength.concentration import CrankWeb
 
 # K_e: what neighboring throws take of the bending of one that is supported by itself.
 BENDING_SHARE = {2: 0.8, 4: 1.0}

@@ -27,7 +27,7 @@ from dynamics.cycle import checked_strokes, order_step
 from dynamics.engine.forces import spread_array
 from dynamics.engine.layout import EngineLayout
 from dynamics.indices import grouped
-from dynamics.plots.stars import draw_star, finish_stars
+from dynamics.plots.harmonics import draw_star, finish_stars
 
 Kind = Literal["major", "minor", "balanced"]
 # Two directions are one within this angle [rad].
@@ -94,11 +94,6 @@ class Star:
     def plot(self, axes: Axes | None = None) -> Axes:
         """Draw the star: firing at shaft angle zero points up, angles turn clockwise.
 
-        Parameters
-        ----------
-        axes : matplotlib.axes.Axes, optional
-            Where to draw; new axes by default.
-
         Returns
         -------
         matplotlib.axes.Axes
@@ -111,18 +106,7 @@ class Star:
         return axes
 
     def to_pandas(self) -> DataFrame:
-        """Return one row for each cylinder: direction and length of its vector.
-
-        Returns
-        -------
-        pandas.DataFrame
-            Units of the columns in ``attrs["units"]``.
-
-        Raises
-        ------
-        MissingLibraryError
-            If pandas is not installed.
-        """
+        """Return one row for each cylinder: direction and length of its vector."""
         return table(
             {
                 "cylinder": (np.arange(1, len(self.weights) + 1), "1"),
@@ -160,10 +144,6 @@ def star_diagram(
         a of M sin(k (x - f) + a), where they differ [deg].
     mode_shape : array_like of shape (n,), optional
         Displacement of the mode at each cylinder's throw, by which its vector is multiplied.
-
-    Returns
-    -------
-    tuple of K Star
 
     Raises
     ------

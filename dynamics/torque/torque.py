@@ -1,38 +1,284 @@
 """Torque of an engine over its working cycle: by cylinder, by throw and as a whole."""
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Literal, TypeGuard
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from crankbase.checks.arrays import FloatArray, read_only
-from crankbase.checks.scalars import whole_within
+from crankbase.checks.arrays import FloatArray, finite_array, nonnegative_number, read_only
+from crankbase.checks.choices import check_choice
+from crankbase.checks.scalars import is_whole, whole_number, whole_within
 from crankbase.drawing.diagram_style import BLUE, COLORS, ORANGE
 from crankbase.drawing.legends import legend_above
-from crankbase.errors import SolveError
-from crankbase.library_types import Axes, Dataset
+from crankbase.errors import InputError, SolveError
+from crankbase.library_types import Axes, DataFrame, Dataset
 from crankbase.summaries import summarized
-from crankbase.tables.frames import grid
-from dynamics.cycle import cycle_radians
-from dynamics.engine.gas_forces import Pressure
+from crankbase.tables.frames import grid, table
+from dynamics.cycle import cycle_radians, even_angles
+from dynamics.engine import RodModelName
+from dynamics.engine.firing import IN_LINE
+from dynamics.engine.forces import MechanismForces, Pressure, gas_forces, mechanism_forces
 from dynamics.engine.layout import EngineLayout
-from dynamics.engine.motions import parts_motion
-from dynamics.engine.orders import checked_cylinder
-from dynamics.gas.indicated import indicated_work
+from dynamics.engine.motions import checked_cylinder, parts_motion
+from dynamics.gas.cylinder_volume import indicated_work
 from dynamics.gas.pressure import ATMOSPHERE
 from dynamics.harmonics import Harmonics, harmonics
-from dynamics.mechanism.rod_model_names import RodModelName
-from dynamics.plots.angle_curves import draw_over_angle
-from dynamics.plots.coordinates import angle_axis, number_axis
-from dynamics.plots.quantities import KILO
-from dynamics.torque.cycle_samples import (
-    DEFAULT_SAMPLES,
-    forces_by_cause,
-    from_firing_top,
-    samples_and_gas,
+from dynamics.indices import grouped
+from dynamics.plots.curves import draw_over_angle
+from dynamics.plots.harmonics import draw_harmonics
+from dynamics.plots.quantities import KILO, angle_axis, number_axis
+
+# Steps of 0.5 deg over 720 deg resolve orders up to 360, those over 360 deg of twice that.
+DEFAULT_SAMPLES = 1440
+
+
+def samples_and_gas(
+    engine: EngineLayout,
+    pressure: Pressure | Sequence[Pressure] | ArrayLike | None,
+    samples: int,
+    crankcase_pressure: float,
+) -> tuple[FloatArray, FloatArray]:
+    """Return shaft angles evenly over a cycle (m,) [rad], and forces on the pistons (n, m) [N]."""
+    count = whole_number("samples", samples, 3, "fewer show no harmonic")
+    angles = even_angles(cycle_radians(engine.strokes), count)
+    shape = (len(engine.cylinders), count)
+    if pressure is None:
+        return angles, np.zeros(shape)
+    if _are_pressures(pressure):
+        return angles, gas_forces(
+            engine, pressure, crankcase_pressure, shaft_angles_deg=np.degrees(angles)
+        )
+    given = finite_array("pressure", np.asarray(pressure))
+    if given.shape != shape:
+        raise InputError(
+            f"pressure: given forces of shape {given.shape}; allowed is {shape}, because there is one "
+            "for each cylinder and sample."
+        )
+    return angles, given
+
+
+def forces_by_cause(
+    engine: EngineLayout, speed: float, angles: FloatArray, gas: FloatArray, model: RodModelName
+) -> tuple[MechanismForces, MechanismForces]:
+    """Return the forces in the mechanism of the gas alone, and of moving masses alone."""
+    running = nonnegative_number("speed", speed, "rad/s", "the shaft turns forward")
+    of_gas = mechanism_forces(engine, 0.0, gas, model=model, shaft_angles_deg=np.degrees(angles))
+    return of_gas, mechanism_forces(
+        engine, running, model=model, shaft_angles_deg=np.degrees(angles)
+    )
+
+
+def _are_pressures(
+    given: "Pressure | Sequence[Pressure] | ArrayLike",
+) -> TypeGuard["Pressure | Sequence[Pressure]"]:
+    first = given[0] if isinstance(given, Sequence) and given else given
+    return hasattr(first, "at")
+
+
+def from_firing_top(
+    engine: EngineLayout, place: int, angles: FloatArray, values: FloatArray
+) -> Harmonics:
+    """Return the harmonics of a cylinder's values (m,), its index from 0, counted from its firing top."""
+    since_firing = np.degrees(angles - np.radians(engine.firing_deg[place]))
+    return harmonics(values, engine.strokes, angles_deg=since_firing)
+
+
+# Rods on one throw stand closer than this share of the bore: cylinders of a bank cannot.
+CLOSE = 0.75
+
+
+def throws_along_shaft(engine: EngineLayout) -> tuple[tuple[int, ...], ...]:
+    """Return the numbers of the cylinders on each throw, from the free end to the flywheel.
+
+    Cylinders share a throw if a rod of one is hinged to that of the other, or if their crank angles
+    are equal, their banks differ and they are closer along the shaft than a bank allows. Throws
+    at one position are in the order of their cylinders' numbers.
+    """
+    numbers = range(1, len(engine.cylinders) + 1)
+    along = sorted(numbers, key=lambda number: (engine.cylinders[number - 1].position, number))
+    mains = (number for number in along if engine.main_of(number) == number)
+    throws = grouped(mains, lambda throw, number: _shares(engine, throw, number))
+    for number in along:
+        main = engine.main_of(number)
+        if main != number:
+            next(throw for throw in throws if main in throw).append(number)
+    return tuple(tuple(sorted(throw)) for throw in throws)
+
+
+def _shares(engine: EngineLayout, throw: list[int], number: int) -> bool:
+    own = engine.cylinders[number - 1]
+    for other in (engine.cylinders[member - 1] for member in throw):
+        turned = math.remainder(
+            math.radians(own.crank_angle_deg - other.crank_angle_deg), 2.0 * math.pi
+        )
+        leaning = math.remainder(
+            math.radians(own.bank_angle_deg - other.bank_angle_deg), 2.0 * math.pi
+        )
+        apart = abs(own.position - other.position)
+        if abs(turned) > IN_LINE or abs(leaning) <= IN_LINE or apart >= CLOSE * own.bore:
+            return False
+    return True
+
+
+def checked_throws(engine: EngineLayout, throws: Sequence[int]) -> tuple[tuple[int, ...], ...]:
+    """Return the numbers of the cylinders on each throw from the throw of each cylinder, from 0."""
+    given = list(throws)
+    if len(given) != len(engine.cylinders):
+        raise InputError(
+            f"throws: given {len(given)}; allowed are {len(engine.cylinders)}, because each cylinder "
+            "works on one."
+        )
+    if not all(is_whole(throw) for throw in given):
+        raise InputError(
+            f"throws: given {given}; allowed are whole numbers from 0 on, because throws are counted "
+            "from the free end."
+        )
+    if sorted(set(given)) != list(range(max(given) + 1)):
+        raise InputError(
+            f"throws: given {given}; allowed are throws from 0 on without a gap, because each has a "
+            "cylinder."
+        )
+    return tuple(
+        tuple(place + 1 for place, own in enumerate(given) if own == throw)
+        for throw in range(max(given) + 1)
+    )
+
+
+@summarized(
+    "number",
+    "firing_angle_deg [deg]",
+    "tangential: tangential.amplitude [N]",
+    "radial: radial.amplitude [N]",
 )
-from dynamics.torque.throws import checked_throws, throws_along_shaft
+@dataclass(frozen=True, eq=False)
+class PinForceHarmonics:
+    """Harmonics of one cylinder's force on its crankpin, by its cause [N].
+
+    Phases count from the cylinder's own firing top: a harmonic of order k is
+    M_k sin(k (shaft angle - firing angle) + a_k).
+
+    Parameters
+    ----------
+    number : int
+        Of the cylinder.
+    firing_angle_deg : float
+        Shaft angle of its firing top [deg].
+    tangential_gas, tangential_inertia, tangential : Harmonics
+        T, in the sense of rotation: of the gas, of moving masses, of both. Crank radius times T is
+        the torque.
+    radial_gas, radial_inertia, radial : Harmonics
+        Z, towards the shaft axis.
+    """
+
+    number: int
+    firing_angle_deg: float
+    tangential_gas: Harmonics
+    tangential_inertia: Harmonics
+    tangential: Harmonics
+    radial_gas: Harmonics
+    radial_inertia: Harmonics
+    radial: Harmonics
+
+    def plot(
+        self,
+        axes: Axes | None = None,
+        *,
+        show: Literal["tangential", "radial"] = "tangential",
+        highest_order: float | None = None,
+    ) -> Axes:
+        """Draw the amplitudes of T or Z by order: of the gas, of moving masses, of both.
+
+        Parameters
+        ----------
+        show : {"tangential", "radial"}, optional
+            Which of the forces on the crankpin.
+        highest_order : float, optional
+            Highest order drawn; all by default.
+
+        Raises
+        ------
+        InputError
+            If there is no such force, or no order is left.
+        """
+        check_choice("show", show, ("tangential", "radial"), "these are the forces on a crankpin")
+        found = {
+            name: getattr(self, show + ending)
+            for name, ending in (("gas", "_gas"), ("inertia", "_inertia"), ("both", ""))
+        }
+        if highest_order is not None:
+            found = {name: own.up_to(highest_order) for name, own in found.items()}
+        bars = {name: KILO * own.amplitude for name, own in found.items()}
+        title = f"Harmonics of the {show} force, cylinder {self.number}"
+        return draw_harmonics(axes, found["both"].orders, bars, "amplitude [kN]", title=title)
+
+    def to_pandas(self) -> DataFrame:
+        """Return one row for each order: amplitude and phase of T and Z by cause."""
+        columns: dict[str, tuple[FloatArray, str]] = {"order": (self.tangential.orders, "1")}
+        for name in CAUSES:
+            own: Harmonics = getattr(self, name)
+            columns[name] = (own.amplitude, "N")
+            columns[f"{name}_phase"] = (own.phase, "rad")
+        return table(columns)
+
+
+CAUSES = (
+    "tangential_gas",
+    "tangential_inertia",
+    "tangential",
+    "radial_gas",
+    "radial_inertia",
+    "radial",
+)
+
+
+def pin_force_harmonics(
+    engine: EngineLayout,
+    speed: float,
+    pressure: Pressure | Sequence[Pressure] | ArrayLike | None = None,
+    *,
+    highest_order: float = 24.0,
+    samples: int = DEFAULT_SAMPLES,
+    model: RodModelName = "rigid",
+    crankcase_pressure: float = ATMOSPHERE,
+) -> tuple[PinForceHarmonics, ...]:
+    """Find the harmonics of the tangential and the radial force on the crankpin, by cylinder.
+
+    Parameters
+    ----------
+    engine, speed, pressure, samples, model, crankcase_pressure
+        As for `engine_torque`.
+    highest_order : float, optional
+        Highest order; the samples must resolve it.
+
+    Returns
+    -------
+    tuple of n PinForceHarmonics
+
+    Raises
+    ------
+    InputError
+        As `engine_torque`, and if the samples do not resolve the highest order.
+    """
+    angles, gas = samples_and_gas(engine, pressure, samples, crankcase_pressure)
+    of_gas, of_masses = forces_by_cause(engine, speed, angles, gas, model)
+    parts: list[FloatArray] = []
+    for by_gas, by_masses in (
+        (of_gas.tangential, of_masses.tangential),
+        (of_gas.radial, of_masses.radial),
+    ):
+        parts += [by_gas, by_masses, by_gas + by_masses]
+    found = []
+    for place, firing in enumerate(np.radians(engine.firing_deg)):
+        split = [
+            from_firing_top(engine, place, angles, part[place]).up_to(highest_order)
+            for part in parts
+        ]
+        found.append(PinForceHarmonics(place + 1, math.degrees(firing), *split))
+    return tuple(found)
+
 
 # A mean torque below this share of the largest is round-off.
 NO_MEAN = 1e-12
@@ -156,14 +402,8 @@ class EngineTorque:
 
         Parameters
         ----------
-        axes : matplotlib.axes.Axes, optional
-            Where to draw; new axes by default.
         throw : int, optional
             Number of the throw, from 1 at the free end; by default the whole engine.
-
-        Returns
-        -------
-        matplotlib.axes.Axes
 
         Raises
         ------
@@ -195,18 +435,7 @@ class EngineTorque:
         return axes
 
     def to_xarray(self) -> Dataset:
-        """Return the torques over cylinder, throw and shaft angle.
-
-        Returns
-        -------
-        xarray.Dataset
-            Units in the ``attrs["units"]`` of each array and coordinate.
-
-        Raises
-        ------
-        MissingLibraryError
-            If xarray is not installed.
-        """
+        """Return the torques over cylinder, throw and shaft angle."""
         by_cylinder, by_throw = ("cylinder", "shaft_angle"), ("throw", "shaft_angle")
         return grid(
             {
@@ -229,12 +458,7 @@ class EngineTorque:
 
 
 def check_energy(torque: EngineTorque) -> None:
-    """Refuse a torque whose work over a cycle differs from that of the gas.
-
-    Raises
-    ------
-    SolveError
-    """
+    """Refuse a torque whose work over a cycle differs from that of the gas."""
     if not abs(torque.energy_error) <= LARGEST_ENERGY_ERROR:
         raise SolveError(
             f"Work of the torque and work of the gas differ by a share of {abs(torque.energy_error):.1e} "
@@ -256,7 +480,6 @@ def engine_torque(
 
     Parameters
     ----------
-    engine : EngineLayout
     speed : float
         Of the shaft, constant [rad/s].
     pressure : GasPressure, sequence of n GasPressure, array_like or None
@@ -272,10 +495,6 @@ def engine_torque(
     crankcase_pressure : float, optional
         Absolute pressure under the pistons [Pa].
 
-    Returns
-    -------
-    EngineTorque
-
     Raises
     ------
     InputError
@@ -283,8 +502,8 @@ def engine_torque(
 
     Examples
     --------
-    >>> from dynamics.engine.cylinder import EngineCylinder
-    >>> from dynamics.mechanism.rods import ConnectingRod
+    >>> from dynamics.engine.layout import EngineCylinder
+    >>> from dynamics.engine.rods import ConnectingRod
     >>> rod = ConnectingRod(length=0.2, mass=1.0, center_distance=0.07, inertia=0.006)
     >>> engine = EngineLayout(0.05, [EngineCylinder(0.1, 1.0, rod)], [1])
     >>> motored = engine_torque(engine, 100.0)

@@ -1,18 +1,397 @@
-"""All forces on a system over time: excitations that replace each other, and loads."""
+"""All forces on a system over time, by orders and loads, and the shaft's speed and angle."""
 
 import math
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Sequence
+from dataclasses import KW_ONLY, dataclass
 from itertools import pairwise
 
 import numpy as np
+from numpy.typing import ArrayLike, NDArray
 
-from crankbase.checks.arrays import FloatArray, finite_array, nonnegative_number
+from crankbase.checks.angles import radians_of
+from crankbase.checks.arrays import (
+    FloatArray,
+    finite_array,
+    finite_vector,
+    nonnegative_number,
+    positive_number,
+    positive_vector,
+    read_only,
+)
+from crankbase.checks.scalars import whole_number
+from crankbase.drawing.diagram_style import new_axes
+from crankbase.drawing.legends import write_title
 from crankbase.errors import InputError
+from crankbase.library_types import Axes
+from crankbase.summaries import summarized
+from crankbase.units.units import RPM
 from dynamics.indices import node_index
-from dynamics.response.order_excitation import OrderExcitation
-from dynamics.transient.order_forces import OrderForces
-from dynamics.transient.speed_curve import SpeedCurve
+from dynamics.plots.curves import draw_over_time
+from dynamics.plots.quantities import SPEED_LABEL
+from dynamics.response.order_excitation import OrderExcitation, OverSpeed, check_ascending
+from dynamics.transient.propagator import PLACES, POINTS
+
+# [share] By which an angle may miss the ends of a curve.
+ROUND_OFF = 1e-14
+
+
+@summarized("times [s]", "speeds [rad/s]", "duration [s]")
+@dataclass(frozen=True, eq=False)
+class SpeedCurve:
+    """The speed over time, linear between the values given; the angle is its integral.
+
+    Parameters
+    ----------
+    times : array_like of shape (m,)
+        Ascending, two or more [s].
+    speeds : array_like of shape (m,)
+        Above zero [rad/s].
+    start_angle_deg : float, optional
+        Shaft angle at the first time [deg].
+
+    Raises
+    ------
+    InputError
+        If times do not ascend, a speed is not above zero, or lengths differ.
+
+    Examples
+    --------
+    >>> curve = SpeedCurve.ramp(50.0, 150.0, acceleration=20.0)
+    >>> curve.duration, float(curve.angle_deg(curve.duration).round())
+    (5.0, 28648.0)
+    """
+
+    times: FloatArray
+    speeds: FloatArray
+    _: KW_ONLY
+    start_angle_deg: float = 0.0
+
+    def __post_init__(self) -> None:
+        times = finite_vector("times", self.times)
+        speeds = positive_vector("speeds", self.speeds, "rad/s", "the shaft turns forward")
+        if times.size < 2 or times.size != speeds.size:
+            raise InputError(
+                f"times: given {times.size} for {speeds.size} speeds; allowed are two or more, one for "
+                "each speed, because the curve runs from point to point."
+            )
+        check_ascending("times", times, " s", "time does not run back")
+        object.__setattr__(self, "times", read_only(times))
+        object.__setattr__(self, "speeds", read_only(speeds))
+        object.__setattr__(
+            self, "start_angle_deg", float(finite_array("start_angle_deg", self.start_angle_deg))
+        )
+
+    @classmethod
+    def constant(
+        cls, speed: float, duration: float, *, start_angle_deg: float = 0.0
+    ) -> "SpeedCurve":
+        """Return a constant speed [rad/s] over a time [s]."""
+        end = positive_number("duration", duration, "s", "time runs forward")
+        return cls(np.array([0.0, end]), np.array([speed, speed]), start_angle_deg=start_angle_deg)
+
+    @classmethod
+    def ramp(
+        cls,
+        start_speed: float,
+        end_speed: float,
+        *,
+        acceleration: float | None = None,
+        duration: float | None = None,
+        start_angle_deg: float = 0.0,
+    ) -> "SpeedCurve":
+        """Return a uniform run-up, or run-down, from time zero.
+
+        Parameters
+        ----------
+        start_speed, end_speed : float
+            [rad/s]
+        acceleration : float, optional
+            Its magnitude, for either direction [rad/s^2].
+        duration : float, optional
+            Alternatively, duration [s].
+        start_angle_deg : float, optional
+            [deg]
+
+        Raises
+        ------
+        InputError
+            If a number is not above zero, the speeds are equal, or not exactly one of acceleration
+            and duration is given.
+        """
+        start = positive_number("start_speed", start_speed, "rad/s", "the shaft turns forward")
+        end = positive_number("end_speed", end_speed, "rad/s", "the shaft turns forward")
+        if (acceleration is None) == (duration is None):
+            raise InputError(
+                f"acceleration: given {acceleration} with a duration of {duration}; allowed is one of "
+                "both, because each follows from the other."
+            )
+        if start == end:
+            raise InputError(
+                f"end_speed: given {end:g} rad/s, that of the start; allowed is another, because a "
+                "ramp changes the speed."
+            )
+        if acceleration is not None:
+            rate = positive_number("acceleration", acceleration, "rad/s^2", "it is a size")
+            time = abs(end - start) / rate
+        else:
+            assert duration is not None
+            time = positive_number("duration", duration, "s", "time runs forward")
+        return cls(np.array([0.0, time]), np.array([start, end]), start_angle_deg=start_angle_deg)
+
+    @classmethod
+    def sampled(
+        cls,
+        speed: Callable[[float], float],
+        duration: float,
+        *,
+        samples: int = 1001,
+        start_angle_deg: float = 0.0,
+    ) -> "SpeedCurve":
+        """Return the linear pieces through a function time [s] -> speed [rad/s] from time zero."""
+        end = positive_number("duration", duration, "s", "time runs forward")
+        count = whole_number("samples", samples, 2, "start and end are among them")
+        times = np.linspace(0.0, end, count)
+        return cls(
+            times,
+            np.array([speed(time) for time in times.tolist()]),
+            start_angle_deg=start_angle_deg,
+        )
+
+    @property
+    def duration(self) -> float:
+        """From first to last time [s]."""
+        return float(self.times[-1] - self.times[0])
+
+    def speed(self, time: ArrayLike) -> FloatArray:
+        """Return the speed at times [s] within the curve [rad/s].
+
+        Raises
+        ------
+        InputError
+            If a time is outside.
+        """
+        return np.asarray(np.interp(self._checked(time), self.times, self.speeds))
+
+    def angle_deg(self, time: ArrayLike) -> FloatArray:
+        """Return the shaft angle at times [s] within the curve [deg].
+
+        Raises
+        ------
+        InputError
+            If a time is outside.
+        """
+        times = self._checked(time)
+        piece = np.clip(np.searchsorted(self.times, times, "right") - 1, 0, self.times.size - 2)
+        since = times - self.times[piece]
+        rates = np.diff(self.speeds) / np.diff(self.times)
+        return np.degrees(
+            self._angles[piece] + since * (self.speeds[piece] + 0.5 * rates[piece] * since)
+        )
+
+    def time_at(self, *, angle_deg: ArrayLike) -> FloatArray:
+        """Return the times at which the shaft passes angles [deg], such as firing angles.
+
+        Raises
+        ------
+        InputError
+            If an angle is not passed.
+        """
+        angles = radians_of("angle_deg", angle_deg)
+        known = self._angles
+        # The ends as `angle_deg` gives them differ from these by round-off.
+        room = ROUND_OFF * max(abs(known[0]), abs(known[-1]))
+        if np.any((angles < known[0] - room) | (angles > known[-1] + room)):
+            raise InputError(
+                f"angle_deg: given {np.min(angle_deg):g} to {np.max(angle_deg):g}; allowed are "
+                f"{math.degrees(known[0]):g} to {math.degrees(known[-1]):g}, because the shaft passes those."
+            )
+        piece = np.clip(np.searchsorted(known, angles, "right") - 1, 0, known.size - 2)
+        rate = (np.diff(self.speeds) / np.diff(self.times))[piece]
+        start, past = self.speeds[piece], np.clip(angles, known[0], known[-1]) - known[piece]
+        # Smaller root of rate t^2 / 2 + start t = past, in the form that holds for rate 0.
+        root = np.sqrt(np.maximum(start**2 + 2.0 * rate * past, 0.0))
+        return np.asarray(self.times[piece] + 2.0 * past / (start + root))
+
+    @property
+    def _angles(self) -> FloatArray:
+        """Shaft angle at the times given [rad], (m,)."""
+        means = 0.5 * (self.speeds[1:] + self.speeds[:-1])
+        return math.radians(self.start_angle_deg) + np.concatenate(
+            ([0.0], np.cumsum(means * np.diff(self.times)))
+        )
+
+    def _checked(self, time: ArrayLike) -> FloatArray:
+        times = finite_array("time", time)
+        room = 1e-12 * self.duration
+        if np.any((times < self.times[0] - room) | (times > self.times[-1] + room)):
+            raise InputError(
+                f"time: given {float(np.min(times)):g} to {float(np.max(times)):g} s; allowed are "
+                f"{self.times[0]:g} to {self.times[-1]:g} s, because the speed is known there."
+            )
+        return times
+
+    def plot(self, axes: Axes | None = None) -> Axes:
+        """Draw the speed over the time.
+
+        Parameters
+        ----------
+        axes : matplotlib.axes.Axes, optional
+            Where to draw; new axes by default.
+
+        Returns
+        -------
+        matplotlib.axes.Axes
+        """
+        axes = new_axes(axes, height=3.4)
+        draw_over_time(axes, self.times, {"speed": RPM * self.speeds}, SPEED_LABEL)
+        write_title(axes, "Speed over time")
+        return axes
+
+
+# Shaft angles times the highest order that one step may cover [rad], by default and at most. A
+# polynomial through the points of a step misses a sine at its ends by 1.5e-6 of the sixth power.
+USUAL_REACH, WIDEST_REACH = 0.5, 2.0
+# Most turns that a cycle may take for all orders to repeat.
+MOST_TURNS = 12
+# Speeds count as those of the excitation within this share.
+SAME_SPEED = 1e-9
+# Steps of each stretch at which the error of the polynomials is looked at.
+CHECKED = 64
+
+
+@dataclass(frozen=True, eq=False)
+class OrderForces:
+    """Forces on the modes as piecewise polynomials of the speed.
+
+    Parameters
+    ----------
+    orders : ndarray of shape (K,)
+    over_speed : OverSpeed
+        Their amplitudes on the modes.
+    coefficients : ndarray of shape (pieces, 2 K, powers, q)
+        The same for the cosine, then for the sine of each order.
+    """
+
+    orders: FloatArray
+    over_speed: OverSpeed
+    coefficients: FloatArray
+
+    @classmethod
+    def of(cls, excitation: OrderExcitation, inputs: FloatArray) -> "OrderForces":
+        """Return the forces on modes, inputs (n, q) taking forces on nodes to those on modes.
+
+        Between the speeds of the excitation they are interpolated as by `at_speeds`.
+
+        Raises
+        ------
+        InputError
+            If there is not one force for each node.
+        """
+        if excitation.forces.shape[2] != len(inputs):
+            raise InputError(
+                f"excitation: given forces on {excitation.forces.shape[2]} nodes; allowed is one on "
+                f"each of {len(inputs)}, because the system has so many."
+            )
+        over_speed = OverSpeed.of(excitation.speeds, excitation.forces @ inputs)
+        powers = over_speed.coefficients.swapaxes(1, 2)
+        both = np.concatenate((powers.real, -powers.imag), axis=1)
+        return cls(excitation.orders, over_speed, np.ascontiguousarray(both))
+
+    def check_speeds(self, lowest: float, highest: float) -> None:
+        """Refuse speeds for which the forces are unknown.
+
+        Raises
+        ------
+        InputError
+        """
+        known = self.over_speed.speeds[[0, -1]]
+        if lowest < known[0] * (1.0 - SAME_SPEED) or highest > known[1] * (1.0 + SAME_SPEED):
+            asked = f"{lowest:g}" if lowest == highest else f"{lowest:g} to {highest:g}"
+            allowed = f"{known[0]:g}" if known.size == 1 else f"{known[0]:g} to {known[1]:g}"
+            raise InputError(
+                f"speed: given {asked} rad/s; allowed is {allowed} rad/s, because the excitation is "
+                "known there."
+            )
+
+    def at(self, angles: FloatArray, speeds: FloatArray) -> FloatArray:
+        """Return the forces (m, q) at shaft angles [rad] and speeds [rad/s], both (m,)."""
+        turning = np.outer(angles, self.orders)
+        waves = np.concatenate((np.cos(turning), np.sin(turning)), axis=1)
+        places = self.over_speed.pieces(speeds)
+        forces = np.empty((angles.size, self.coefficients.shape[-1]))
+        for piece in np.unique(places).tolist():
+            own = np.flatnonzero(places == piece)
+            coefficients = self.coefficients[piece]
+            terms = waves[own] @ coefficients.reshape(len(coefficients), -1)
+            terms = terms.reshape(own.size, *coefficients.shape[1:])
+            above = (speeds[own] - self.over_speed.speeds[piece])[:, np.newaxis]
+            total = terms[:, 0]
+            for power in range(1, terms.shape[1]):
+                total = total * above + terms[:, power]
+            forces[own] = total
+        return forces
+
+
+def checked_step(step: float, orders: FloatArray, highest_speed: float) -> float:
+    """Return a step [s] that resolves the orders.
+
+    Raises
+    ------
+    InputError
+        If it covers more than `WIDEST_REACH` of the highest order.
+    """
+    fastest = float(orders[-1]) * highest_speed
+    if step * fastest > WIDEST_REACH * (1.0 + 1e-9):
+        raise InputError(
+            f"step: given {step:g} s; allowed is {WIDEST_REACH / fastest:.4g} s or less, because order "
+            f"{orders[-1]:g} repeats every {2.0 * np.pi / fastest:.4g} s at {highest_speed:g} rad/s."
+        )
+    return step
+
+
+def cycle_turns(orders: FloatArray) -> int:
+    """Return the least number of revolutions after which all orders repeat.
+
+    Raises
+    ------
+    InputError
+        If there is none up to `MOST_TURNS`.
+    """
+    for turns in range(1, MOST_TURNS + 1):
+        cycles = orders * turns
+        if np.all(np.abs(cycles - np.round(cycles)) <= 1e-9 * np.maximum(cycles, 1.0)):
+            return turns
+    raise InputError(
+        f"orders: given {', '.join(f'{order:g}' for order in orders[:8].tolist())}; allowed are orders "
+        f"that all repeat within {MOST_TURNS} turns, because the motion is sought over a cycle."
+    )
+
+
+def sampling_note(natural: FloatArray, step: float) -> str:
+    """State which modes the samples at each step are too few to show, or nothing."""
+    unseen = int(np.count_nonzero(natural * step > np.pi))
+    if not unseen:
+        return ""
+    return (
+        f"Of the {natural.size} natural frequencies the highest {unseen}, above "
+        f"{0.5 / step:.4g} Hz, are followed exactly, but the results at each step are too few to show "
+        "them."
+    )
+
+
+def midpoint_residual(forces: FloatArray) -> tuple[FloatArray, NDArray[np.int64]]:
+    """Return the errors of the polynomials of some steps at their midpoints, (k, q), and those steps.
+
+    Parameters
+    ----------
+    forces : ndarray of shape (m, POINTS, q)
+        At the points of m steps.
+    """
+    chosen = np.unique(np.linspace(0, len(forces) - 1, CHECKED).astype(int))
+    powers = 0.5 ** np.arange(POINTS)
+    middle = powers @ np.linalg.inv(np.vander(PLACES, POINTS, increasing=True))
+    return np.tensordot(forces[chosen], middle, axes=(1, 0)), chosen
+
 
 # Times closer than this share of a step are one.
 SAME_TIME = 1e-6

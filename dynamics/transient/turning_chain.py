@@ -1,23 +1,151 @@
-"""A rotating torsional chain with its rods and pistons: the full equations of motion."""
+"""A rotating torsional chain with its rods and pistons: the full equations of motion and their state."""
 
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Unpack
+from typing import Any, Literal, Unpack, get_args
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from crankbase.checks.arrays import FloatArray, check_shape, finite_array, turning_speeds
+from crankbase.checks.arrays import (
+    ComplexArray,
+    FloatArray,
+    check_shape,
+    finite_array,
+    turning_speeds,
+)
+from crankbase.checks.choices import check_choice
 from crankbase.errors import InputError
 from crankbase.summaries import summarized
-from dynamics.chains.engine_chains import EngineChain
+from dynamics.chains.engine_chains import EngineChain, cylinder_inertia
+from dynamics.engine import RodModelName
+from dynamics.engine.forces import rod_models
 from dynamics.engine.layout import EngineLayout
 from dynamics.excitation.cylinders import CylinderForces
 from dynamics.indices import node_index
-from dynamics.mechanism.rod_model_names import RodModelName
 from dynamics.response.order_excitation import checked_speed_index
-from dynamics.transient.throw_curves import ThrowCurves, throw_curves
-from dynamics.transient.viscous import ViscousDamping, ViscousSystem, viscous_system
+from dynamics.transient.applied_forces import cycle_turns
+from dynamics.transient.propagator import ViscousDamping, ViscousSystem, viscous_system
+from dynamics.turning.shaft_moments import TurnCurves, turn_curves
+
+# Harmonics of the inertia below this share of its mean are left out.
+NEGLIGIBLE = 1e-14
+
+
+@dataclass(frozen=True, eq=False)
+class ThrowCurves:
+    """Curves of t throws, each over its own angle: y = mean + Re sum of a_k exp(i k theta).
+
+    Parameters
+    ----------
+    orders : ndarray of shape (K,)
+        k, those of inertia and torque together.
+    inertia_mean : ndarray of shape (t,)
+        Of rods and pistons [kg m^2].
+    inertia : complex ndarray of shape (t, K)
+        Its harmonics.
+    torque_mean : ndarray of shape (t,)
+        Of the gas [N m].
+    torque : complex ndarray of shape (t, K)
+        Its harmonics.
+    """
+
+    orders: FloatArray
+    inertia_mean: FloatArray
+    inertia: ComplexArray
+    torque_mean: FloatArray
+    torque: ComplexArray
+
+    def at(self, angles: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """Return inertia, its derivative by the angle, and torque at angles (c, t), each of that shape."""
+        table = self._table
+        # Waves of all orders by repeated multiplication: it costs a tenth of exponentials.
+        waves = np.empty((*angles.shape, table.shape[1]), dtype=np.complex128)
+        waves[...] = np.exp(1j * self._step * angles)[..., np.newaxis]
+        waves = np.cumprod(waves, axis=-1)
+        found = np.matmul(waves.swapaxes(0, 1), table).real
+        inertia = self.inertia_mean + found[..., 0].T
+        return inertia, found[..., 1].T, self.torque_mean + found[..., 2].T
+
+    @cached_property
+    def _step(self) -> float:
+        """Order of which all orders are multiples."""
+        return 1.0 / cycle_turns(self.orders) if self.orders.size else 1.0
+
+    @cached_property
+    def _table(self) -> ComplexArray:
+        """Harmonics of inertia, its derivative and torque at all multiples of the step, (t, N, 3)."""
+        places = np.round(self.orders / self._step).astype(int) - 1
+        count = int(places.max(initial=0)) + 1
+        table = np.zeros((self.inertia_mean.size, count, 3), dtype=np.complex128)
+        table[:, places, 0] = self.inertia
+        table[:, places, 1] = 1j * self.orders * self.inertia
+        table[:, places, 2] = self.torque
+        return table
+
+    def with_constant_inertia(self) -> "ThrowCurves":
+        """Return the same with the inertia at its mean."""
+        return replace(self, inertia=np.zeros_like(self.inertia))
+
+
+def throw_inertia_curves(
+    engine: EngineLayout, throws: Sequence[int], model: RodModelName = "rigid"
+) -> TurnCurves:
+    """Return the inertia of rods and pistons on each throw over its angle, as series.
+
+    Parameters
+    ----------
+    engine : EngineLayout
+    throws : sequence of n int
+        Throw of each cylinder, from 0.
+    model : str, optional
+        Of the rods.
+
+    Raises
+    ------
+    InputError
+        If there is no such model, or a rod is so short that its harmonics do not decay.
+    """
+    models = rod_models(engine, model)
+
+    def sampled(angles: FloatArray) -> FloatArray:
+        inertia = np.zeros((max(throws) + 1, angles.size))
+        for place, (throw, rod) in enumerate(zip(throws, models, strict=True)):
+            inertia[throw] += cylinder_inertia(engine, place + 1, rod, angles)
+        return inertia
+
+    return turn_curves(sampled)
+
+
+def throw_curves(
+    engine: EngineLayout, forces: CylinderForces, speed_index: int, model: RodModelName = "rigid"
+) -> ThrowCurves:
+    """Return the curves of an engine's throws from its gas forces at one of their speeds."""
+    found = throw_inertia_curves(engine, forces.throws, model)
+    largest = np.max(np.abs(found.coefficients) / found.mean[:, np.newaxis], axis=0, initial=0.0)
+    kept = np.flatnonzero(largest > NEGLIGIBLE)
+    throws = found.mean.size
+    mean, phasors = np.zeros(throws), np.zeros((forces.orders.size, throws), dtype=np.complex128)
+    for cylinder, throw in enumerate(forces.throws):
+        mean[throw] += forces.crank_radius * forces.mean_tangential[speed_index, cylinder]
+        phasors[:, throw] += forces.torque[:, speed_index, cylinder]
+    of_inertia = np.asarray(kept + 1.0, dtype=np.float64)
+    orders = np.union1d(of_inertia, forces.orders)
+    return ThrowCurves(
+        orders,
+        found.mean,
+        _placed(found.coefficients[:, kept], of_inertia, orders),
+        mean,
+        _placed(phasors.T, forces.orders, orders),
+    )
+
+
+def _placed(values: ComplexArray, orders: FloatArray, among: FloatArray) -> ComplexArray:
+    placed = np.zeros((len(values), among.size), dtype=np.complex128)
+    placed[:, np.searchsorted(among, orders)] = values
+    return placed
+
 
 # Ratios of speeds count as one within this; damping against even turning as none.
 EVEN = 1e-9
@@ -336,3 +464,123 @@ def _even_turning(rigid: FloatArray, relative: FloatArray) -> FloatArray:
             "parts whose speeds the dashpots join are equal, because the shaft turns steadily."
         )
     return np.asarray(rigid @ vectors[:, 0])
+
+
+IntegrationMethod = Literal["DOP853", "Radau"]
+# Relative tolerance of the integration; absolute ones are this share of the sizes of the states.
+TOLERANCE = 1e-9
+WORKS = 3
+# The first step, in radians of the highest natural frequency.
+FIRST_STEP = 0.1
+
+
+@dataclass(frozen=True, eq=False)
+class TurningState:
+    """Columns of a state array (c, 2 q + 4) of c copies of a chain, relative to uniform rotation.
+
+    They are twist, its speed, works of gas, load and dampers, and the integral over time of the
+    shaft's part of the twist.
+
+    Parameters
+    ----------
+    chain : TurningChain
+    frame : float
+        Speed of the uniform rotation that twists are counted from [rad/s].
+    holds : bool
+        Whether dampers to ground turn at that speed, or at the current mean speed.
+    load : callable
+        Shaft speeds (c,) [rad/s] and time [s] to the braking moments (c,) [N m].
+    typical_speed : float
+        Of the shaft, for the scale of torques and motions [rad/s].
+    """
+
+    chain: TurningChain
+    frame: float
+    holds: bool
+    load: Callable[[FloatArray, float], FloatArray]
+    typical_speed: float
+
+    @property
+    def size(self) -> int:
+        """Number of columns."""
+        return 2 * self.chain.even.size + WORKS + 1
+
+    @cached_property
+    def sizes(self) -> FloatArray:
+        """Scale of each column, (2 q + 4,)."""
+        chain = self.chain
+        rigid = chain.system.system.rigid.shape[1]
+        lowest = float(chain.system.system.natural[rigid])
+        torque = chain.torque_size(self.typical_speed)
+        twist = torque / float(np.max(np.diag(chain.stiffness)))
+        count = chain.even.size
+        return np.concatenate(
+            (
+                np.full(count, twist),
+                np.full(count, twist * lowest),
+                np.full(WORKS, torque),
+                [twist / lowest],
+            )
+        )
+
+    def slope(self, time: float, states: FloatArray) -> FloatArray:
+        """Return the derivative by time of states (c, 2 q + 4)."""
+        chain, count = self.chain, self.chain.even.size
+        twist, vibration = states[:, :count], states[:, count : 2 * count]
+        speeds = vibration + self.frame * chain.even
+        mean = speeds @ chain.momentum
+        reference = np.full(mean.shape, self.frame) if self.holds else mean
+        angles = np.full(mean.shape, self.frame * time)
+        springs, dampers, gas, inertia = chain.torques(twist, speeds, angles, reference)
+        load = -self.load(mean, time)[:, np.newaxis] * chain.load
+        found = np.empty_like(states)
+        found[:, :count] = vibration
+        found[:, count : 2 * count] = chain.accelerations(springs + dampers + gas + load, inertia)
+        for place, torques in enumerate((gas, load, dampers), start=2 * count):
+            found[:, place] = np.sum(torques * speeds, axis=1)
+        found[:, -1] = twist @ chain.momentum
+        return found
+
+    def integrate(
+        self,
+        states: FloatArray,
+        span: tuple[float, float],
+        method: IntegrationMethod,
+        evaluated: Callable[[float], None],
+        **options: Any,
+    ) -> Any:
+        """Integrate states (c, 2 q + 4) over a span of time [s] and return what `solve_ivp` does.
+
+        At each evaluation `evaluated` is called with the time.
+        """
+        from scipy.integrate import solve_ivp
+
+        shape = states.shape
+        # Left to itself, the integrator tries a first step that is far too long for even turning.
+        first = FIRST_STEP / float(self.chain.system.system.natural[-1])
+
+        def flat(time: float, values: FloatArray) -> FloatArray:
+            evaluated(time)
+            return self.slope(time, values.reshape(shape)).reshape(-1)
+
+        return solve_ivp(
+            flat,
+            span,
+            states.reshape(-1),
+            method=method,
+            first_step=min(first, span[1] - span[0]),
+            rtol=TOLERANCE,
+            atol=TOLERANCE * np.tile(self.sizes, len(states)),
+            **options,
+        )
+
+
+def check_method(method: str) -> None:
+    """Refuse an unknown method of integration.
+
+    Raises
+    ------
+    InputError
+    """
+    why = "the equations are smooth and may be stiff"
+    check_choice("method", method, get_args(IntegrationMethod), why)

@@ -24,14 +24,22 @@ from crankbase.library_types import Axes, DataFrame
 from crankbase.summaries import summarized
 from crankbase.tables.frames import table
 from crankbase.units.units import RPM
+from dynamics.cycle import cycle_radians
+from dynamics.engine import RodModelName
 from dynamics.engine.layout import EngineLayout
 from dynamics.gas.pressure import ATMOSPHERE
-from dynamics.mechanism.rod_model_names import RodModelName
-from dynamics.plots.angle_curves import draw_over_time
+from dynamics.plots.curves import draw_over_time
 from dynamics.plots.quantities import KILO
-from dynamics.running_limits import MOST_MOMENTS, MOST_TURNS, run_time, too_many_turns, work_counter
-from dynamics.turning.piston_gas import Gas
-from dynamics.turning.shaft_moments import Resistance, ShaftMoments, shaft_moments
+from dynamics.turning.shaft_moments import Gas, Resistance, ShaftMoments, shaft_moments
+from dynamics.turning.speed_over_angle import (
+    MOST_MOMENTS,
+    MOST_TURNS,
+    SteadyTurning,
+    run_time,
+    steady_turning,
+    too_many_turns,
+    work_counter,
+)
 
 # Of the integration, relative; absolute ones are this share of a radian, start speed and energy.
 TOLERANCE = 1e-11
@@ -114,13 +122,7 @@ class FreeTurning:
 
         Parameters
         ----------
-        axes : matplotlib.axes.Axes, optional
-            Where to draw; new axes by default.
         show : {"speed", "moment", "work"}, optional
-
-        Returns
-        -------
-        matplotlib.axes.Axes
 
         Raises
         ------
@@ -140,18 +142,7 @@ class FreeTurning:
         return axes
 
     def to_pandas(self) -> DataFrame:
-        """Return a row for each time: angle, speed, energy, moments and works.
-
-        Returns
-        -------
-        pandas.DataFrame
-            Units of the columns in ``attrs["units"]``.
-
-        Raises
-        ------
-        MissingLibraryError
-            If pandas is not installed.
-        """
+        """Return a row for each time: angle, speed, energy, moments and works."""
         columns = {
             "time": (self.time, "s"),
             "angle": (self.angle_deg, "deg"),
@@ -235,8 +226,8 @@ def turn_freely(
 
     Examples
     --------
-    >>> from dynamics.engine.cylinder import EngineCylinder
-    >>> from dynamics.mechanism.rods import ConnectingRod
+    >>> from dynamics.engine.layout import EngineCylinder
+    >>> from dynamics.engine.rods import ConnectingRod
     >>> rod = ConnectingRod(length=0.2, mass=1.0, center_distance=0.07, inertia=0.006)
     >>> cylinder = EngineCylinder(bore=0.1, piston_mass=1.0, rod=rod)
     >>> engine = EngineLayout(0.05, [cylinder], [1], shaft_inertia=0.5)
@@ -261,11 +252,9 @@ def turn_freely(
 def _integrated(
     moments: ShaftMoments, start: tuple[float, float], end: float, told: FloatArray
 ) -> tuple[FloatArray, float | None]:
-    """Return angle, speed and works at the output times (6, m), and when the engine stopped.
-
-    If gas forces jump at the ends of strokes, each stroke is integrated separately with the
-    pistons' directions held: no step passes over a jump, and none is hidden from the error control.
-    """
+    """Return angle, speed and works at the output times (6, m), and when the engine stopped."""
+    # If gas forces jump at the ends of strokes, each stroke is integrated separately with the
+    # pistons' directions held: no step passes over a jump, and none is hidden from the error control.
     time, state = 0.0, np.array([*start, *[0.0] * len(SHARES)])
     speed = max(start[1], 1.0)
     energy = 0.5 * moments.inertia(start[0]) * speed**2
@@ -398,3 +387,46 @@ def _output_times(times: ArrayLike | None, samples: int, end: float) -> FloatArr
             f"the duration of {end:g} s or less, because the motion is known there."
         )
     return given
+
+
+def turn_steadily(
+    engine: EngineLayout,
+    mean_speed: float,
+    *,
+    gas: Gas,
+    friction: Resistance | float = 0.0,
+    gravity: float = 0.0,
+    model: RodModelName = "rigid",
+    crankcase_pressure: float = ATMOSPHERE,
+    samples: int = 720,
+) -> SteadyTurning:
+    """Find the constant load under which an engine turns steadily, and its speed over a cycle.
+
+    Parameters
+    ----------
+    mean_speed : float
+        Angle of one cycle divided by its time [rad/s].
+    engine, gas, friction, gravity, model, crankcase_pressure
+        As for `turn_freely`.
+    samples : int, optional
+        Steps per revolution.
+
+    Returns
+    -------
+    SteadyTurning
+        With the load [N m] and the rotation over one cycle, whose `fluctuation` is the coefficient
+        of speed fluctuation, (highest - lowest speed) / mean speed.
+
+    Raises
+    ------
+    InputError
+        As `turn_freely`, and if the engine would stop within the cycle.
+    """
+    moments = shaft_moments(engine, gas, 0.0, friction, gravity, model, crankcase_pressure)
+    return steady_turning(
+        moments.inertia,
+        lambda speed, angle: math.fsum(moments.at(angle, speed)[0]),
+        mean_speed,
+        cycle_radians(engine.strokes) / (2.0 * math.pi),
+        samples=samples,
+    )

@@ -2,18 +2,179 @@
 
 import functools
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from typing import Literal
 
 import numpy as np
 
-from crankbase.checks.arrays import LARGEST, FloatArray, finite_array
-from dynamics.engine.forces import rod_models
+from crankbase.checks.arrays import LARGEST, ComplexArray, FloatArray, finite_array
+from dynamics.cycle import cycle_radians, even_angles
+from dynamics.engine import RodModelName
+from dynamics.engine.forces import Pressure, gas_forces, rod_models
 from dynamics.engine.layout import EngineLayout
-from dynamics.mechanism.rod_model_names import RodModelName
-from dynamics.turning.curves import TurnCurves, engine_curves
-from dynamics.turning.function_checks import checked_inertia, checked_moment
-from dynamics.turning.piston_gas import Gas, PistonGas, piston_gas
+from dynamics.engine.motions import parts_motion, piston_ends, reduced_inertia, turn_spectrum
+from dynamics.engine.rods import RodModel
+from dynamics.turning.speed_over_angle import checked_inertia, checked_moment
+
+# Samples that show how large a curve is, and the share of that which counts as nothing.
+SIZE_SAMPLES = 64
+NEGLIGIBLE = 1e-17
+
+
+@dataclass(frozen=True, eq=False)
+class TurnCurves:
+    """Several periodic curves as Fourier series, with derivatives.
+
+    Parameters
+    ----------
+    mean : ndarray of shape (c,)
+        Of each curve.
+    coefficients : complex ndarray of shape (c, K)
+        a_k of Re sum a_k exp(i k phi), k from 1.
+    """
+
+    mean: FloatArray
+    coefficients: ComplexArray
+
+    def at(self, angle: float) -> tuple[FloatArray, FloatArray]:
+        """Return values and derivatives by the angle [rad] of all curves, each of shape (c,)."""
+        numbers = np.arange(1, self.coefficients.shape[1] + 1)
+        terms = np.exp(1j * angle * numbers)
+        values = self.mean + (self.coefficients @ terms).real
+        return values, -(self.coefficients @ (numbers * terms)).imag
+
+
+def turn_curves(function: Callable[[FloatArray], FloatArray]) -> TurnCurves:
+    """Return the series of curves over a revolution.
+
+    Parameters
+    ----------
+    function : callable
+        Takes angles (m,) [rad] and returns the curves' values (c, m).
+    """
+    largest = np.max(
+        np.abs(function(even_angles(2.0 * np.pi, SIZE_SAMPLES))), axis=1, keepdims=True
+    )
+    # Each curve by its own size: inertias and lengths are not to be compared.
+    scale = np.where(largest > 0.0, largest, 1.0)
+    found = scale * turn_spectrum(lambda angles: function(angles) / scale, 1)
+    half = found.shape[1] // 2
+    terms = 2.0 * found[:, 1:half]
+    above = np.flatnonzero(np.max(np.abs(terms) / scale, axis=0) > NEGLIGIBLE)
+    needed = int(above[-1]) + 1 if above.size else 0
+    return TurnCurves(found[:, 0].real.copy(), terms[:, :needed].copy())
+
+
+def engine_curves(engine: EngineLayout, models: tuple[RodModel, ...]) -> TurnCurves:
+    """Return the curves of an engine: positions of the n pistons, inertia, static moment upwards.
+
+    Returns
+    -------
+    TurnCurves
+        c = n + 2: s of each piston pin [m]; inertia reduced to the shaft [kg m^2]; sum of masses
+        times heights [kg m], which determines the work of gravity.
+    """
+    return turn_curves(functools.partial(_engine_samples, engine, models))
+
+
+def _engine_samples(
+    engine: EngineLayout, models: tuple[RodModel, ...], angles: FloatArray
+) -> FloatArray:
+    places = []
+    height = np.zeros(angles.shape)
+    for number, (cylinder, model) in enumerate(zip(engine.cylinders, models, strict=True), start=1):
+        motion = parts_motion(engine, number, angles)
+        upwards = np.exp(1j * math.radians(cylinder.bank_angle_deg))
+        places.append(motion.piston.place.real)
+        height += cylinder.piston_mass * (upwards * motion.piston.place).real
+        height += model.mass * (upwards * motion.rod_point(model.center).place).real
+    for mass in engine.rotating:
+        height += mass.static_moment * np.cos(math.radians(mass.angle_deg) + angles)
+    inertia, _ = reduced_inertia(engine, models, shaft_angles_deg=np.degrees(angles))
+    return np.array([*places, inertia, height])
+
+
+# Force on a piston towards the shaft [N]: of the cylinder's number, the piston's place (0 lowest to
+# 1 highest), its direction (1 away from the shaft, -1 towards it), and the angle from the
+# cylinder's firing top [rad].
+PistonForce = Callable[[int, float, Literal[-1, 1], float], float]
+Gas = Pressure | Sequence[Pressure] | PistonForce | None
+
+
+@dataclass(frozen=True, eq=False)
+class PistonGas:
+    """The gas in all cylinders.
+
+    Parameters
+    ----------
+    forces : callable
+        (shaft angle [rad], pistons' s (n,) [m], directions (n,)) -> forces towards the shaft (n,)
+        [N].
+    turns_at_ends : bool
+        Whether the forces may jump where a piston changes its direction.
+    """
+
+    forces: Callable[[float, FloatArray, FloatArray], FloatArray]
+    turns_at_ends: bool
+
+
+def piston_gas(engine: EngineLayout, gas: Gas, crankcase_pressure: float) -> PistonGas:
+    """Return the gas forces from pressures, or from a function of the piston's position and direction."""
+    if gas is None:
+        return PistonGas(_no_forces, False)
+    if callable(gas):
+        return PistonGas(_from_places(engine, gas), True)
+    # Refuses what does not fit.
+    gas_forces(engine, gas, crankcase_pressure, shaft_angles_deg=[0.0])
+    return PistonGas(_from_pressures(engine, gas, crankcase_pressure), False)
+
+
+def _no_forces(_angle: float, places: FloatArray, _directions: FloatArray) -> FloatArray:
+    return np.zeros(places.shape)
+
+
+def _from_pressures(
+    engine: EngineLayout, gas: Pressure | Sequence[Pressure], crankcase_pressure: float
+) -> Callable[[float, FloatArray, FloatArray], FloatArray]:
+    count = len(engine.cylinders)
+    pressures = list(gas) if isinstance(gas, Sequence) else [gas] * count
+    areas = np.array([cylinder.area for cylinder in engine.cylinders])
+    firing = np.radians(engine.firing_deg)
+    # Cylinders with the same pressure are asked for together.
+    groups: dict[int, tuple[Pressure, list[int]]] = {}
+    for place, own in enumerate(pressures):
+        groups.setdefault(id(own), (own, []))[1].append(place)
+
+    def forces(angle: float, _places: FloatArray, _directions: FloatArray) -> FloatArray:
+        found = np.empty(count)
+        for pressure, members in groups.values():
+            found[members] = pressure.at(angle_deg=np.degrees(angle - firing[members]))
+        return np.asarray(areas * (found - crankcase_pressure))
+
+    return forces
+
+
+def _from_places(
+    engine: EngineLayout, force: PistonForce
+) -> Callable[[float, FloatArray, FloatArray], FloatArray]:
+    count = len(engine.cylinders)
+    lowest, highest = np.array([piston_ends(engine, number + 1) for number in range(count)]).T
+    firing, cycle = np.radians(engine.firing_deg), cycle_radians(engine.strokes)
+
+    def forces(angle: float, places: FloatArray, directions: FloatArray) -> FloatArray:
+        positions = np.clip((places - lowest) / (highest - lowest), 0.0, 1.0).tolist()
+        since_firing = ((angle - firing) % cycle).tolist()
+        return np.array(
+            [
+                force(place + 1, positions[place], 1 if way > 0.0 else -1, since_firing[place])
+                for place, way in enumerate(directions.tolist())
+            ],
+            dtype=np.float64,
+        )
+
+    return forces
+
 
 # Moment that brakes [N m], of speed [rad/s] and shaft angle [rad].
 Resistance = Callable[[float, float], float]
@@ -61,11 +222,6 @@ class ShaftMoments:
         directions : ndarray of shape (n,), optional
             Of the pistons, positive away from the shaft, if known better than from the
             angle: at the end of a stroke.
-
-        Raises
-        ------
-        InputError
-            If gas, load or friction are not finite moments, or the inertia vanishes.
         """
         values, slopes = self.curves.at(angle)
         ways = slopes[:-2] if directions is None else directions
@@ -84,13 +240,7 @@ class ShaftMoments:
         return moments, self._checked_inertia(values, angle), float(slopes[-2])
 
     def inertia(self, angle: float) -> float:
-        """Return the reduced inertia [kg m^2].
-
-        Raises
-        ------
-        InputError
-            If it vanishes.
-        """
+        """Return the reduced inertia [kg m^2]."""
         return self._checked_inertia(self.curves.at(angle)[0], angle)
 
     def _checked_inertia(self, values: FloatArray, angle: float) -> float:
@@ -128,13 +278,7 @@ def shaft_moments(
     model: RodModelName,
     crankcase_pressure: float,
 ) -> ShaftMoments:
-    """Collect the moments on an engine's shaft; arguments as for `turn_freely`.
-
-    Raises
-    ------
-    InputError
-        If a number is not finite, or pressures do not fit the engine.
-    """
+    """Collect the moments on an engine's shaft; arguments as for `turn_freely`."""
     return ShaftMoments(
         curves=engine_curves(engine, rod_models(engine, model)),
         gas=piston_gas(engine, gas, crankcase_pressure),

@@ -10,14 +10,190 @@ from crankbase.checks.arrays import FloatArray, finite_array, positive_number, r
 from crankbase.checks.scalars import whole_number
 from crankbase.drawing.diagram_style import new_axes
 from crankbase.drawing.legends import write_title
-from crankbase.errors import InputError
+from crankbase.errors import InputError, quoted
 from crankbase.library_types import Axes, DataFrame
 from crankbase.summaries import summarized
 from crankbase.tables.frames import table
 from crankbase.units.units import RPM
-from dynamics.plots.angle_curves import draw_over_angle
-from dynamics.running_limits import turns_followed, work_counter
-from dynamics.turning.function_checks import checked_inertia, checked_moment
+from dynamics.cycle import even_angles
+from dynamics.plots.curves import draw_over_angle
+
+# Longest time that is followed, a day [s], and the most turns of a shaft: each takes milliseconds.
+LONGEST_RUN, MOST_TURNS = 86_400.0, 20_000
+# Most evaluations of a chain's equations in a search for its cycle or in a revolution, and of the moments
+# on one shaft in a calculation: some ten seconds each.
+MOST_EVALUATIONS, MOST_MOMENTS = 150_000, 500_000
+
+
+def run_time(field: str, value: float) -> float:
+    """Return the duration of a motion [s], checked."""
+    time = positive_number(field, value, "s", "time runs forward")
+    if time > LONGEST_RUN:
+        raise InputError(
+            f"{field}: given {time:g} s; allowed is up to {LONGEST_RUN:g} s, a day, because a motion is "
+            "followed turn by turn."
+        )
+    return time
+
+
+def turns_followed(field: str, turns: float) -> float:
+    """Return a number of revolutions of a motion, checked."""
+    number = positive_number(field, turns, "", "the shaft turns forward")
+    if number > MOST_TURNS:
+        raise InputError(
+            f"{field}: given {number:g}; allowed are up to {MOST_TURNS} turns, because each is followed by "
+            "itself."
+        )
+    return number
+
+
+def evaluation_counter(
+    refusal: Callable[[float], InputError], most: int
+) -> Callable[[float], None]:
+    """Return what an integration calls at each evaluation, and what ends it after too many."""
+    left = iter(range(most))
+
+    def evaluated(reached: float) -> None:
+        if next(left, None) is None:
+            raise refusal(reached)
+
+    return evaluated
+
+
+def work_counter(field: str, given: float, unit: str, most: int) -> Callable[[float], None]:
+    """Return an `evaluation_counter` whose error is that a motion is followed too far."""
+
+    def refusal(reached: float) -> InputError:
+        allowed = f"{0.99 * reached:.4g} {unit}".strip()
+        return InputError(
+            f"{field}: given {f'{given:g} {unit}'.strip()}; allowed is {allowed} or less here, because a "
+            "calculation has a limit of evaluations; another one can continue from there."
+        )
+
+    return evaluation_counter(refusal, most)
+
+
+def too_many_turns(field: str, time: float, turns: float) -> InputError:
+    """Return the error for a duration with too many revolutions of the shaft."""
+    return InputError(
+        f"{field}: given {time:g} s, in which the shaft turns {turns:g} times or more; allowed are "
+        f"{MOST_TURNS} turns, because each is followed by itself."
+    )
+
+
+def checked_moment(
+    field: str, given: float, speed: float, angle: float, largest: float = math.inf
+) -> float:
+    """Return a moment [N m] that a given function has returned.
+
+    Cheap enough for every step of an integration, which would never end with a value that is not
+    finite.
+
+    Parameters
+    ----------
+    given : float
+        [N m]
+    speed, angle : float
+        Where the function was asked [rad/s, rad].
+    largest : float, optional
+        [N m]
+    """
+    moment = _number(given)
+    if not (math.isfinite(moment) and abs(moment) <= largest):
+        raise InputError(
+            f"{field}: given a moment of {quoted(given)} N m at {speed:.6g} rad/s and a shaft angle of "
+            f"{math.degrees(angle):.6g} deg; allowed are finite numbers"
+            f"{'' if largest == math.inf else f' of up to {largest:g}'}, because the speed follows from the "
+            "moments."
+        )
+    return moment
+
+
+def checked_inertia(given: float, angle: float, least: float = 0.0) -> float:
+    """Return an inertia [kg m^2] at an angle [rad]."""
+    inertia = _number(given)
+    if not least < inertia < math.inf:
+        raise InputError(
+            f"inertia: given {quoted(given)} kg m^2 at a shaft angle of {math.degrees(angle):.6g} deg; "
+            "allowed are finite numbers clearly above zero, because a shaft without inertia has no speed "
+            "that follows from the moments."
+        )
+    return inertia
+
+
+def _number(given: float) -> float:
+    """Return the value of a user function as a float, NaN if it is none."""
+    try:
+        return float(given)
+    except (TypeError, ValueError, OverflowError):
+        return math.nan
+
+
+# A shaft that has less than this share of the swing of energy left at its slowest is taken as not
+# coming round.
+LEAST_ENERGY = 1e-6
+# Lowest energy that is tried at all, as a share of the highest.
+TRIED_ENERGY = 1e-12
+
+
+def mean_speed(energy: FloatArray, inertia: FloatArray) -> float:
+    """Return the mean over time of the speed [rad/s].
+
+    Parameters
+    ----------
+    energy, inertia : ndarray of shape (m,)
+        Kinetic energy [J] and inertia [kg m^2] at even angles over a period.
+    """
+    return 1.0 / float(np.mean(np.sqrt(0.5 * inertia / energy)))
+
+
+def slowest_mean_speed(gained: FloatArray, inertia: FloatArray) -> float:
+    """Return the least mean speed at which a shaft completes a revolution [rad/s].
+
+    Parameters
+    ----------
+    gained, inertia : ndarray of shape (m,)
+        Energy gained since the first angle [J], not constant, and inertia [kg m^2], at
+        even angles.
+    """
+    swing = float(np.ptp(gained))
+    return mean_speed(gained - gained.min() + LEAST_ENERGY * swing, inertia)
+
+
+def energy_for_mean_speed(gained: FloatArray, inertia: FloatArray, speed: float) -> float | None:
+    """Return the kinetic energy at the first angle of a shaft with a given mean speed.
+
+    Parameters
+    ----------
+    gained, inertia : ndarray of shape (m,)
+        As for `slowest_mean_speed`; the energy gained may be constant.
+    speed : float
+        Required mean over time [rad/s].
+
+    Returns
+    -------
+    float or None
+        [J]; None if the shaft does not complete a revolution at this speed.
+
+    Notes
+    -----
+    The mean speed grows with the energy: one root, between a shaft that barely completes the revolution
+    and one whose least energy is that of the largest inertia at the required speed.
+    """
+    from scipy.optimize import brentq
+
+    swing, lacking = float(np.ptp(gained)), -float(gained.min())
+
+    def excess(above: float) -> float:
+        return mean_speed(gained + (lacking + above), inertia) - speed
+
+    # A little more, for the swing may be lost beside it in round-off.
+    highest = (1.0 + 1e-9) * (0.5 * speed**2 * float(inertia.max()) + swing)
+    lowest = max(LEAST_ENERGY * swing, TRIED_ENERGY * highest)
+    if excess(lowest) > 0.0:
+        return None
+    return lacking + float(brentq(excess, lowest, highest, rtol=1e-14, xtol=1e-12))
+
 
 TURN = 2.0 * math.pi
 # Inertia [kg m^2] at an angle [rad].
@@ -87,17 +263,7 @@ class SpeedOverAngle:
         return float((self.speed.max() - self.speed.min()) / self.mean_speed)
 
     def plot(self, axes: Axes | None = None) -> Axes:
-        """Draw the speed over the shaft angle.
-
-        Parameters
-        ----------
-        axes : matplotlib.axes.Axes, optional
-            Where to draw; new axes by default.
-
-        Returns
-        -------
-        matplotlib.axes.Axes
-        """
+        """Draw the speed over the shaft angle."""
         axes = new_axes(axes)
         draw_over_angle(
             axes,
@@ -110,18 +276,7 @@ class SpeedOverAngle:
         return axes
 
     def to_pandas(self) -> DataFrame:
-        """Return a row for each angle: speed, time, kinetic energy.
-
-        Returns
-        -------
-        pandas.DataFrame
-            Units of the columns in ``attrs["units"]``.
-
-        Raises
-        ------
-        MissingLibraryError
-            If pandas is not installed.
-        """
+        """Return a row for each angle: speed, time, kinetic energy."""
         return table(
             {
                 "angle": (self.angle_deg, "deg"),
@@ -151,8 +306,6 @@ def speed_over_angle(
         (speed [rad/s], angle [rad]) -> Q [N m], all moments reduced to the shaft, positive when
         they drive, without the part of the inertia. It may jump with the angle, not with
         the speed.
-    start_angle_deg : float
-        [deg]
     start_speed : float
         Above zero [rad/s].
     turns : float
@@ -260,11 +413,9 @@ def _integrate_speed(
 def _energy_after_step(
     shaft: _Shaft, begin: float, step: float, energy: float, halvings: int
 ) -> tuple[float, float]:
-    """Return the energy after a step and its duration, halving the step if necessary.
-
-    An energy that falls to zero does not prove that the shaft stops: too long a step with a
-    steep moment does the same. Near a true stop the steps become short, and at rest this remains.
-    """
+    """Return the energy after a step and its duration, halving the step if necessary."""
+    # An energy that falls to zero does not prove that the shaft stops: too long a step with a
+    # steep moment does the same. Near a true stop the steps become short, and at rest this remains.
     found = _collocated(shaft, begin, step, energy)
     if found is not None:
         return found
@@ -317,3 +468,150 @@ def _collocated(
 
 def _weighted(weights: tuple[float, ...], values: list[float]) -> float:
     return math.fsum(weight * value for weight, value in zip(weights, values, strict=True))
+
+
+# Results per turn while a steady speed is sought.
+SEARCH_SAMPLES = 360
+# Steady: the energy changes over a cycle by this share at most, and the mean speed is met so well.
+STEADY = 1e-9
+# Left over at the slowest, as a share of the swing of energy, where the search begins if the
+# moments at the mean speed would not let the shaft come round.
+MARGIN = 0.05
+# Most trials. The search takes about ten; where there is nothing to find it would go on.
+TRIALS = 100
+# Stands for what a trial misses in which the shaft stops: more than any in which it turns.
+STOPPED = 1e3
+
+
+@summarized("load [N m]", "turning.mean_speed [rad/s]", "turning.fluctuation")
+@dataclass(frozen=True, eq=False)
+class SteadyTurning:
+    """Rotation with a periodic speed under a constant load.
+
+    Parameters
+    ----------
+    load : float
+        Constant braking moment [N m].
+    turning : SpeedOverAngle
+        Over one period.
+    """
+
+    load: float
+    turning: SpeedOverAngle
+
+
+def steady_turning(
+    inertia: Inertia,
+    moment: Moment,
+    mean_speed: float,
+    turns: float,
+    *,
+    start_angle_deg: float = 0.0,
+    samples: int = 720,
+) -> SteadyTurning:
+    """Find the constant load under which the shaft turns steadily at a mean speed.
+
+    Parameters
+    ----------
+    inertia, moment : callable
+        As for `speed_over_angle`, without the load to be found.
+    mean_speed : float
+        Angle of the period divided by its time [rad/s].
+    turns : float
+        Period of inertia and moment, in revolutions of the shaft: 2 for a four-stroke engine.
+    samples : int, optional
+        Per turn.
+
+    Raises
+    ------
+    InputError
+        As `speed_over_angle`, and if the shaft cannot turn steadily at so low a speed.
+
+    Notes
+    -----
+    Two unknowns, load and initial speed, from two conditions: the energy is periodic, and the mean
+    speed is as required. The search begins with the solution for the moments at the mean speed, which is
+    exact if they do not depend on the speed. A trial in which the shaft stops counts as
+    far off, so the search turns back from it.
+    """
+    from scipy.optimize import fsolve
+
+    wanted = positive_number("mean_speed", mean_speed, "rad/s", "the shaft turns")
+    period = 2.0 * math.pi * turns_followed("turns", turns)
+    first = math.radians(float(finite_array("start_angle_deg", start_angle_deg)))
+    told = whole_number(
+        "samples", samples, 1, "results are given at this many angles per revolution"
+    )
+    guess, start_energy, comes_round = _beginning(inertia, moment, wanted, first, period)
+    first_inertia = inertia(first)
+    # Unknowns and misses by this energy; a load changes that over a period by load times period. The
+    # unknowns count from one, as the search ends by the share to which it knows them.
+    scale = 0.5 * first_inertia * wanted**2
+
+    def turned(unknowns: FloatArray, samples: int = SEARCH_SAMPLES) -> SteadyTurning | None:
+        load = guess + scale / period * (float(unknowns[0]) - 1.0)
+        energy = start_energy + scale * (float(unknowns[1]) - 1.0)
+        if energy <= 0.0:
+            return None
+        found = speed_over_angle(
+            inertia,
+            lambda speed, angle: moment(speed, angle) - load,
+            start_angle_deg=math.degrees(first),
+            start_speed=math.sqrt(2.0 * energy / first_inertia),
+            turns=turns,
+            samples=samples,
+        )
+        return SteadyTurning(load, found) if found.stopped_at_deg is None else None
+
+    def residual(unknowns: FloatArray) -> list[float]:
+        try:
+            found = turned(unknowns)
+        except UnsettledError:  # close to rest: a trial like those that stop
+            found = None
+        if found is None:
+            return [STOPPED, STOPPED]
+        turning = found.turning
+        gained = float(turning.energy[-1] - turning.energy[0])
+        return [gained / scale, turning.mean_speed / wanted - 1.0]
+
+    # The full output, as otherwise a search that finds nothing warns.
+    solved = fsolve(residual, [1.0, 1.0], xtol=1e-12, maxfev=TRIALS, full_output=True)[0]
+    steady = max(abs(miss) for miss in residual(solved)) <= STEADY
+    found = turned(solved, told) if steady else None
+    if found is None:
+        raise InputError(
+            f"mean_speed: given {wanted:g} rad/s; allowed is a speed at which the shaft turns "
+            "steadily, because none was found here."
+            if comes_round
+            else _too_slow(wanted)
+        )
+    if found.turning.energy.min() < LEAST_ENERGY * np.ptp(found.turning.energy):
+        raise InputError(_too_slow(wanted))
+    return found
+
+
+def _beginning(
+    inertia: Inertia, moment: Moment, speed: float, first: float, period: float
+) -> tuple[float, float, bool]:
+    """Return load and initial energy from the moments at the mean speed, and whether it can turn."""
+    # Energies are sums over even angles, which is accurate for smooth curves.
+    count = max(1, round(SEARCH_SAMPLES * period / (2.0 * math.pi)))
+    angles = (first + even_angles(period, count)).tolist()
+    inertias = np.array([checked_inertia(inertia(angle), angle) for angle in angles])
+    moments = np.array(
+        [checked_moment("moment", moment(speed, angle), speed, angle) for angle in angles]
+    )
+    load = float(np.mean(moments))
+    rest = moments - load
+    gained = (np.cumsum(rest) - 0.5 * (rest + rest[0])) * (period / count)
+    energy = energy_for_mean_speed(gained, inertias, speed)
+    if energy is None:
+        return load, float(MARGIN * np.ptp(gained) - gained.min()), False
+    return load, energy, True
+
+
+def _too_slow(speed: float) -> str:
+    return (
+        f"mean_speed: given {speed:g} rad/s; allowed is more, because the shaft would stop or all but "
+        "stop within the period."
+    )

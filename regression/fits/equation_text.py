@@ -8,12 +8,12 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from regression.factor_labels import FactorLabel as FactorLabel
-from regression.factor_labels import factor_label as factor_label
-from regression.factor_labels import term_text
 from regression.fits.forms import Basis, FittedForm
 from regression.fits.terms import Term, design_matrix, term_name
 from regression.response_kinds import SCALES
+from regression.throw_values import FactorLabel as FactorLabel
+from regression.throw_values import factor_label as factor_label
+from regression.throw_values import term_text
 
 # Evaluating a printed equation must give the prediction within this share (a tenth of what is
 # promised to the reader).

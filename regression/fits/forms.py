@@ -17,20 +17,18 @@ from numpy.typing import ArrayLike, NDArray
 
 from crankbase.checks.scalars import is_number
 from crankbase.errors import InputError
-from regression.fits.groups import (
-    Dimensions,
-    group_named,
-    group_values,
-    independent_groups,
-    is_length,
-)
-from regression.fits.statistics import DEPENDENT_COLUMN
+from regression.fits.selection import DEPENDENT_COLUMN
 from regression.fits.terms import (
+    Dimensions,
     Term,
     code,
     design_matrix,
     divisors,
     expand,
+    group_named,
+    group_values,
+    independent_groups,
+    is_length,
     levels_needed,
     natural_shift,
     polynomial_terms,

@@ -29,12 +29,14 @@ from collections.abc import Mapping
 from crankbase.errors import InputError
 from fem.material import Material
 from geometry.throw import CrankThrow
-from regression.formulas.arguments import OfThrow, checked_angle_deg, throw_and_material
-from regression.formulas.case import ThrowCase
-from regression.formulas.catalogue import AXIAL_FORMULA_NAMES, AXIAL_FORMULAS, AXIAL_VARIANTS
-from regression.formulas.constants import checked_constants
-from regression.formulas.formula_value import FormulaValue
-from regression.formulas.reading import AxialFormula, reading_value
+from regression.formulas.arguments import (
+    OfThrow,
+    checked_angle_deg,
+    checked_constants,
+    throw_and_material,
+)
+from regression.formulas.case import AxialFormula, FormulaValue, ThrowCase, reading_value
+from regression.formulas.published import AXIAL_FORMULA_NAMES, AXIAL_FORMULAS, AXIAL_VARIANTS
 
 
 def axial_formulas(

@@ -1,10 +1,14 @@
 """The arguments of a formula, and the beam compliances from which all formulas are built."""
 
 import math
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from typing import Any
 
 from crankbase.checks.choices import check_kind
+from crankbase.summaries import summarized
+from crankbase.tables.frames import table
+from crankbase.units.quantity import format_quantity
 from geometry.throw import CrankThrow
 
 
@@ -85,3 +89,230 @@ def round_inertia(diameter: float, bore: float) -> float:
 def round_area(diameter: float, bore: float) -> float:
     """Area of a round section with a bore [m^2]."""
     return math.pi / 4.0 * (diameter**2 - bore**2)
+
+
+@summarized("value", "unit", "valid", "remarks", "source", "variant")
+@dataclass(frozen=True)
+class FormulaValue:
+    """The result of one published formula for one crank throw.
+
+    Parameters
+    ----------
+    value : float
+        The formula's value, in `unit`; always finite.
+    valid : bool
+        False if the throw is outside the formula's range of validity. The value
+        is then for comparison only.
+    remarks : tuple of str
+        Remarks on this value, one sentence each.
+    source : str
+        Where the formula was published.
+    unit : str
+        SI unit of `value`.
+    variant : str
+        The reading of the formula: "corrected", "printed", ...
+    """
+
+    value: float
+    valid: bool
+    remarks: tuple[str, ...]
+    source: str
+    unit: str
+    variant: str
+
+
+def formulas_to_pandas(found: Mapping[str, FormulaValue]) -> Any:
+    """Return a table of the results of the published formulas.
+
+    Parameters
+    ----------
+    found : mapping of str to FormulaValue
+        From `axial_formulas` or `torsional_formulas`.
+
+    Returns
+    -------
+    pandas.DataFrame
+        ``formula``, ``value``, ``valid``, ``variant``, ``remarks``, ``source``; the unit of the
+        values is in ``frame.attrs["units"]``.
+
+    Raises
+    ------
+    MissingLibraryError
+        If pandas is not installed.
+    """
+    values = list(found.values())
+    units = " or ".join(dict.fromkeys(one.unit for one in values))
+    return table(
+        {
+            "formula": (list(found), ""),
+            "value": ([one.value for one in values], units),
+            "valid": ([one.valid for one in values], ""),
+            "variant": ([one.variant for one in values], ""),
+            "remarks": (["; ".join(one.remarks) for one in values], ""),
+            "source": ([one.source for one in values], ""),
+        }
+    )
+
+
+@dataclass(frozen=True)
+class Remark:
+    """One sentence, and whether it makes the formula inapplicable."""
+
+    text: str
+    invalidates: bool = False
+
+
+def shape_remarks(throw: CrankThrow) -> list[Remark]:
+    """Features of a throw that the published formulas do not include, and whether that makes them invalid."""
+    remarks = []
+    if throw.further_pins:
+        text = "The throw has several pins between its bearings; the formula assumes one."
+        remarks.append(Remark(text, invalidates=True))
+    if any(
+        web.thickness not in (None, throw.web_thickness) or web.width not in (None, throw.web_width)
+        for web in (throw.left_web, throw.right_web)
+        if web is not None
+    ):
+        text = "The webs differ; the formula uses web_width and web_thickness for both."
+        remarks.append(Remark(text))
+    if throw.web_tip_thickness is not None or throw.web_foot_thickness is not None:
+        remarks.append(Remark("The formula uses the full web thickness; this web is tapered."))
+    if throw.main_journal_bore_offset or throw.pin_bore_offset:
+        remarks.append(Remark("The formula treats eccentric bores as concentric."))
+    if throw.oil_holes:
+        remarks.append(Remark("The formula ignores oil holes."))
+    return remarks
+
+
+def plain_web_remarks(case: ThrowCase) -> list[Remark]:
+    """For a formula whose web has its plain section B h, whatever the overlap."""
+    overlap = case.throw.overlap
+    if overlap <= 0.0:
+        return []
+    return [
+        Remark(
+            f"Main journal and crankpin overlap by {format_quantity(overlap, 'm')}: a formula with the plain "
+            "web section overestimates the compliance, up to about three times the finite-element value."
+        )
+    ]
+
+
+def negative_shear_remarks(case: ThrowCase) -> list[Remark]:
+    """For a formula whose web shears over 2 R - D_km - D_shm only."""
+    overlap = case.throw.overlap
+    if overlap <= 0.0:
+        return []
+    return [
+        Remark(
+            f"Main journal and crankpin overlap by {format_quantity(overlap, 'm')}: the formula's "
+            "shear term is negative there."
+        )
+    ]
+
+
+def no_angle_remarks(case: ThrowCase) -> list[Remark]:
+    """For a formula that has no angle between neighboring cranks."""
+    if case.gamma_deg == 180.0:
+        return []
+    return [
+        Remark(
+            "The formula has no angle: it holds for opposite neighbors, gamma = 180 deg, and "
+            f"not for {case.gamma_deg:g} deg, where the throw is stiffer.",
+            invalidates=True,
+        )
+    ]
+
+
+def open_angle_factor_remarks(case: ThrowCase, constant: str) -> list[Remark]:
+    """For a formula whose factor for the angle is not published, unless the factor is given."""
+    if case.gamma_deg == 180.0 or constant in case.given_constants:
+        return []
+    return [
+        Remark(
+            f"The factor {constant} for gamma = {case.gamma_deg:g} deg is not published: the value applies "
+            f"to opposite neighbors, gamma = 180 deg ({constant} = 1), unless the constant {constant} is "
+            "given.",
+            invalidates=True,
+        )
+    ]
+
+
+def unused_bores_remarks(case: ThrowCase) -> list[Remark]:
+    """For a formula that does not include the bores."""
+    if case.throw.main_journal_bore == 0.0 and case.throw.pin_bore == 0.0:
+        return []
+    return [Remark("The formula ignores the bores.")]
+
+
+SURVEY = (
+    "A. I. Yamanin, V. A. Zhukov, Vestnik AGTU, Ser. Marine Engineering and Technologies, 2021, "
+    "no. 4, pp. 75-83, doi 10.24143/2073-1574-2021-4-75-83"
+)
+
+
+@dataclass(frozen=True)
+class Reading:
+    """One reading of a formula.
+
+    Attributes
+    ----------
+    evaluate : callable
+        Compliance of a case; called only if there is no fault.
+    remarks : callable
+        Remarks on that value.
+    fault : callable
+        Why this reading cannot be evaluated for a case; empty if it can.
+    """
+
+    evaluate: Callable[[ThrowCase], float]
+    remarks: Callable[[ThrowCase], list[Remark]] = lambda _: []
+    fault: Callable[[ThrowCase], str] = lambda _: ""
+
+
+@dataclass(frozen=True)
+class AxialFormula:
+    """A published formula for the axial compliance.
+
+    Attributes
+    ----------
+    name : str
+    short : str
+        Column heading in tables of all formulas.
+    authors : str
+        Author and publication.
+    readings : mapping of str to Reading
+        "corrected", "printed" and others by name.
+    printed_fault : str
+        Why the print cannot be evaluated for any throw, if it is not among the readings.
+    """
+
+    name: str
+    short: str
+    authors: str
+    readings: Mapping[str, Reading]
+    printed_fault: str = ""
+
+    @property
+    def source(self) -> str:
+        """The first publication, and the survey that quotes it."""
+        return f"{self.authors}; quoted in {SURVEY}"
+
+
+def reading_value(
+    reading: Reading, case: ThrowCase, source: str, unit: str, variant: str
+) -> FormulaValue:
+    """Evaluate a reading for a case, with all remarks."""
+    remarks = reading.remarks(case) + shape_remarks(case.throw)
+    value = reading.evaluate(case)
+    if value <= 0.0:
+        remarks.append(
+            Remark("The value is not positive, which no compliance can be.", invalidates=True)
+        )
+    return FormulaValue(
+        value=value,
+        valid=not any(remark.invalidates for remark in remarks),
+        remarks=tuple(remark.text for remark in remarks),
+        source=source,
+        unit=unit,
+        variant=variant,
+    )

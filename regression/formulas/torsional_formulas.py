@@ -20,10 +20,14 @@ from crankbase.units.quantity import format_quantity
 from fem.material import Material
 from geometry.throw import CrankThrow
 from regression.formulas.arguments import OfThrow, throw_and_material
-from regression.formulas.case import ThrowCase, round_inertia
-from regression.formulas.formula_value import FormulaValue
-from regression.formulas.reading import Reading, reading_value
-from regression.formulas.remarks import Remark
+from regression.formulas.case import (
+    FormulaValue,
+    Reading,
+    Remark,
+    ThrowCase,
+    reading_value,
+    round_inertia,
+)
 
 _TEXTBOOK = (
     "textbook formula quoted from the general literature on torsional vibration, first "

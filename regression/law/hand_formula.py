@@ -20,7 +20,7 @@ import numpy as np
 from crankbase.checks.scalars import is_number
 from crankbase.errors import InputError, quoted
 from geometry.throw import CrankThrow
-from regression.formulas.formula_value import FormulaValue
+from regression.formulas.case import FormulaValue
 from regression.law.ratios import FILLETS, REAL, Ratios, is_plain, ratios, throw_dimensions
 
 SOURCE = "crankfem: beams fitted to finite-element answers of plain filleted throws (docs/law.md)"

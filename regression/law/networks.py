@@ -7,9 +7,14 @@ of one shape are kept as one stack, so that all are evaluated in a few products 
 from dataclasses import dataclass
 from functools import cache, cached_property
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+
+from geometry.throw import COLLAR_MARGIN
+from regression.law.hand_formula import hand_parts
+from regression.law.ratios import FILLETS, REAL, Ratios
 
 Array = NDArray[np.float64]
 
@@ -110,3 +115,112 @@ def networks(tier: str, names: tuple[str, ...] = OUTPUTS) -> Networks:
     with np.load(FILE) as kept:
         arrays = {name: kept[f"{tier}_{name}"] for name in Networks.__annotations__}
     return Networks(**{n: a if n in ("low", "high") else a[rows] for n, a in arrays.items()})
+
+
+SMALLEST_BORE = 0.1  # of the training throws, over the diameter
+
+
+def plain_inputs(found: Ratios) -> Array:
+    """Inputs (8, ...) of the networks of plain throws."""
+    rows = _rows([*(found[name] for name in (*REAL, FILLETS[0])), _overlap(found)])
+    rows[:-1] = np.log(rows[:-1])
+    return rows
+
+
+def real_inputs(found: Ratios) -> Array:
+    """Inputs (29, ...) of the networks of real throws."""
+    lengths = [found[name] for name in REAL]
+    radius, pin, _, _, width, _ = lengths
+    fillet, pin_fillet = (found[name] for name in FILLETS)
+    bore, pin_bore = found["main_journal_bore"], found["pin_bore"]
+    # The offset of a bore that vanishes means nothing.
+    offset = found["main_journal_bore_offset"] * _opened(bore)
+    pin_offset = found["pin_bore_offset"] * _opened(pin_bore)
+    half, rectangle = 0.5 * width, found["rectangle"]
+    foot_end, tip_end = (half * found[f"web_{end}_end"] for end in ("journal", "pin"))
+    corner = half * found["web_corner"]
+    # Half widths at the axes: of the hull of two circles, or of a rectangle less its corners.
+    sine = np.minimum(np.maximum((foot_end - tip_end) / radius, -0.95), 0.95)
+    cosine = np.sqrt(1.0 - sine * sine)
+    at_foot, at_tip = (
+        rectangle * (half - np.maximum(corner - end, 0.0))
+        + (1.0 - rectangle) * np.minimum(end / cosine, half)
+        for end in (foot_end, tip_end)
+    )
+    tip, foot = 1.0 - found["web_tip_thickness"], 1.0 - found["web_foot_thickness"]
+    begin = 0.5 + fillet + COLLAR_MARGIN
+    far_begin = radius - (0.5 + COLLAR_MARGIN) * pin - pin_fillet
+    step = 0.5 * np.log(found["thickness_step"])
+    tip_left = 2.0 * at_tip / width - pin_bore * pin / width
+    foot_left = 2.0 * at_foot / width - bore / width
+    pin_left = _inertia_left(pin_bore, pin_offset / pin)
+    bent, webs, tension = hand_parts(found)
+    bent, webs = bent / pin_left, webs * (tip_left * foot_left) ** -0.25
+    # How far each bore's edge lies within the other journal's outline, where force would go straight.
+    inner = radius + pin_offset - 0.5 * pin_bore * pin
+    outer = offset + 0.5 * bore
+    rows = _rows(
+        [
+            *lengths,
+            tip_left,
+            foot_left,
+            pin_left,
+            _inertia_left(bore, offset),
+            bent + webs + tension,
+            bent / webs,
+            _overlap(found),
+            fillet,
+            pin_fillet,
+            offset * bore,
+            pin_offset * pin_bore,
+            tip_end - 0.5 * pin - pin_fillet,
+            foot_end - 0.5 - fillet,
+            rectangle,
+            tip * _between((radius - begin) / (radius + tip_end - begin)),
+            tip,
+            foot * _between(far_begin / (far_begin + foot_end)),
+            foot,
+            step * step,
+            corner * rectangle,
+            inner - outer,
+            np.minimum(1.0, 5.0 * pin_bore * pin) * _within(0.5 - inner),
+            np.minimum(1.0, 5.0 * bore) * _within(outer - radius + 0.5 * pin),
+        ]
+    )
+    rows[:12] = np.log(rows[:12])
+    return rows
+
+
+def _overlap(found: Ratios) -> Any:
+    """Overlap of main journal and pin over the web's thickness, its large values compressed."""
+    overlap = 0.5 * (1.0 + found["pin_diameter"]) - found["crank_radius"]
+    return np.arcsinh(overlap / found["web_thickness"])
+
+
+def _opened(bore: Any) -> Any:
+    """1 for the bores that the networks know, falling smoothly to 0 with smaller ones."""
+    share = np.minimum(bore / SMALLEST_BORE, 1.0)
+    return share * share * (3.0 - 2.0 * share)
+
+
+def _inertia_left(bore: Any, offset: Any) -> Any:
+    """Moment of inertia of a bored journal about its own center, relative; lengths over its diameter."""
+    moved = bore * offset
+    square = bore * bore
+    return 1.0 - square * square - 16.0 * moved * moved / (1.0 - square)
+
+
+def _within(depth: Any) -> Any:
+    """A depth, or zero if negative, without a kink."""
+    return 0.5 * (depth + np.sqrt(depth * depth + 0.01))
+
+
+def _between(share: Any) -> Any:
+    return np.minimum(np.maximum(share, -0.5), 1.0)
+
+
+def _rows(values: list[Any]) -> Array:
+    """Stack numbers, or arrays of one shape with numbers among them."""
+    if any(isinstance(value, np.ndarray) for value in values):
+        values = list(np.broadcast_arrays(*values))
+    return np.array(values, dtype=float)

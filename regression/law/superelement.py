@@ -28,7 +28,7 @@ from regression.law.throw_law import POISSON_RATIO, LawAnswers
 
 if TYPE_CHECKING:
     from fem.supports import Support
-    from regression.models.reaction_lookup import ReactionLookup
+    from regression.models.lookup import ReactionLookup
 
 Array = NDArray[np.float64]
 UX, UY, UZ, RX, RY, RZ = range(6)
@@ -69,7 +69,7 @@ def law_reactions(
         finite numbers of which the last is 0.
     """
     from fem.end_reactions import Reactions
-    from regression.models.reaction_lookup import ReactionLookup, both_ends
+    from regression.models.lookup import ReactionLookup, both_ends
 
     force = finite_array("pin_force", pin_force)
     if force.shape != (3,) or force[2] != 0.0:

@@ -42,7 +42,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
     from fem.supports import Support
-    from regression.models.reaction_lookup import ReactionLookup
+    from regression.models.lookup import ReactionLookup
 
 
 Value = float | NDArray[np.float64]
@@ -461,7 +461,7 @@ class ComplianceModel(ModelValues):
             As in `axial_compliance`; if the model lacks an equation that reactions need, as those of
             older releases do, the force has a part along the shaft, or the angles differ.
         """
-        from regression.models.reaction_lookup import look_reactions_up
+        from regression.models.lookup import look_reactions_up
 
         return look_reactions_up(self, self.lookups, pin_force, support, strict, dimensions)
 

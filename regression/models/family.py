@@ -178,7 +178,7 @@ class Family:
             self._check_equal(name, given[name], expected[name], reason)
 
     def _related(self, given: Mapping[str, Given], size: Given) -> dict[str, Given]:
-        from regression.models.study_constraints import related
+        from regression.models.extrapolation import related
 
         units = self.all_units
         numbers = {name: value for name, value in given.items() if name in units}
@@ -416,7 +416,7 @@ def _related_value(
     number: float,
 ) -> float:
     """Result of one relation with `name` equal to this number."""
-    from regression.models.study_constraints import related
+    from regression.models.extrapolation import related
 
     (value,) = related(relation, {**known, name: number}, units).values()
     return float(value)

@@ -19,11 +19,10 @@ from crankbase.outputs import write_text
 from crankbase.text_limits import LARGEST_TABLE_FILE
 from crankbase.wrong_files import JSON
 from regression.fits.terms import polynomial_terms
-from regression.models.extrapolation import error_band
+from regression.models.extrapolation import StudyConstraint, error_band
 from regression.models.family import Family, angle_law_remarks
 from regression.models.response_model import IS, ResponseModel
 from regression.models.response_query import ResponseQuery, make_response_query
-from regression.models.study_constraints import StudyConstraint
 from regression.plans.relations import read_constraint
 from regression.response_kinds import ANGLE_LAWS, TOO_SMALL, is_positive_response
 from regression.throw_values import check_dimension

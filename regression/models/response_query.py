@@ -17,12 +17,17 @@ import numpy as np
 from crankbase.errors import InputError
 from fem.material import Material
 from regression.fits.forms import FittedForm
-from regression.fits.groups import GROUPS, group_named
-from regression.fits.terms import Term
-from regression.models.extrapolation import FARTHEST, edges, find_out_of_range
+from regression.fits.terms import GROUPS, Term, group_named
+from regression.models.extrapolation import (
+    FARTHEST,
+    Finding,
+    StudyConstraint,
+    edges,
+    find_out_of_range,
+    worst,
+)
 from regression.models.family import Family, Given
 from regression.models.response_model import IS, ResponseModel
-from regression.models.study_constraints import Finding, StudyConstraint, worst
 from regression.response_kinds import is_positive_response, response_scale
 
 # Values of one column that are evaluated at a time: 64 kB, so that a few columns fit into a cache.

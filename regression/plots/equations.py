@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from crankbase.drawing.bars import PALE, draw_rows
 from crankbase.drawing.diagram_style import BLUE, GRAY, GREEN, ORANGE, math_symbol
 from crankbase.drawing.legends import display_unit, legend_inside, write_title
-from regression.factor_labels import factor_text
+from regression.throw_values import factor_text
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

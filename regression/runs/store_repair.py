@@ -13,8 +13,7 @@ from typing import Any
 from crankbase.errors import InputError
 from regression.plans.plan import MODEL_VERSION, StudyPlan
 from regression.records import StudyStoppedError, content_key
-from regression.runs.claims import Claims
-from regression.runs.store import ResultStore, read_plan
+from regression.runs.store import Claims, ResultStore, read_plan
 from regression.runs.store_file import (
     CHECKSUMS_SINCE,
     SCHEMA_VERSION,

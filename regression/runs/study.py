@@ -26,9 +26,8 @@ from regression.plans.plan import (
     planned_design,
 )
 from regression.records import HELD_OUT, MEASURED, RUN, ExtraRow, Outcome, content_key
-from regression.runs.claims import Claims
 from regression.runs.exchange import StoreResults, factor_value, read_rows, read_store
-from regression.runs.store import ResultStore
+from regression.runs.store import Claims, ResultStore
 from regression.runs.store_file import is_database
 from regression.runs.store_rows import damaged_rows_warning
 from regression.runs.study_table import StudyTable, study_table
@@ -262,7 +261,7 @@ def run_plan(
     check_workers(workers)
     limits = design_limits(plan.accuracy, time_limit, memory_limit)
     if dask is not None:  # refused even if nothing is left to compute
-        from regression.runs.dask_cluster import check_address
+        from regression.runs.cluster import check_address
 
         check_address(dask)
     own = plan.planned  # a study that cannot be planned leaves no store behind
@@ -336,8 +335,7 @@ def _run_on_dask(
     note: Note,
     claim: Claim,
 ) -> None:
-    from regression.runs.cluster import run_on_cluster
-    from regression.runs.dask_cluster import DaskCluster
+    from regression.runs.cluster import DaskCluster, run_on_cluster
 
     with closing(DaskCluster(address)) as cluster:
         run_on_cluster(designs, keep, cluster, limits, note, claim)

@@ -1,11 +1,15 @@
 """Local worker processes: a crash or a hang costs one design, not the study."""
 
 import contextlib
+import signal
 import subprocess
+import threading
 from collections import deque
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from contextlib import contextmanager
 from pathlib import Path
 from queue import Empty, SimpleQueue
+from types import FrameType
 from typing import Any
 
 from crankbase.calls import (
@@ -22,7 +26,38 @@ from crankbase.checks.scalars import is_number
 from crankbase.errors import InputError
 from crankbase.processes import start_child
 from regression.records import Outcome
-from regression.runs.interrupts import interrupts_deferred
+
+
+def interrupts_ignored() -> bool:
+    """Whether Ctrl-C is ignored, as under nohup and in background jobs of a shell."""
+    return signal.getsignal(signal.SIGINT) is signal.SIG_IGN
+
+
+@contextmanager
+def interrupts_deferred() -> Iterator[None]:
+    """Delay an interrupt until the block is done.
+
+    Other handlers of interrupts are called at its end. On any thread but the main
+    one this has no effect, since interrupts reach only the main thread.
+    """
+    handler = signal.getsignal(signal.SIGINT)
+    if handler is None or threading.current_thread() is not threading.main_thread():
+        yield
+        return
+    interrupted = False
+
+    def note(_number: int, _frame: FrameType | None) -> None:
+        nonlocal interrupted
+        interrupted = True
+
+    signal.signal(signal.SIGINT, note)
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGINT, handler)
+        if interrupted:
+            signal.raise_signal(signal.SIGINT)
+
 
 # Seconds that a design may take at 1 % accuracy before its worker counts as hanging.
 TIME_LIMIT = 300.0

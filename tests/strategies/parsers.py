@@ -17,8 +17,8 @@ import crankfem as cf
 from crankbase.errors import InputError
 from crankbase.units.quantity import parse_quantity
 from crankfem.files.engine.throw_file import load_study, load_throw_file
-from dynamics.gas.pressure_table import read_pressure_table
-from dynamics.torque_table import read_torque_table
+from dynamics.gas.pressure import read_pressure_table
+from dynamics.harmonics import read_torque_table
 from regression.models.model_file import checksum
 from regression.plans.relations import (
     calculated,

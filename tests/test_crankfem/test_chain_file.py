@@ -11,9 +11,8 @@ from crankbase.errors import InputError
 from crankfem.files.chain.chain_file import load_chain
 from crankfem.files.chain.chain_text import read_chain_text, write_chain_text
 from crankfem.files.reading.data_files import shipped_names
-from dynamics.chains.chain import Chain
-from dynamics.chains.connections import Dashpot, Gear
-from dynamics.chains.shaft_elements import ShaftCone, shaft_cylinder, shaft_flange
+from dynamics.chains.chain import Chain, Dashpot, Gear
+from dynamics.chains.shaft_line import ShaftCone, shaft_cylinder, shaft_flange
 from fem.material import STEEL
 
 

@@ -26,12 +26,10 @@ from crankfem.analyses.submission.mode_tables import holzer_table
 from crankfem.analyses.vibration.run import engine_vibration
 from crankfem.files.chain.chain_file import load_chain
 from crankfem.files.reading.data_files import input_path
-from dynamics.chains.chain import Chain
-from dynamics.chains.connections import Dashpot
+from dynamics.chains.chain import Chain, Dashpot
 from dynamics.response.forced import forced_response
-from dynamics.response.loads import element_loads
+from dynamics.response.loads import element_loads, power_balance
 from dynamics.response.order_excitation import OrderExcitation
-from dynamics.response.power import power_balance
 
 SPEEDS = np.array([60.0, 80.0, 130.0])
 ORDERS = np.array([1.0, 2.5])

@@ -21,7 +21,7 @@ from crankfem.analyses.strength.shaft_loads import judged_speeds
 from crankfem.analyses.vibration.misfiring import Superposition
 from crankfem.files.engine.mechanism_file import mechanism_of
 from dynamics.response.order_excitation import at_angles
-from dynamics.strength.findley import critical_plane, findley_factor, findley_limit
+from dynamics.strength.fatigue import critical_plane, findley_factor, findley_limit
 from fem import fillet_stress
 from fem.fields import stress_fields
 from fem.shaft import assemble_shaft, shaft_unknowns

@@ -13,7 +13,7 @@ from crankfem.analyses.strength.element_factors import element_factors, throw_we
 from crankfem.analyses.strength.shaft_loads import shaft_loads
 from crankfem.analyses.strength.strength_records import factor_table, strength_record
 from crankfem.files.engine.mechanism_file import mechanism_of
-from dynamics.strength.element_factors import ElementFactors, unsafe_formulas
+from dynamics.strength.concentration import ElementFactors, unsafe_formulas
 from fem import fillet_stress
 from stand_ins import COARSE_STRESSES
 

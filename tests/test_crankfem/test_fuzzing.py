@@ -221,6 +221,6 @@ def test_a_number_within_an_array_shows_itself():
 
 
 def test_no_main_orders_where_no_speed_counts():
-    from dynamics.plots.speed_curves import main_orders_of
+    from dynamics.plots.curves import main_orders_of
 
     assert main_orders_of(np.ones((3, 0)), 2) != []

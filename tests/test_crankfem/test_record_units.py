@@ -11,8 +11,7 @@ import typer
 from crankbase.errors import SolveError
 from crankbase.tables.output_units import SI, OutputUnit, OutputUnits
 from crankbase.units.units import POWER_OF_TEN, UNITS
-from crankfem.analyses.record import json_text, plain
-from crankfem.analyses.record_units import units_of, with_units
+from crankfem.analyses.record import json_text, plain, units_of, with_units
 from crankfem.analyses.vibration.records import run_record
 from crankfem.cli.app import app
 from crankfem.cli.tables.chain_tables import chain_record

@@ -34,7 +34,7 @@ from crankfem.report.interactive.vibration import VIBRATION
 from geometry.mass import MassProperties
 from plans import plan_of_levels
 from regression.formulas.axial_formulas import axial_formulas
-from regression.formulas.formula_value import FormulaValue
+from regression.formulas.case import FormulaValue
 from regression.plans.plan import plan_designs
 from regression.records import Outcome
 from regression.runs.study_table import study_table

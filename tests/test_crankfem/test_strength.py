@@ -26,7 +26,7 @@ from crankfem.analyses.vibration.engine_limits import engine_limits
 from crankfem.files.engine.mechanism_file import mechanism_of
 from crankfem.files.sections.strength_section import StrengthSection
 from crankfem.report.writing import render_report
-from dynamics.response.synthesis import synthesis
+from dynamics.response.series import synthesis
 
 GIVEN = {
     "tensile_strength": 8e8,

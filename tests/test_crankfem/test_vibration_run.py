@@ -8,13 +8,14 @@ import numpy as np
 import pytest
 
 from comparing import close
+from crankbase.drawing.diagram_style import figure
 from crankbase.errors import InputError
 from crankfem.analyses.shaft.chains import damped_engine_chain, engine_torsional_chain
-from crankfem.analyses.vibration.chain_answers import nominal_section_modulus
 from crankfem.analyses.vibration.engine_excitation import engine_harmonics
 from crankfem.analyses.vibration.engine_limits import engine_verdict, limit_findings
-from crankfem.analyses.vibration.forced import forced_vibrations
+from crankfem.analyses.vibration.forced import forced_vibrations, nominal_section_modulus
 from crankfem.analyses.vibration.misfiring import _ranges
+from crankfem.analyses.vibration.plots import plot_response_campbell
 from crankfem.analyses.vibration.records import (
     forced_columns,
     forced_record,
@@ -28,10 +29,13 @@ from crankfem.files.engine.engine_file import load_engine
 from crankfem.files.engine.mechanism_file import load_mechanism, mechanism_of
 from crankfem.files.reading.data_files import input_path
 from crankfem.report.interactive.vibration import VIBRATION
-from dynamics.assessment.limit_sentences import shown_range
+from dynamics.assessment.wording import shown_range
+from dynamics.chains.chain import Chain
 from dynamics.excitation.chain_excitation import axial_excitation
 from dynamics.response.forced import forced_response
+from dynamics.response.linear_system import damped
 from dynamics.response.order_excitation import OrderExcitation
+from dynamics.response.resonance import resonances
 from dynamics.torque.torque import engine_torque
 from fem.analysis import analyze_throw
 
@@ -467,6 +471,12 @@ def test_misfiring_is_held_against_the_continuous_limit_unless_the_file_says_oth
     by = "for passing, which serves while a cylinder misfires by limits.passing_while_misfiring"
     assert by in passed.sentence
     assert "permitted continuously" in passed.sentence
+    # Where normal firing keeps the limit at no speed, misfiring alone exceeds nothing.
+    nowhere = engine_vibration(
+        engine.changed(limits=limits | {"coupling_torque": 1.0}), analysis=coarse
+    ).misfiring
+    assert all(one.new is None for one in nowhere.checks if one.quantity == check.quantity)
+    assert "alone" not in nowhere.sentence
 
 
 @pytest.mark.slow
@@ -595,3 +605,56 @@ def test_a_slow_run_up_comes_near_the_steady_amplitudes(run):
 def test_wrong_durations_are_refused(text):
     with pytest.raises(InputError, match=r"^--run-up: given"):
         parse_duration(text)
+
+
+TWO = Chain([1.0, 1.0], [2e4], names=["pulley", "flywheel"])  # 200 rad/s
+
+
+def response(**damping):
+    speeds = np.array([50.0, 100.0, 150.0])
+    forces = np.ones((2, 3, 2)) * np.array([1.0, -1.0])
+    return forced_response(damped(TWO, **damping), OrderExcitation([1.0, 2.0], speeds, forces))
+
+
+@pytest.mark.slow
+def test_diagrams_are_made_and_the_same_each_time(tmp_path):
+    for name, choice in (("damped", {}), ("endless", {"undamped": True})):
+        found = response(**choice)
+        made = []
+        for copy in ("a", "b"):
+            campbell, curves = (tmp_path / f"{name}_{copy}_{what}.svg" for what in "cs")
+            plot_response_campbell(
+                campbell,
+                found.system.elastic_frequencies,
+                found.orders,
+                (50.0, 150.0),
+                resonances(found),
+                title="x",
+            )
+            with figure(curves) as axes:
+                found.elastic.plot(
+                    axes,
+                    "pulley",
+                    quantity="twist",
+                    limits={"limit": 1e-4, "rule": [1e-4, 2e-4, 3e-4]},
+                    barred=[(95.0, 105.0)],
+                )
+            made.append(campbell.read_bytes() + curves.read_bytes())
+        assert made[0] == made[1]
+        assert b"nan" not in made[0].lower().replace(b"nance", b"")
+    assert (tmp_path / "damped_a_s.svg").read_bytes() != (tmp_path / "endless_a_s.svg").read_bytes()
+
+
+@pytest.mark.parametrize(
+    ("place", "quantity", "words"),
+    [
+        ("crank", "twist", "place: given 'crank'"),
+        (2, "twist", "place: given 2; allowed are the whole numbers 0 to 1"),
+        (0, "noise", "quantity: given 'noise'; allowed are twist"),
+    ],
+)
+def test_refused(tmp_path, place, quantity, words):
+    with pytest.raises(InputError, match=words):
+        response().nodes.plot(None, place, quantity=quantity)
+    with pytest.raises(InputError, match="path: given"):
+        plot_response_campbell(tmp_path / "x.png", [10.0], [1.0], (1.0, 2.0), [])

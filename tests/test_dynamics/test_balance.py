@@ -1,29 +1,41 @@
-"""Balance against the sum of mass times acceleration, and against the bearings' and walls' forces.
+"""Balance against the sum of mass times acceleration, and against the bearings' loads."""
 
-Tolerances: relative to the sum of all masses times R w^2, of which sums of some tens of terms leave
-about 1e-15 as round-off; 1e-13 leaves room for it.
-"""
-
+import cmath
 import math
 from dataclasses import replace
 
 import numpy as np
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
 
 from comparing import close
 from crankbase.errors import InputError
-from dynamics.balance.balance import balance
-from dynamics.balance.hinged_rods import hinged_rod_effects, hodograph_change
-from dynamics.balance.hodograph import Hodograph
-from dynamics.balance.moving_masses import balancing_masses, moving_masses
-from dynamics.engine.cylinder import EngineCylinder, RotatingMass, SlavePin
+from dynamics.balance.balance import balance, hinged_rod_effects, hodograph_change
+from dynamics.balance.moving_masses import (
+    FOLD,
+    Hodograph,
+    balancing_masses,
+    hodograph_sum,
+    moving_masses,
+    order_vectors,
+)
+from dynamics.critical import major_orders, vector_sums
+from dynamics.cycle import order_step
 from dynamics.engine.firing import firing_order_of_angles
 from dynamics.engine.forces import mechanism_forces
-from dynamics.engine.layout import EngineLayout
-from dynamics.engine.motions import cylinder_motion
-from dynamics.engine.orders import acceleration_orders, piston_acceleration, turn_spectrum
-from dynamics.mechanism.rods import ConnectingRod
-from dynamics.mechanism.slider_crank import SliderCrank
+from dynamics.engine.layout import EngineCylinder, EngineLayout, RotatingMass, SlavePin
+from dynamics.engine.motions import (
+    acceleration_orders,
+    cylinder_motion,
+    piston_acceleration,
+    turn_spectrum,
+)
+from dynamics.engine.rods import ConnectingRod
+from dynamics.engine.slider_crank import SliderCrank
+from dynamics.torque.star import leading_stars, same_stars, star_diagram
+from dynamics.torque.torque import engine_torque
+from references import even_firing_angles
 
 ROUND_OFF = 1e-13
 SPEED = 150.0
@@ -320,3 +332,312 @@ def test_cylinders_of_a_bank_in_one_place_have_no_balance():
     ]
     with pytest.raises(InputError, match="cylinder 2: position: given 0 m, where cylinder 1"):
         balance(EngineLayout(0.05, cylinders, [1, 2]), 100.0)
+
+
+FOUR = np.degrees(even_firing_angles((1, 3, 4, 2)))
+SIX = np.degrees(even_firing_angles((1, 5, 3, 6, 2, 4)))
+
+
+def test_stars_of_the_in_line_six():
+    stars = star_diagram(firing_angles_deg=SIX, orders=6.0)
+    assert [star.order for star in stars if star.kind == "major"] == [3.0, 6.0]
+    assert {star.kind for star in stars} == {"major", "balanced"}
+    groups = [[star.order for star in group] for group in same_stars(stars)]
+    assert groups == [[0.5, 2.5, 3.5, 5.5], [1.0, 2.0, 4.0, 5.0], [1.5, 4.5], [3.0, 6.0]]
+    # Order 1: three directions 120 deg apart, cylinders 1 and 6, 2 and 5, 3 and 4 together.
+    first = np.radians(stars[1].directions_deg)
+    assert np.degrees(first) == close([0.0, 120.0, 240.0, 240.0, 120.0, 0.0])
+    assert [star.order for star in leading_stars(stars)] == [3.0, 6.0]
+
+
+def test_resultants_are_the_vector_sums():
+    orders = np.arange(0.5, 8.5, 0.5)
+    angles = [0.0, 1.0, 2.5, 4.0, 4.2]
+    shape = [1.0, 0.6, 0.1, -0.4, -0.8]
+    for weights in (None, shape):
+        stars = star_diagram(
+            firing_angles_deg=np.degrees(angles), orders=orders, mode_shape=weights
+        )
+        sums = vector_sums(orders, angles, weights)
+        assert [star.resultant for star in stars] == close(sums)
+
+
+@given(st.permutations(range(1, 7)), st.sampled_from((2, 4)))
+@settings(max_examples=20, deadline=None)
+def test_even_firing_has_the_multiples_of_ignitions_per_turn_as_majors(order, strokes):
+    angles = even_firing_angles(order, strokes)
+    stars = star_diagram(firing_angles_deg=np.degrees(angles), strokes=strokes)
+    majors = [star.order for star in stars if star.kind == "major"]
+    per_turn = 6 * order_step(strokes)
+    assert majors == list(np.arange(per_turn, 12.1, per_turn))
+    assert majors == major_orders([star.order for star in stars], angles).tolist()
+    assert {star.kind for star in stars} == {"major", "balanced"}
+
+
+def test_uneven_firing_names_the_strongest_order():
+    """A two-cylinder engine with cranks in one direction less 90 deg: fires at 0 and 450 deg.
+
+    |1 + exp(i k 450 deg)| = 2 |cos(k 225 deg)|: 2 only from order 4 on; below, cos(2.5 * 225 deg)
+    and cos(1.5 * 225 deg) = cos(337.5 deg) are the largest.
+    """
+    stars = star_diagram(firing_angles_deg=[0.0, 450.0], orders=3.5)
+    assert all(star.kind != "major" for star in stars)
+    found = leading_stars(stars)
+    assert [star.order for star in found] == [1.5, 2.5]
+    assert found[0].share == close(math.cos(math.radians(22.5)))
+    assert [
+        star.order
+        for star in leading_stars(star_diagram(firing_angles_deg=[0.0, 450.0], orders=4.0))
+    ] == [4.0]
+
+
+def test_mode_shape_turns_majors_into_minors():
+    """The one-node mode of the in-line four, antisymmetric: order 2 cancels, half orders do not."""
+    stars = star_diagram(firing_angles_deg=FOUR, orders=4.0, mode_shape=[1.0, 0.4, -0.4, -1.0])
+    kinds = {star.order: star.kind for star in stars}
+    assert kinds[2.0] == kinds[4.0] == "balanced"
+    assert kinds[0.5] == "minor"
+    assert stars[0].largest == close(2.8)
+
+
+def hinged_vee():
+    rod = ConnectingRod(0.25, 2.0, 0.08, 0.02)
+    slave = ConnectingRod(0.18, 1.2, 0.07, 0.008)
+    cylinders = []
+    for throw, crank in enumerate((0.0, math.pi)):
+        main = EngineCylinder(
+            0.12,
+            3.0,
+            rod,
+            crank_angle_deg=math.degrees(crank),
+            bank_angle_deg=-30.0,
+            position=0.2 * throw,
+        )
+        pin = SlavePin(2 * throw + 1, 0.06, angle_deg=60.0)
+        hinged = EngineCylinder(
+            0.12,
+            2.8,
+            slave,
+            crank_angle_deg=math.degrees(crank),
+            bank_angle_deg=30.0,
+            position=0.2 * throw,
+            slave_pin=pin,
+        )
+        cylinders += [main, hinged]
+    return EngineLayout(0.07, cylinders, [1, 2, 3, 4])
+
+
+def test_stars_with_each_cylinders_own_harmonics_sum_to_the_engines():
+    """Hinged rods: amplitudes and phases differ, and the resultant is the engine's harmonic."""
+    engine = hinged_vee()
+    forces = 1e4 * np.random.default_rng(5).random((4, 48))
+    torque = engine_torque(engine, 100.0, forces, samples=48)
+    own = [torque.cylinder_harmonics(number) for number in (1, 2, 3, 4)]
+    whole = torque.harmonics()
+    # Not the half sampling rate, where the phase is not that of a shifted wave.
+    orders = whole.orders[:-1]
+    stars = star_diagram(
+        engine,
+        orders,
+        amplitudes=np.array([each.amplitude[:-1] for each in own]).T,
+        phases_deg=np.degrees(np.array([each.phase[:-1] for each in own]).T),
+    )
+    largest = np.max(whole.amplitude)
+    found = [
+        star.resultant * np.exp(-1j * math.radians(star.resultant_direction_deg)) for star in stars
+    ]
+    wanted = (whole.amplitude * np.exp(1j * whole.phase))[:-1]
+    assert np.array(found) == close(wanted, abs=1e-12 * largest)
+    assert len({round(float(weight), 6) for weight in stars[0].weights}) == 4
+
+
+def test_an_engine_gives_its_own_orders_and_firing_angles():
+    engine = hinged_vee()
+    stars = star_diagram(engine, 2.0)
+    assert [star.order for star in stars] == [0.5, 1.0, 1.5, 2.0]
+    assert np.radians(stars[1].directions_deg) == close(
+        np.mod(np.radians(engine.firing_deg), 2.0 * np.pi)
+    )
+
+
+def test_balanced_orders_have_no_direction():
+    assert (
+        math.radians(star_diagram(firing_angles_deg=FOUR, orders=[1.0])[0].resultant_direction_deg)
+        == 0.0
+    )
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        ({"firing_angles_deg": [], "orders": 4.0}, "firing_angles_deg: given none; .*because"),
+        ({"firing_angles_deg": FOUR, "orders": [0.0]}, r"orders\[0\]: given 0"),
+        ({"firing_angles_deg": FOUR, "orders": 0.1}, "highest: given 0.1"),
+        (
+            {"engine": hinged_vee(), "orders": [1.0, 0.7]},
+            r"orders\[1\]: given 0.7; allowed are multiples of 0.5, because",
+        ),
+        ({"engine": FOUR}, "engine: given ndarray with firing_angles_deg left out; .*because"),
+        ({"engine": hinged_vee(), "firing_angles_deg": FOUR}, "engine: given EngineLayout with"),
+    ],
+)
+def test_refusals(arguments, message):
+    with pytest.raises(InputError, match=message):
+        star_diagram(**arguments)
+
+
+@pytest.mark.parametrize(
+    ("engine", "orders", "strokes", "message"),
+    [
+        ({"firing_angles_deg": FOUR}, 4.0, 0, "strokes: given 0; allowed are 2 and 4"),
+        ({"firing_angles_deg": FOUR}, [1.0], 3, "strokes: given 3; allowed are 2 and 4"),
+        (
+            {"firing_angles_deg": FOUR},
+            [0.5],
+            2,
+            r"orders\[0\]: given 0.5; allowed are multiples of 1, because",
+        ),
+        ({"engine": hinged_vee()}, 4.0, 0, "strokes: given 0; allowed are 2 and 4"),
+        ({"engine": hinged_vee()}, 4.0, 2, "strokes: given 2; allowed is 4 or nothing, because"),
+    ],
+)
+def test_strokes_that_do_not_fit_are_refused(engine, orders, strokes, message):
+    with pytest.raises(InputError, match=message):
+        star_diagram(**engine, orders=orders, strokes=strokes)
+
+
+def test_strokes_may_be_said():
+    assert [star.order for star in star_diagram(hinged_vee(), 1.0, strokes=4)] == [0.5, 1.0]
+    assert [star.order for star in star_diagram(firing_angles_deg=FOUR, orders=2.0, strokes=2)] == [
+        1.0,
+        2.0,
+    ]
+    assert [
+        star.order for star in star_diagram(firing_angles_deg=FOUR, orders=[1.5], strokes=4)
+    ] == [1.5]
+
+
+def test_arrays_that_do_not_fit_are_refused():
+    with pytest.raises(InputError, match=r"mode_shape: given an array of shape .*because"):
+        star_diagram(firing_angles_deg=FOUR, orders=4.0, mode_shape=[1.0, 2.0])
+    with pytest.raises(InputError, match="stars: given none"):
+        leading_stars([])
+
+
+def test_no_order_leads_where_all_are_balanced():
+    stars = star_diagram(firing_angles_deg=np.arange(6) * 60.0, orders=4.0, strokes=2)
+    assert {star.kind for star in stars} == {"balanced"}
+    assert leading_stars(stars) == ()
+
+
+parts = st.builds(cmath.rect, st.floats(0.1, 10.0), st.floats(-math.pi, math.pi, exclude_min=True))
+hodographs = st.builds(Hodograph, st.integers(1, 6), parts, parts)
+
+
+@given(hodographs)
+@settings(max_examples=30)
+def test_axes_bound_the_vector_and_are_reached(shape):
+    around = np.abs(shape.at(shaft_angle_deg=np.linspace(0.0, 360.0, 100)))
+    assert np.all(around <= shape.major * (1 + 1e-14))
+    assert np.all(around >= shape.minor - 1e-14 * shape.major)
+    if shape.angle_deg is None:
+        assert shape.minor == close(shape.major, rel=2e-12)
+        return
+    # A nearly round ellipse shows the direction of its axis only to round-off over its flatness.
+    blur = 1e-14 * shape.major / (shape.major - shape.minor)
+    assert 0.0 <= math.radians(shape.largest_at_deg) < math.pi / shape.order + blur
+    assert -90.0 < shape.angle_deg <= 90.0
+    at_largest = complex(shape.at(shaft_angle_deg=shape.largest_at_deg))
+    assert abs(at_largest) == close(shape.major, rel=1e-14)
+    across = (at_largest * cmath.exp(-1j * math.radians(shape.angle_deg))).imag
+    # An axis within FOLD of the horizontal is told as horizontal.
+    assert abs(across) <= (1e-14 + 10 * blur + FOLD) * shape.major
+    at_least = complex(shape.at(shaft_angle_deg=shape.largest_at_deg + 90.0 / shape.order))
+    assert abs(at_least) == close(shape.minor, abs=(1e-14 + blur) * shape.major)
+
+
+@given(hodographs, st.floats(-4.0, 4.0))
+@settings(max_examples=20)
+def test_amplitude_along_a_direction(shape, direction):
+    turn = cmath.exp(-1j * direction)
+    component = order_vectors(
+        (shape.at(shaft_angle_deg=np.arange(20) * 18.0) * turn).real, [shape.order]
+    )[0]
+    assert shape.amplitude_along(angle_deg=np.degrees(direction)) == close(
+        component.major, abs=1e-14 * shape.major
+    )
+
+
+def test_sense_and_points():
+    forward, backward = Hodograph(1, 2.0, 1.0), Hodograph(2, 1.0, 2j)
+    assert (forward.sense, backward.sense) == (1, -1)
+    for shape in (forward, backward):
+        x, y = shape.points(721)
+        # Seen from the flywheel, x to the right, the shaft turns counterclockwise: positive area.
+        area = 0.5 * np.sum(x[:-1] * y[1:] - x[1:] * y[:-1])
+        # The polygon of 720 points has 1 - (2 pi / 720)^2 / 6 of the ellipse's area.
+        assert area == close(shape.sense * math.pi * shape.major * shape.minor, rel=1.3e-5)
+        assert np.max(np.abs(x)) <= shape.x * (1 + 1e-14)
+        assert np.max(np.abs(y)) <= shape.y * (1 + 1e-14)
+
+
+def test_shapes_without_two_axes():
+    line = Hodograph(2, 100 * cmath.exp(-0.5j * math.pi), 100 * cmath.exp(-0.5j * math.pi))
+    assert line.sense == 0
+    assert line.angle_deg == 90.0  # a horizontal axis is written +90 deg
+    assert (line.x, line.y) == (close(200.0), close(0.0, abs=1e-13))
+    circle = Hodograph(1, 0.0, 3j)
+    assert (circle.angle_deg, circle.largest_at_deg, circle.sense) == (None, None, -1)
+    point = Hodograph(1, 0.0, 0.0)
+    assert (point.angle_deg, point.largest_at_deg, point.sense, point.major) == (None, None, 0, 0.0)
+
+
+@pytest.mark.parametrize(
+    ("given", "message"),
+    [
+        ((0, 1.0, 1.0), "orders: given \\[0\\]; allowed are different whole numbers of 1 or more"),
+        ((1.5, 1.0, 1.0), "orders: given \\[1.5\\]"),
+        ((-1, 1.0, 1.0), "orders: given \\[-1\\]"),
+        ((1, math.nan, 1.0), "forward: given nan; allowed are finite numbers"),
+        ((1, 1.0, complex(0.0, math.inf)), "backward: given infj"),
+    ],
+)
+def test_hodographs_refused(given, message):
+    with pytest.raises(InputError, match=message):
+        Hodograph(*given)
+
+
+def test_sum_and_turning():
+    one, other = Hodograph(2, 1 + 2j, 3.0), Hodograph(2, 1j, 4j)
+    angles = np.array([0.0, 0.4, 2.0])
+    np.testing.assert_allclose(
+        hodograph_sum(2, [one, other.times(2j)]).at(shaft_angle_deg=np.degrees(angles)),
+        one.at(shaft_angle_deg=np.degrees(angles))
+        + 2j * other.at(shaft_angle_deg=np.degrees(angles)),
+        rtol=1e-14,
+    )
+
+
+def test_orders_of_samples():
+    angles = 2.0 * np.pi * np.arange(16) / 16
+    shapes = [Hodograph(k, complex(k, 1.0), complex(-1.0, k)) for k in (1, 3, 7)]
+    vectors = 5.0 + sum(shape.at(shaft_angle_deg=np.degrees(angles)) for shape in shapes)
+    for found, shape in zip(order_vectors(vectors, [1, 3, 7]), shapes, strict=True):
+        assert found.forward == close(shape.forward, rel=1e-14)
+        assert found.backward == close(shape.backward, rel=1e-14)
+
+
+@pytest.mark.parametrize(
+    ("vectors", "orders", "message"),
+    [
+        ([1.0, 2.0, 3.0, 4.0], [2], "less than half the number of samples"),
+        ([1.0, math.nan, 3.0, 4.0], [1], "1 values not finite"),
+        ([[1.0, 2.0]], [1], r"shape \(1, 2\)"),
+        ([1.0, 2.0, 3.0, 4.0], [0.5], "whole numbers of 1 or more"),
+        ([1.0, 2.0, 3.0, 4.0], [], "whole numbers of 1 or more"),
+        ([1.0, 2.0, 3.0, 4.0], [1, 1], "different whole numbers"),
+    ],
+)
+def test_what_is_refused_hodograph(vectors, orders, message):
+    with pytest.raises(InputError, match=message):
+        order_vectors(vectors, orders)

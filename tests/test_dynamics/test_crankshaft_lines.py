@@ -7,25 +7,25 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from comparing import close
-from dynamics.chains.chain import Chain
-from dynamics.chains.connections import Dashpot, Gear
+from dynamics.chains.chain import Chain, Dashpot, Gear
 from dynamics.chains.engine_chains import axial_chain, torsional_chain
 from dynamics.crankshaft.assembly import assemble_crankshaft
+from dynamics.crankshaft.chain_comparison import match_modes
 from dynamics.crankshaft.coupled_response import coupled_response
-from dynamics.crankshaft.mode_matches import match_modes
-from dynamics.crankshaft.shaft_modes import crankshaft_modes
-from dynamics.crankshaft.shaft_system import crankshaft_system
-from dynamics.crankshaft.shaft_throw import RZ, UZ, ShaftThrow
+from dynamics.crankshaft.shaft_modes import crankshaft_modes, crankshaft_system
 from dynamics.crankshaft.surroundings import (
+    RZ,
+    UZ,
     AxialSupport,
     EndBody,
     MainBearings,
     ShaftSurroundings,
+    ShaftThrow,
     TorsionalRing,
 )
 from dynamics.response.forced import forced_response
+from dynamics.response.loads import checked_power_balance
 from dynamics.response.order_excitation import OrderExcitation
-from dynamics.response.power import checked_power_balance
 
 RADIUS, LENGTH, THROWS = 0.17, 0.4, 4
 TWIST, INERTIA, ALONG, MASS = 2e7, 8.0, 3e9, 120.0

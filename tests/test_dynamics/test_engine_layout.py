@@ -9,18 +9,17 @@ from hypothesis import strategies as st
 
 from comparing import close
 from crankbase.errors import InputError
-from dynamics.engine.cylinder import EngineCylinder, RotatingMass, SlavePin
 from dynamics.engine.firing import (
     IN_LINE,
     firing_angles_of_order,
     firing_intervals,
     firing_order_of_angles,
 )
-from dynamics.engine.gas_forces import piston_position
-from dynamics.engine.layout import EngineLayout
+from dynamics.engine.forces import piston_position
+from dynamics.engine.layout import EngineCylinder, EngineLayout, RotatingMass, SlavePin
 from dynamics.engine.motions import cylinder_motion, piston_ends
-from dynamics.mechanism.rods import ConnectingRod
-from dynamics.mechanism.slider_crank import SliderCrank
+from dynamics.engine.rods import ConnectingRod
+from dynamics.engine.slider_crank import SliderCrank
 
 ROD = ConnectingRod(0.265, 5.0, 0.097, 0.069)
 SHORT = ConnectingRod(0.065, 5.0, 0.03, 0.005)

@@ -1,3 +1,5 @@
+"""Torque of an engine, its harmonics, and the two-mass check."""
+
 import math
 from dataclasses import replace
 from itertools import pairwise
@@ -7,15 +9,15 @@ import pytest
 
 from comparing import close
 from crankbase.errors import InputError
+from dynamics.chains.chain import Chain
+from dynamics.critical import solid_shaft_stiffness, two_mass_check, two_mass_frequency
 from dynamics.cycle import cycle_radians
-from dynamics.engine.cylinder import EngineCylinder, SlavePin
-from dynamics.engine.forces import mechanism_forces
-from dynamics.engine.gas_forces import gas_forces
-from dynamics.engine.layout import EngineLayout
+from dynamics.engine.forces import gas_forces, mechanism_forces
+from dynamics.engine.layout import EngineCylinder, EngineLayout, SlavePin
 from dynamics.engine.motions import cylinder_motion
-from dynamics.mechanism.rods import ConnectingRod
-from dynamics.torque.pin_harmonics import pin_force_harmonics
-from dynamics.torque.torque import engine_torque
+from dynamics.engine.rods import ConnectingRod
+from dynamics.harmonics import harmonics, read_torque_table
+from dynamics.torque.torque import engine_torque, pin_force_harmonics
 from references import finite_sums
 
 ROD = ConnectingRod(0.25, 2.0, 0.08, 0.02, 0.004)
@@ -309,3 +311,146 @@ def test_samples_resolve_the_default_orders():
     fine = engine_torque(engine, SPEED, SmoothPressure(4), samples=2880).harmonics()
     usual = engine_torque(engine, SPEED, SmoothPressure(4)).harmonics()
     assert usual.amplitude[:48] == close(fine.amplitude[:48], abs=1e-9)
+
+
+@pytest.fixture
+def written(tmp_path):
+    def write(text):
+        path = tmp_path / "torque.csv"
+        path.write_text(text, encoding="utf-8")
+        return path
+
+    return write
+
+
+CRANK = "# An engine\n# Source: a book\n\ncrank_angle_deg,torque_Nm\n"
+CYCLE = "cycle_angle_deg,torque_Nm\n"
+
+
+def test_crank_angles_show_the_strokes(written):
+    four = read_torque_table(written(CRANK + "0,1\n180,2\n360,3\n540,4\n"))
+    assert four.strokes == 4
+    assert four.source == "An engine\nSource: a book"
+    assert four.crank_angle_deg.tolist() == [0.0, 180.0, 360.0, 540.0]
+    assert four.torque.tolist() == [1.0, 2.0, 3.0, 4.0]
+    two = read_torque_table(written(CRANK + "0,1\n90,2\n180,3\n270,4\n"))
+    assert two.strokes == 2
+
+
+def test_closing_sample_is_dropped(written):
+    table = read_torque_table(written(CRANK + "0,1\n180,2\n360,3\n540,4\n720,1\n"))
+    assert table.strokes == 4
+    assert table.torque.tolist() == [1.0, 2.0, 3.0, 4.0]
+
+
+@pytest.mark.parametrize(("strokes", "last"), [(None, 480.0), (4, 480.0), (2, 240.0)])
+def test_cycle_angles_are_turned_into_crank_angles(written, strokes, last):
+    path = written(CYCLE + "0,1\n120,2\n240,3\n360,1\n")
+    table = read_torque_table(path, strokes=strokes)
+    assert table.crank_angle_deg.tolist() == [0.0, last / 2.0, last]
+
+
+def test_harmonics_count_from_crank_angle_zero(written):
+    angles = np.arange(-360.0, 360.0, 60.0)
+    torques = np.sin(np.radians(angles) + 0.4)
+    rows = [f"{angle},{torque:.15g}" for angle, torque in zip(angles, torques, strict=True)]
+    found = read_torque_table(written(CRANK + "\n".join(rows))).harmonics()
+    assert found.amplitude[1] == close(1.0)
+    assert found.phase[1] == close(0.4)
+
+
+def test_byte_order_mark_and_windows_lines_are_accepted(tmp_path):
+    path = tmp_path / "torque.csv"
+    path.write_bytes(b"\xef\xbb\xbf" + CYCLE.encode() + b"0,1\r\n120,2\r\n240,3\r\n")
+    assert read_torque_table(path).torque.size == 3
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("", "no header; allowed is"),
+        ("angle,torque\n0,1\n", 'line 1: given the header "angle,torque"; allowed is'),
+        ("0,1\n", 'line 1: given the header "0,1"; allowed is'),
+        (CRANK, "given 0 samples; allowed are 3 or more"),
+        (CRANK + "0,1\n360,2\n", "given 2 samples"),
+        (CRANK + "0,1\n180;2\n", 'line 6: given "180;2"; allowed are two numbers'),
+        (CRANK + "0,1\n180,2,5\n", 'line 6: given "180,2,5"; allowed are two numbers'),
+        (CRANK + "0,1\n180,two\n", 'line 6: torque_Nm: given "two"; allowed are finite numbers'),
+        (CRANK + "0,1\nnan,2\n", 'line 6: crank_angle_deg: given "nan"'),
+        (CRANK + "0,1\n180,inf\n", 'line 6: torque_Nm: given "inf"'),
+        (CRANK + "0,1\n180,2\n# x\n180,3\n", "line 8: crank_angle_deg: given 180 deg after 180"),
+        (CRANK + "0,1\n180,2\n350,3\n540,4\n", r"line \d: crank_angle_deg.*allowed are even steps"),
+        (CRANK + "0,1\n90,2\n180,3\n", "line 7: .*allowed is one cycle of 720 deg or 360 deg"),
+        (CYCLE + "0,1\n240,2\n480,3\n", "line 4: .*allowed is one cycle of 360 deg,"),
+        (CYCLE + "0,1\n120,2\n240,3\n360,1.1\n", "line 5: torque_Nm: given 1.1 for the closing"),
+    ],
+)
+def test_unusable_tables_are_refused_with_file_and_line(written, text, message):
+    path = written(text)
+    with pytest.raises(InputError, match=message) as raised:
+        read_torque_table(path)
+    assert str(raised.value).startswith(str(path))
+    assert "\n" not in str(raised.value)
+
+
+def test_strokes_must_agree_with_the_crank_angles(written):
+    with pytest.raises(InputError, match="allowed is one cycle of 360 deg,"):
+        read_torque_table(written(CRANK + "0,1\n180,2\n360,3\n540,4\n"), strokes=2)
+
+
+def test_missing_and_unreadable_files_are_named(tmp_path):
+    with pytest.raises(InputError, match=r"absent\.csv: cannot be read as a torque table"):
+        read_torque_table(tmp_path / "absent.csv")
+    path = tmp_path / "binary.csv"
+    path.write_bytes(b"\x80\xfe\x00\xd8")
+    with pytest.raises(InputError, match=r"binary\.csv: .*line 1 is not UTF-8"):
+        read_torque_table(path)
+
+
+SHAFT = {"diameter": 0.05, "length": 0.4, "shear_modulus": 8e10, "inertia_1": 2.0, "inertia_2": 0.3}
+
+
+def test_two_masses_are_the_shortest_chain():
+    stiffness = solid_shaft_stiffness(0.05, 0.4, 8e10)
+    modes = Chain([2.0, 0.3], [stiffness]).modes()
+    assert two_mass_frequency(stiffness, 2.0, 0.3) == close(modes.angular_frequencies[1])
+
+
+def test_figures_belong_together():
+    check = two_mass_check(**SHAFT, order=6.0)
+    assert check.resonant_speed * 6.0 == close(check.angular_frequency)
+    assert check.resonant_speed_rpm == close(check.resonant_speed * 30.0 / math.pi)
+    assert check.vibrations_per_minute == close(60.0 * check.frequency)
+
+
+@pytest.mark.parametrize(
+    ("samples", "strokes", "order", "resolved", "statement"),
+    [
+        (36, 4, 14.0, False, "36 samples over two revolutions resolve orders up to 9: "
+         "this table cannot excite order 14."),
+        (36, 4, 0.75, False, "36 samples over two revolutions resolve orders up to 9 in steps of "
+         "0.5: this table cannot excite order 0.75."),
+        (36, 2, 6.0, True, "36 samples over one revolution resolve orders up to 18: "
+         "this table excites order 6 with 2.5 N m."),
+    ],
+)  # fmt: skip
+def test_statement_tells_what_the_table_can_show(samples, strokes, order, resolved, statement):
+    angle = np.arange(samples) * strokes * np.pi / samples
+    found = harmonics(2.5 * np.sin(6.0 * angle), strokes)
+    check = two_mass_check(**SHAFT, order=order, harmonics=found)
+    assert check.resolved is resolved
+    assert check.statement == statement
+
+
+def test_without_a_table_nothing_is_claimed():
+    check = two_mass_check(**SHAFT, order=6.0)
+    assert check.resolved is None
+    assert check.statement.startswith("No torque table is given")
+
+
+@pytest.mark.parametrize("field", [*SHAFT, "order"])
+@pytest.mark.parametrize("value", [0.0, -1.0, float("nan"), float("inf"), "1"])
+def test_every_value_must_be_above_zero(field, value):
+    values = {**SHAFT, "order": 6.0, field: value}
+    with pytest.raises(InputError, match=f"{field}: given .*more than zero"):
+        two_mass_check(**values)

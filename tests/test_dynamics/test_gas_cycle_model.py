@@ -17,10 +17,8 @@ from dynamics.gas.cycle_values import (
     name_of_field,
     usual_gas_cycle,
 )
-from dynamics.gas.cylinder_volume import cylinder_volume
-from dynamics.gas.gas_cycle import gas_cycle
-from dynamics.gas.indicated import indicated_work
-from dynamics.gas.sampled_cycle import motored_pressure, pressure_rise_per_heat
+from dynamics.gas.cylinder_volume import cylinder_volume, indicated_work
+from dynamics.gas.gas_cycle import gas_cycle, motored_pressure, pressure_rise_per_heat
 from references import closed_pressure
 
 R, L, AREA = 0.07, 0.25, 0.0133

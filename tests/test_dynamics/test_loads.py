@@ -1,7 +1,4 @@
-"""Load diagrams against sums by hand: one cycle, common pins, levers between bearings, and refusals.
-
-Sums of a few terms of the load's size: 1e-12 of it is round-off with room.
-"""
+"""Loads of bearings and pins, and axial force over the cycle."""
 
 import math
 
@@ -10,11 +7,11 @@ import pytest
 
 from comparing import close
 from crankbase.errors import InputError
-from dynamics.engine.cylinder import EngineCylinder, RotatingMass, SlavePin
 from dynamics.engine.forces import mechanism_forces
-from dynamics.engine.layout import EngineLayout
+from dynamics.engine.layout import EngineCylinder, EngineLayout, RotatingMass, SlavePin
 from dynamics.engine.loads import LoadDiagram, crankpin_loads, main_bearing_loads
-from dynamics.mechanism.rods import ConnectingRod
+from dynamics.engine.rods import ConnectingRod
+from dynamics.excitation.axial_forces import axial_force_over_cycle
 
 ROD = ConnectingRod(0.265, 5.0, 0.097, 0.069, 0.009)
 ANGLES = np.radians(np.arange(0.0, 720.0, 10.0))
@@ -229,3 +226,20 @@ def test_bearings_without_size_are_refused():
         load.specific_pressure(0.0, 0.05)
     with pytest.raises(InputError, match="bearing length: given -1 m"):
         load.specific_pressure(0.1, -1.0)
+
+
+def test_two_throws_by_hand():
+    # Z on pin 1 lengthens throw 1 by 2 and throw 2 by -1; T on pin 2 both by 1 [nm/N].
+    influence = 1e-9 * np.array([[[2.0, 0.0], [0.0, 1.0]], [[-1.0, 0.0], [0.0, 1.0]]])
+    forces = np.array([[[1e3, 0.0], [0.0, 0.0]], [[0.0, 0.0], [0.0, 1e3]]])
+    found = axial_force_over_cycle(
+        10.0, forces, [1e-9, 3e-9], influence, shaft_angles_deg=[0.0, 57.0]
+    )
+    assert found.throws == close(np.array([[2000.0, -1000.0 / 3.0], [1000.0, 1000.0 / 3.0]]))
+    assert found.held == close([250.0, 500.0])
+    assert found.thrust_bearing is None
+    assert list(found.columns()) == ["shaft_angle_deg", "held_N", "throw_1_N", "throw_2_N"]
+    with pytest.raises(InputError, match=r"pin_forces: given an array of shape \(1, 2, 2\)"):
+        axial_force_over_cycle(
+            10.0, forces[:1], [1e-9, 3e-9], influence, shaft_angles_deg=[0.0, 57.0]
+        )

@@ -1,8 +1,4 @@
-"""What results draw and tabulate: their own numbers, on the axes given, with units.
-
-Numbers drawn are those of the object times the factor of the unit shown, so they are compared within
-round-off, 1e-12 of the largest.
-"""
+"""What results draw and tabulate: their own numbers, on the axes given, with units."""
 
 import dataclasses
 import math
@@ -17,59 +13,48 @@ from comparing import close
 from crankbase.errors import InputError, MissingLibraryError
 from crankbase.tables.frames import table_of
 from dynamics.assessment.barred_ranges import BarredRangeRule
-from dynamics.assessment.decided import Trial, decide
+from dynamics.assessment.damper_sizing import SizedDamper
 from dynamics.assessment.limits import AmplitudeCurve, given_limit
 from dynamics.assessment.separation import CriticalRange
-from dynamics.assessment.sized_damper import SizedDamper
-from dynamics.assessment.spreads import Spread
-from dynamics.assessment.uncertainty import Samples
-from dynamics.assessment.verdict import judge
-from dynamics.balance.balance import balance
-from dynamics.balance.hinged_rods import HingedRodEffects
-from dynamics.balance.hodograph import Hodograph
+from dynamics.assessment.uncertainty import Samples, Spread
+from dynamics.assessment.verdict import Trial, decide, judge
+from dynamics.balance.balance import HingedRodEffects, balance
+from dynamics.balance.moving_masses import Hodograph
 from dynamics.chains.chain import Chain
 from dynamics.chains.dampers import ViscousDamper
 from dynamics.crankshaft.chain_comparison import ChainVerdict, ModeMatch, ResponseMatch
 from dynamics.crankshaft.coupled_response import CoupledResponse
-from dynamics.crankshaft.shaft_modes import ShaftModes
-from dynamics.crankshaft.shaft_system import CrankshaftSystem
+from dynamics.crankshaft.shaft_modes import CrankshaftSystem, ShaftModes
 from dynamics.critical import critical_speeds
-from dynamics.engine.cylinder import EngineCylinder
 from dynamics.engine.forces import mechanism_forces
-from dynamics.engine.layout import EngineLayout
+from dynamics.engine.layout import EngineCylinder, EngineLayout
 from dynamics.engine.loads import LoadDiagram
-from dynamics.excitation.axial_comparison import AxialForceComparison
-from dynamics.excitation.axial_cycle import axial_force_over_cycle
+from dynamics.engine.rods import ConnectingRod
+from dynamics.excitation.axial_forces import AxialForceComparison, axial_force_over_cycle
 from dynamics.excitation.cylinders import CylinderForces
 from dynamics.excitation.pressure_map import pressure_map
 from dynamics.gas.gas_cycle import GasCycleResult
 from dynamics.gas.pressure import gas_pressure
-from dynamics.harmonics import harmonics
+from dynamics.harmonics import TorqueTable, harmonics
 from dynamics.hinge.crosshead import CrossheadEngine
 from dynamics.hinge.moment import hinge_moment
-from dynamics.hinge.profile import hinge_profile
+from dynamics.hinge.profile import GasSpring, hinge_profile
 from dynamics.hinge.simulation import SteadyHingeTurn
-from dynamics.hinge.spring import GasSpring
-from dynamics.mechanism.rods import ConnectingRod
-from dynamics.plots.stars import KIND_COLORS
-from dynamics.response.campbell_diagram import campbell_diagram
+from dynamics.plots.campbell import LABEL_ROOM, campbell_frame
+from dynamics.plots.harmonics import KIND_COLORS
+from dynamics.plots.load_diagrams import LABEL_HALF, label_spots, square_round
 from dynamics.response.complex_modes import complex_modes
-from dynamics.response.damping import damped
 from dynamics.response.forced import forced_response
-from dynamics.response.loads import element_loads
+from dynamics.response.linear_system import damped
+from dynamics.response.loads import element_loads, power_balance
 from dynamics.response.order_excitation import OrderExcitation
 from dynamics.response.peak_cause import peak_cause
-from dynamics.response.power import power_balance
-from dynamics.response.resonance import resonances
-from dynamics.torque.pin_harmonics import pin_force_harmonics
+from dynamics.response.resonance import campbell_diagram, resonances
 from dynamics.torque.star import Star
-from dynamics.torque.torque import engine_torque
-from dynamics.torque_table import TorqueTable
-from dynamics.transient.run import TransientMotion
-from dynamics.transient.speed_curve import SpeedCurve
-from dynamics.transient.steady import SteadyMotion
-from dynamics.transient.turning_cycle import TurningCycle
-from dynamics.transient.turning_run import TurningRun
+from dynamics.torque.torque import engine_torque, pin_force_harmonics
+from dynamics.transient.applied_forces import SpeedCurve
+from dynamics.transient.run import SteadyMotion, TransientMotion
+from dynamics.transient.turning_run import TurningCycle, TurningRun
 from dynamics.turning.free_turning import FreeTurning, WorkShare
 from dynamics.turning.speed_over_angle import SpeedOverAngle
 
@@ -1163,3 +1148,47 @@ def test_every_public_result_draws_or_tabulates_or_says_why_not(public_classes):
             tested = {case.split(",")[0] for case in cases}
             assert not hasattr(own, way) or name in tested, f"{name}.{way} is not tested here"
     assert without == {name for names in LEFT_OUT.values() for name in names.split()}
+
+
+def test_labels_of_a_polar_curve_touch_neither_it_nor_each_other():
+    """A curve with loops: a circle of 1 with one of 0.55 three times as fast."""
+    turns = 2.0 * np.pi * np.arange(720) / 720
+    curve = np.exp(1j * turns) + 0.55 * np.exp(4j * turns)
+    points = curve[::30]
+    low, high = square_round([curve])
+    width = high[0] - low[0]
+    half = np.array(LABEL_HALF) * width
+    spots = [spot for spot in label_spots(curve, points, width) if spot is not None]
+    assert len(spots) > 15
+    fine = np.interp(np.arange(0.0, 720.0, 0.05), np.arange(721), np.append(curve, curve[0]))
+    for number, spot in enumerate(spots):
+        gap = fine - spot
+        # Samples of the curve are half a label's height apart.
+        assert not np.any((np.abs(gap.real) < 0.8 * half[0]) & (np.abs(gap.imag) < 0.6 * half[1]))
+        for other in spots[:number]:
+            apart = np.abs([(other - spot).real, (other - spot).imag]) / half
+            assert max(apart) >= 2.0 * (1.0 - 1e-12)
+        assert low[0] < spot.real - half[0] < spot.real + half[0] < high[0]
+        assert low[1] < spot.imag - half[1] < spot.imag + half[1] < high[1]
+
+
+def test_a_label_goes_outwards_where_nothing_is_in_the_way():
+    curve = np.exp(2j * np.pi * np.arange(360) / 360)
+    (spot,) = label_spots(curve, curve[60:61], 2.32)
+    step = spot - curve[60]
+    half = 2.32 * np.array(LABEL_HALF)
+    # An ellipse of the label's own shape, in the direction away from the middle.
+    assert np.degrees(np.arctan2(step.imag / half[1], step.real / half[0])) == close(60.0)
+    assert abs(spot) > 1.0
+    # Along a line that fills the square there is no room.
+    comb = np.ravel([[x + 0j, x + 1j, x + 0.01 + 1j, x + 0.01] for x in np.arange(0.0, 1.0, 0.02)])
+    assert label_spots(comb, comb[40:41] + 0.5j, 1.16) == [None]
+
+
+def test_orders_of_a_campbell_diagram_are_labeled_where_there_is_room():
+    frame = campbell_frame(np.array([6.3]), np.arange(1.0, 13.0), (3.6, 15.0), ())
+    labeled = frame.labeled([*range(1, 13), 1.5])
+    assert {1, 2, 3, 4, 5} <= {*labeled} < {*range(1, 13)}
+    left, right = frame.ends
+    along = sorted(frame.line_end(order)[0] for order in labeled if frame.line_end(order)[2])
+    assert min(np.diff(along)) >= LABEL_ROOM * (right - left) * (1.0 - 1e-12)

@@ -8,18 +8,14 @@ from scipy.special import ellipk
 from comparing import close
 from crankbase.errors import InputError
 from dynamics.cycle import cycle_radians
-from dynamics.engine.cylinder import EngineCylinder, RotatingMass, SlavePin
-from dynamics.engine.forces import mechanism_forces
-from dynamics.engine.gas_forces import gas_forces
-from dynamics.engine.layout import EngineLayout
+from dynamics.engine.forces import gas_forces, mechanism_forces
+from dynamics.engine.layout import EngineCylinder, EngineLayout, RotatingMass, SlavePin
 from dynamics.engine.motions import piston_ends
-from dynamics.mechanism.rods import ConnectingRod
+from dynamics.engine.rods import ConnectingRod
 from dynamics.torque.torque import engine_torque
-from dynamics.turning.curves import turn_curves
-from dynamics.turning.free_turning import turn_freely
-from dynamics.turning.speed_over_angle import speed_over_angle
-from dynamics.turning.steady_engine import turn_steadily
-from dynamics.turning.steady_turning import steady_turning
+from dynamics.turning.free_turning import turn_freely, turn_steadily
+from dynamics.turning.shaft_moments import turn_curves
+from dynamics.turning.speed_over_angle import speed_over_angle, steady_turning
 
 ROD = ConnectingRod(0.25, 2.0, 0.08, 0.02, 0.004)
 SLAVE_ROD = ConnectingRod(0.18, 1.2, 0.07, 0.008)

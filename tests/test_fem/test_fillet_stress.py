@@ -1,9 +1,4 @@
-"""Stresses on surfaces and at fillets.
-
-Identities (symmetry parts, rotations, manufactured strains, equilibrium) hold to round-off on any mesh,
-so they are tested on coarse ones with tolerances of 1e-6 to 1e-9 of the values; what is only an
-approximation says why its tolerance is what it is.
-"""
+"""Stresses on surfaces and at fillets, and their fields."""
 
 import math
 from dataclasses import replace
@@ -16,10 +11,12 @@ from crankbase.errors import InputError
 from fem import fillet_stress
 from fem.assembly import assemble_stiffness, symmetric_product
 from fem.condensation import nodes_on
+from fem.fields import displacement_field, images, stress_fields
 from fem.fillet_peaks import fillet_points, fillet_surface, reading_quality
 from fem.fillet_stress import fillet_stresses, nominal_stress, torsion_modulus, web_section
 from fem.loads import radial_directions
 from fem.material import STEEL, Material
+from fem.supports import STRETCH, TWIST, end_motions, reactions
 from fem.surface_stress import (
     as_components,
     as_matrices,
@@ -37,9 +34,12 @@ from fem.surface_stress import (
 )
 from fem.symmetry import SymmetryClass
 from fem.unit_loads import LoadedThrow, solve_unit_loads, unit_loads, whole_facets, whole_nodes
+from geometry.imported import import_throw, imported_parts
 from geometry.mesh import mesh_throw, six_node_triangles
+from geometry.mesher import mesh_imported_throw
 from geometry.sizes import SizeMap
 from geometry.solid import FILLET, LEFT_END, RIGHT_END
+from geometry.solid_files import write_step
 from geometry.throw import CrankThrow
 from stand_ins import COARSE_STRESSES
 
@@ -562,3 +562,184 @@ def test_a_rule_mesh_beyond_the_budget_is_refused(monkeypatch, dimensions):
     monkeypatch.setattr(fillet_stress, "MOST_RULE_UNKNOWNS", 30_000)
     with pytest.raises(InputError, match='mesh: given "m53", whose elements would make about'):
         fillet_stresses(CrankThrow(**dimensions), mesh="m53", mesher=mesh_throw)
+
+
+@pytest.fixture(scope="module")
+def fields(mesh, throw):
+    return stress_fields(mesh, throw, STEEL)
+
+
+@pytest.fixture(scope="module")
+def alone(mesh, throw):
+    """Stresses under unit loads, by their own solution, ends pinned."""
+    return fillet_surface(solve_unit_loads(mesh, unit_loads(radial_directions(throw)), STEEL))
+
+
+def local_von_mises(stress):
+    first, second, between = np.moveaxis(stress, -1, 0)
+    return np.sqrt(first**2 - first * second + second**2 + 3.0 * between**2)
+
+
+def test_unit_loads_have_their_own_stresses(fields, alone, throw):
+    """Axial force, torque, both bendings, and the radial force on its two bearings."""
+    pin = np.array([0.0, -1.0, 0.0, 0.0, 0.0, 0.0])
+    for column, load in enumerate(unit_loads(radial_directions(throw))):
+        acting, ends = (0.0 * pin, load.ends) if load.pin is None else (pin, load.ends.copy())
+        if load.pin is not None:
+            ends[[1, 7]] = 0.5  # bearings press against the force towards the shaft
+        amplitudes = fields.amplitudes(ends, acting)
+        for fillet, site in zip(throw_fillets(throw.parts), fields.sites, strict=True):
+            expected = von_mises(alone.stress[fillet.holds(alone.points), column])
+            found = local_von_mises(np.tensordot(amplitudes, site.stress, axes=(0, 1)))
+            assert site.name == fillet.name
+            assert found == close(expected, abs=1e-6 * expected.max())
+
+
+def test_a_tangential_force_is_carried_wherever_it_is_held(fields, throw):
+    """Torque taken at the left or at the right end: the difference is a torque through the throw."""
+    force = np.array([-1.0, 0.0, 0.0, 0.0, 0.0, 0.0])
+    held = reactions(fields.superelement, "pinned", fields.superelement.pin_loads[0] @ force)
+    left = np.concatenate([held.left.force, held.left.moment, held.right.force, held.right.moment])
+    assert left[5] == close(-throw.crank_radius)
+    right = left.copy()
+    right[[5, 11]] = 0.0, left[5]
+    one, other = fields.amplitudes(left, force), fields.amplitudes(right, force)
+    through = fields.amplitudes(left[5] * TWIST, np.zeros(6))
+    assert other - one == close(through, abs=1e-9 * np.abs(other).max())
+
+
+def test_loads_out_of_balance_are_refused(fields):
+    ends = np.zeros(12)
+    ends[1] = 1.0
+    with pytest.raises(InputError, match="loads: given ones out of balance"):
+        fields.amplitudes(ends, np.zeros(6))
+
+
+def test_strain_energy_is_that_of_the_amplitudes(fields):
+    """End loads in balance do the work c^2 / 2 on the motions that they make."""
+    rng = np.random.default_rng(3)
+    motions = rng.normal(size=12)
+    ends = fields.superelement.stiffness @ motions
+    amplitudes = fields.amplitudes(ends, np.zeros(6))
+    assert amplitudes[:6] @ amplitudes[:6] == close(motions @ ends)
+
+
+def test_throws_of_several_pins_are_refused(mesh, throw):
+    several = throw.changed(further_pins=({"angle": 1.0, "web_thickness": 0.06},))
+    with pytest.raises(InputError, match="throw: given one with 2 pins"):
+        stress_fields(mesh, several, STEEL)
+
+
+@pytest.fixture(scope="module")
+def cad_throw(dimensions):
+    return CrankThrow(**dimensions, main_journal_bore=0.06, right_web={"thickness": 0.055})
+
+
+@pytest.fixture(scope="module")
+def part(cad_throw, tmp_path_factory):
+    return import_throw(write_step(cad_throw, tmp_path_factory.mktemp("cad") / "throw.step"))
+
+
+def test_parts_are_those_that_the_solid_was_made_of(cad_throw, part):
+    """Lengths as the kernel has them; the width is measured on facets, which cut arcs short by 0.1 %."""
+    found = imported_parts(part, mesh_imported_throw(part, 1.5))
+    fillets, expected = throw_fillets(found), throw_fillets(cad_throw.parts)
+    assert [fillet.name for fillet in fillets] == [fillet.name for fillet in expected]
+    for one, other in zip(fillets, expected, strict=True):
+        assert (one.radius, one.start, one.end) == close((other.radius, other.start, other.end))
+        assert torsion_modulus(one.journal) == close(torsion_modulus(other.journal))
+        own, wanted = web_section(found, one.web), web_section(cad_throw.parts, other.web)
+        assert own.thickness == close(wanted.thickness)
+        assert own.width == close(wanted.width, rel=2e-3)
+
+
+@pytest.mark.further
+def test_stresses_of_a_part_are_those_of_its_throw(dimensions, tmp_path):
+    """Two meshes, each within its own estimate. Large fillets take few elements."""
+    throw = CrankThrow(**dimensions | {"fillet_radius": 0.02})
+    part = import_throw(write_step(throw, tmp_path / "throw.step"))
+    expected, found = (fillet_stresses(one, accuracy=0.2) for one in (throw, part))
+    assert found.loaded.mesh.part == "full"
+    assert found.sharp_corners == ()
+    for own, wanted in zip(found.peaks, expected.peaks, strict=True):
+        assert (own.name, own.load.kind) == (wanted.name, wanted.load.kind)
+        assert own.nominal == close(wanted.nominal, rel=3e-3)
+        room = own.error_estimate + wanted.error_estimate
+        assert own.von_mises == close(wanted.von_mises, rel=room)
+
+
+def test_a_part_without_fillets_is_refused(dimensions, tmp_path):
+    sharp = CrankThrow(**dimensions | {"fillet_radius": 0.0})
+    part = import_throw(write_step(sharp, tmp_path / "sharp.step"))
+    with pytest.raises(
+        InputError, match=r"sharp\.step: given a part without a fillet at its main jou"
+    ):
+        fillet_stresses(part)
+
+
+def test_corners_of_a_part_without_a_fillet_are_named(dimensions, tmp_path, monkeypatch):
+    for name, value in COARSE_STRESSES.items():
+        monkeypatch.setattr(fillet_stress, name, value)
+    half = CrankThrow(**dimensions | {"pin_fillet_radius": 0.0})
+    part = import_throw(write_step(half, tmp_path / "half.step"))
+    found = fillet_stresses(part, accuracy=0.2)
+    assert found.sharp_corners == ("pin, left web", "pin, right web")
+    assert {peak.name for peak in found.peaks} == {"left main journal", "right main journal"}
+    assert math.isfinite(found.error_estimate)
+
+
+# Finite elements throughout: not for the inner loop.
+
+
+@pytest.fixture(scope="module")
+def models(mesh, half_mesh, full_mesh, condensed):
+    meshes = {"quarter": mesh, "half": half_mesh, "full": full_mesh}
+    return {part: (found, condensed(found)[0]) for part, found in meshes.items()}
+
+
+def rows_of(points, wanted):
+    """Number of the node at each wanted place."""
+    found = {tuple(place): number for number, place in enumerate(points.round(8) + 0.0)}
+    return [found[tuple(place)] for place in wanted.round(8) + 0.0]
+
+
+@pytest.mark.parametrize("part", ["quarter", "half", "full"])
+def test_images_make_the_whole_throws_field(models, part):
+    """Against the field of the full mesh, for motions with nothing symmetric in them."""
+    motions = np.random.default_rng(5).normal(size=12)
+    mesh, classes = models[part]
+    full, whole = models["full"]
+    expected = displacement_field(whole, motions)
+    copies = images(mesh, classes, motions)
+    assert len(copies) == {"quarter": 4, "half": 2, "full": 1}[part]
+    assert np.array_equal(copies[0].points, mesh.points)
+    assert copies[0].displacement == close(displacement_field(classes, motions))
+    nodes = set()
+    for copy in copies:
+        rows = rows_of(full.points, copy.points)
+        nodes.update(rows)
+        assert copy.displacement == close(expected[rows], abs=1e-8)
+    assert nodes == set(range(len(full.points)))
+    assert sum(copy.inside_out for copy in copies) == len(copies) // 2
+
+
+@pytest.mark.parametrize("part", ["quarter", "half", "full"])
+def test_rigid_motions_have_rigid_fields(models, rigid_motions, throw, part):
+    mesh, classes = models[part]
+    found = displacement_field(classes, rigid_motions)
+    expected = np.zeros_like(found)
+    expected[:, :, :3] = np.eye(3)
+    for axis in range(3):
+        turned = np.cross(np.eye(3)[axis], mesh.points)
+        expected[:, :, 3 + axis] = turned / throw.crank_radius
+    assert found == close(expected, abs=1e-9)
+
+
+def test_pins_move_as_the_superelement_says(models, superelement, pin_shapes):
+    """Under an axial pull the pin goes towards the shaft by c."""
+    _, classes = models["quarter"]
+    motions = end_motions(superelement, "pinned")[:, 0]
+    field = displacement_field(classes, motions)
+    ends = superelement.pin_load.T @ motions
+    assert pin_shapes[0] @ field[:, 1] == close(ends[1], rel=1e-9)
+    assert STRETCH @ motions > 0.0 > ends[1]

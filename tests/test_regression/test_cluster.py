@@ -26,13 +26,14 @@ from regression.runs import cluster as cluster_module
 from regression.runs import cluster as shelf_module
 from regression.runs import workers as workers_module
 from regression.runs.cluster import (
+    DaskCluster,
     ProcessPool,
     TaskLostError,
+    check_address,
     compute_design,
     identity,
     run_on_cluster,
 )
-from regression.runs.dask_cluster import DaskCluster, check_address
 from regression.runs.study import run_plan
 
 THROW = SHARP
@@ -593,7 +594,7 @@ def test_a_cluster_behind_tls(puppets, tls_names, tmp_path):
 def test_an_address_without_a_scheduler(monkeypatch):
     # The last of all: a client that fails leaves an event loop behind that ends while others start.
     pytest.importorskip("distributed")
-    monkeypatch.setattr("regression.runs.dask_cluster.CONNECT", 0.5)
+    monkeypatch.setattr("regression.runs.cluster.CONNECT", 0.5)
     with pytest.raises(InputError, match=r"^dask: given '.*'; allowed is .* nothing answers there"):
         DaskCluster("tcp://127.0.0.1:1")
     gc.collect()  # a client that is not closed complains here

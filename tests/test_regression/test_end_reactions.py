@@ -16,16 +16,16 @@ from fem.angle_law import angle_law
 from fem.responses import end_moment_numbers
 from fem.supports import Neighbors, reactions, support_throw
 from plans import FILLETED
-from regression.end_reactions import (
+from regression.fits.fits import fit_form
+from regression.models.compliance_model import ComplianceModel
+from regression.models.response_model import ResponseModel
+from regression.response_kinds import (
     END_MOMENTS,
     GUIDED_MOMENTS,
     NEEDED,
     ThrowLengths,
     end_reactions,
 )
-from regression.fits.fits import fit_form
-from regression.models.compliance_model import ComplianceModel
-from regression.models.response_model import ResponseModel
 from regression.throw_values import throw_values
 
 THROW = FILLETED

@@ -19,7 +19,7 @@ from regression.plans.plan import StudyPlan, plan_designs
 from regression.records import HELD_OUT, MEASURED, RUN
 from regression.runs import study as study_module
 from regression.runs import workers
-from regression.runs.export_table import export_table
+from regression.runs.exchange import export_table
 from regression.runs.store import ResultStore
 from regression.runs.study import import_results, read_study, run_plan
 from regression.runs.study_table import study_table

@@ -15,11 +15,11 @@ from regression.law.superelement import law_reactions
 from regression.law.throw_law import (
     axial_law,
     axial_laws,
+    mass_law,
     throw_laws,
     torsional_law,
     torsional_laws,
 )
-from regression.law.throw_mass import mass_law
 
 DIMENSIONS = {
     "crank_radius": 0.170,

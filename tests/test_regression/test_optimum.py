@@ -14,9 +14,8 @@ from comparing import close
 from crankbase.errors import InputError
 from regression.fits.fits import fit_form
 from regression.models.compliance_model import ComplianceModel
-from regression.models.optimum import find_optimum
-from regression.models.optimum_limits import Limit, Points, worst_values
 from regression.models.response_model import ResponseModel
+from regression.optimum import Limit, Points, find_optimum, worst_values
 
 BOX = {"web_width": (0.270, 0.330), "web_thickness": (0.038, 0.098), "pin_length": (0.120, 0.158)}
 FIXED = {

@@ -9,18 +9,17 @@ from matplotlib import pyplot
 from comparing import close
 from crankbase.errors import InputError
 from geometry.throw import CrankThrow
-from regression.factor_labels import factor_text, term_text
 from regression.fits.fits import fit_form
 from regression.formulas.axial_formulas import axial_formulas
-from regression.formulas.formula_value import formulas_to_pandas
+from regression.formulas.case import formulas_to_pandas
 from regression.models.compliance_model import ComplianceModel
-from regression.models.optimum import LimitCheck, Optimum
-from regression.models.optimum_limits import Limit
 from regression.models.response_model import ResponseModel
+from regression.optimum import Limit, LimitCheck, Optimum
 from regression.plans.factors import Factor
 from regression.plans.plan import StudyPlan
 from regression.plots.equations import draw_formula_bars
 from regression.runs.study_table import StudyTable
+from regression.throw_values import factor_text, term_text
 
 WIDTHS, THICKNESSES = np.array([0.27, 0.30, 0.33]), np.array([0.05, 0.07, 0.09])
 RUNS = np.array([(width, thickness) for width in WIDTHS for thickness in THICKNESSES])

@@ -20,8 +20,7 @@ from geometry.throw import CrankThrow
 from puppets import puppet
 from regression.runs import worker
 from regression.runs import workers as workers_module
-from regression.runs.interrupts import interrupts_deferred
-from regression.runs.workers import TIME_LIMIT, design_limits, run_designs
+from regression.runs.workers import TIME_LIMIT, design_limits, interrupts_deferred, run_designs
 
 ROOT = Path(__file__).resolve().parents[2]
 THROW = {

@@ -18,15 +18,12 @@ import numpy as np
 import pytest
 
 from comparing import close
-from crankfem.analyses.mechanism.acceleration_records import acceleration_record
-from dynamics.balance.balance import balance
-from dynamics.balance.hinged_rods import hinged_rod_effects, hodograph_change
+from crankfem.analyses.mechanism.mechanism_records import acceleration_record
+from dynamics.balance.balance import balance, hinged_rod_effects, hodograph_change
 from dynamics.balance.moving_masses import moving_masses
-from dynamics.engine.cylinder import EngineCylinder, RotatingMass, SlavePin
-from dynamics.engine.layout import EngineLayout
-from dynamics.engine.motions import cylinder_motion
-from dynamics.engine.orders import acceleration_orders, piston_acceleration
-from dynamics.mechanism.rods import ConnectingRod
+from dynamics.engine.layout import EngineCylinder, EngineLayout, RotatingMass, SlavePin
+from dynamics.engine.motions import acceleration_orders, cylinder_motion, piston_acceleration
+from dynamics.engine.rods import ConnectingRod
 
 RADIUS, LENGTH, PIN_RADIUS, HINGED_LENGTH = 0.130, 0.650, 0.150, 0.500
 BETWEEN_BANKS = math.radians(45.0)

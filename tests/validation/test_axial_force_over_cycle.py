@@ -14,12 +14,11 @@ import pytest
 from scipy.linalg import eigh
 
 from comparing import close
-from crankfem.analyses.shaft.bearings import bearing_stiffness
-from crankfem.analyses.shaft.chains import magnifier_of
+from crankfem.analyses.shaft.chains import bearing_stiffness, magnifier_of
 from crankfem.analyses.shaft.sources import compliances_in_shaft
 from crankfem.analyses.vibration.axial_cycle import axial_cycle
-from crankfem.analyses.vibration.chain_answers import EngineChains
 from crankfem.analyses.vibration.engine_excitation import engine_harmonics, forces_over_speeds
+from crankfem.analyses.vibration.forced import EngineChains
 from crankfem.analyses.vibration.modes import axial_vibration, torsional_vibration
 from crankfem.files.engine.engine_file import load_engine
 from crankfem.files.engine.mechanism_file import mechanism_of

@@ -14,8 +14,7 @@ import pytest
 
 from comparing import close
 from dynamics.chains.chain import Chain
-from dynamics.chains.shaft_elements import ShaftMaterial, shaft_cylinder
-from dynamics.chains.shaft_line import ShaftLine
+from dynamics.chains.shaft_line import ShaftLine, ShaftMaterial, shaft_cylinder
 
 
 @pytest.mark.parametrize("count", [2, 3, 7, 40])

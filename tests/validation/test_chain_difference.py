@@ -16,8 +16,7 @@ from scipy.linalg import eigh
 
 import crankfem as cf
 from comparing import close
-from crankfem.analyses.shaft.bearings import bearing_stiffness
-from crankfem.analyses.shaft.shaft_surroundings import shaft_surroundings
+from crankfem.analyses.shaft.chains import bearing_stiffness, shaft_surroundings
 from crankfem.analyses.shaft.whole_shaft import shaft_throws, whole_shaft
 from crankfem.analyses.vibration.bearing_sweep import (
     bearing_sweep,
@@ -26,8 +25,7 @@ from crankfem.analyses.vibration.bearing_sweep import (
     in_bearings,
 )
 from dynamics.crankshaft.assembly import assemble_crankshaft
-from dynamics.crankshaft.chain_difference import CAUSES, frequency_difference
-from dynamics.crankshaft.mode_matches import match_modes
+from dynamics.crankshaft.chain_comparison import CAUSES, frequency_difference, match_modes
 from dynamics.crankshaft.shaft_modes import crankshaft_modes
 
 pytestmark = pytest.mark.further
@@ -192,6 +190,16 @@ def test_flywheel_without_inertia_about_a_diameter(case, figure):
     figure("frequency without tilt", found.without, match.shaft_frequency, 1e-8, "Hz")
     both = " and ".join(f"{one:.1f}" for one in sorted(filter(None, (found.shaft, found.further))))
     assert f"from {found.without:.1f} Hz without to {both} Hz with it" in found.sentence
+    # Where a mode is told higher with more inertia, one more lies below it than without.
+    below = [
+        np.sum(crankshaft_modes(held).frequencies < 0.999 * frequency)
+        for held, frequency in ((shaft, found.without), (case.whole.crankshaft.shaft, found.shaft))
+    ]
+    assert ("brings another mode below it" in found.sentence) == (
+        found.further is None and found.shaft - found.without >= 0.05
+    )
+    if "brings" in found.sentence:
+        assert below[1] > below[0]
 
 
 def match_nominal(case, chain):

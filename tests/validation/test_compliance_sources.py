@@ -17,7 +17,7 @@ import pytest
 import crankfem as cf
 from comparing import close
 from crankbase.errors import InputError
-from crankfem.analyses.shaft.source_errors import analyzed_throws, source_spread
+from crankfem.analyses.shaft.sources import analyzed_throws, source_spread
 from crankfem.analyses.study.nominal_throw import outside_study
 from fitted_models import THICK, THIN, UNITS, known_model
 from regression.plans.factors import Factor

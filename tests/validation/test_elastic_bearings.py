@@ -15,8 +15,7 @@ import pytest
 
 import crankfem as cf
 from comparing import close
-from crankfem.analyses.shaft.bearings import bearing_stiffness
-from crankfem.analyses.shaft.chains import engine_torsional_chain
+from crankfem.analyses.shaft.chains import bearing_stiffness, engine_torsional_chain
 from crankfem.analyses.shaft.sources import compliances_in_shaft
 from crankfem.analyses.shaft.throw_analyses import analyze_throws
 

@@ -16,7 +16,7 @@ import pytest
 
 from crankfem.analyses.strength.element_factors import element_factors, throw_webs
 from crankfem.files.sections.strength_section import StrengthSection
-from dynamics.strength.element_factors import SYMBOLS
+from dynamics.strength.concentration import SYMBOLS
 from fem import fillet_peaks, fillet_stress
 from geometry.throw import CrankThrow
 from geometry.throw_dimensions import OilHole

@@ -16,7 +16,7 @@ import pytest
 from scipy.linalg import eigh
 
 from comparing import close
-from dynamics.excitation.torsion_to_axial import tangential_towards_flywheel, torsion_influence
+from dynamics.excitation.chain_excitation import tangential_towards_flywheel, torsion_influence
 from fem.analysis import analyze_throw
 from fem.shaft import assemble_shaft, shaft_compliances, solve_shaft
 from fem.superelement import RZ, UZ

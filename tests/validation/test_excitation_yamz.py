@@ -16,9 +16,8 @@ import pytest
 
 from comparing import close
 from crankbase.errors import InputError
-from dynamics.excitation.cylinders import forces_at_speeds
-from dynamics.excitation.prescribed_torque import torque_harmonics
-from dynamics.torque_table import read_torque_table
+from dynamics.excitation.cylinders import forces_at_speeds, torque_harmonics
+from dynamics.harmonics import read_torque_table
 
 TABLE = read_torque_table(
     Path(__file__).parents[2] / "data" / "tables" / "yamz5340_torque_one_throw.csv"

@@ -11,8 +11,8 @@ import pytest
 import crankfem as cf
 from comparing import close
 from crankfem.analyses.shaft.whole_records import whole_record
-from crankfem.analyses.vibration.mode_table import mode_table
 from crankfem.analyses.vibration.records import run_record
+from crankfem.analyses.vibration.tables import mode_table
 from crankfem.jobs.run_records import _engine_record
 from crankfem.report.summary import summary
 

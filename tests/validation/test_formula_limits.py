@@ -19,7 +19,7 @@ from hypothesis import strategies as st
 from comparing import close
 from geometry.throw import CrankThrow
 from regression.formulas.axial_formulas import axial_formula, axial_formulas
-from regression.formulas.catalogue import AXIAL_VARIANTS
+from regression.formulas.published import AXIAL_VARIANTS
 
 E = 2.1e11
 

@@ -17,8 +17,7 @@ import pytest
 from comparing import close
 from dynamics.gas.cycle_values import usual_gas_cycle
 from dynamics.gas.cylinder_volume import cylinder_volume
-from dynamics.gas.gas_cycle import gas_cycle
-from dynamics.gas.sampled_cycle import pressure_rise_per_heat
+from dynamics.gas.gas_cycle import gas_cycle, pressure_rise_per_heat
 from references import closed_pressure
 
 R, L, AREA = 0.07, 0.25, 0.0133

@@ -23,8 +23,7 @@ import pytest
 from comparing import close
 from crankfem.files.hinge.hinge_file import load_hinge
 from dynamics.hinge.moment import hinge_moment
-from dynamics.hinge.simulation import simulate_hinge, steady_hinge_turn
-from dynamics.hinge.speed_smoothing import best_pressure, flywheel_for
+from dynamics.hinge.simulation import best_pressure, flywheel_for, simulate_hinge, steady_hinge_turn
 
 
 @pytest.fixture(scope="module")

@@ -24,11 +24,10 @@ from scipy.special import binom
 from comparing import close
 from dynamics.balance.balance import balance
 from dynamics.balance.moving_masses import balancing_masses
-from dynamics.engine.cylinder import EngineCylinder, RotatingMass
 from dynamics.engine.firing import firing_order_of_angles
-from dynamics.engine.layout import EngineLayout
-from dynamics.engine.orders import acceleration_orders
-from dynamics.mechanism.rods import ConnectingRod
+from dynamics.engine.layout import EngineCylinder, EngineLayout, RotatingMass
+from dynamics.engine.motions import acceleration_orders
+from dynamics.engine.rods import ConnectingRod
 
 RADIUS, LENGTH, SPEED, PITCH = 0.05, 0.16, 400.0, 0.11
 # Reciprocating 0.5 + 0.6 * 0.25 = 0.65 kg, rotating 0.45 kg.

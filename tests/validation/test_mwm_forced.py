@@ -20,9 +20,8 @@ from scipy.linalg import expm
 from dynamics.chains.chain import Chain
 from dynamics.harmonics import harmonics
 from dynamics.response.forced import forced_response
-from dynamics.response.loads import element_loads
+from dynamics.response.loads import element_loads, power_balance
 from dynamics.response.order_excitation import OrderExcitation, phasors_of
-from dynamics.response.power import power_balance
 
 INERTIA = np.array([0.0170, 0.0090, 0.0467, 0.0327, 0.0467, 0.0467, 0.0327, 0.0487, 2.0750])
 STIFFNESS = 1e6 * np.array([1.106, 1.631, 1.253, 1.253, 1.678, 1.253, 1.253, 1.976])

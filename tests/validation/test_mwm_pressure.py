@@ -18,12 +18,11 @@ import pytest
 
 from crankfem.files.chain.chain_file import load_chain
 from dynamics.chains.engine_chains import EngineChain
-from dynamics.engine.cylinder import EngineCylinder
-from dynamics.engine.layout import EngineLayout
+from dynamics.engine.layout import EngineCylinder, EngineLayout
+from dynamics.engine.rods import ConnectingRod
 from dynamics.excitation.chain_excitation import torque_excitation
 from dynamics.excitation.cylinders import cylinder_forces
 from dynamics.gas.pressure import GasPressure
-from dynamics.mechanism.rods import ConnectingRod
 from dynamics.response.forced import forced_response
 from dynamics.response.loads import element_loads
 

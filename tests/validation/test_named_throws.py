@@ -19,7 +19,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from crankfem.analyses.shaft.shaft_record import shaft_balance_record
+from crankfem.analyses.shaft.whole_records import shaft_balance_record
 from crankfem.analyses.shaft.whole_shaft import highest_exciting_frequency, whole_shaft
 from crankfem.analyses.vibration.run import engine_vibration
 from crankfem.files.engine.engine_file import load_engine

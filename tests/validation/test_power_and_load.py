@@ -12,8 +12,11 @@ import numpy as np
 import pytest
 
 import crankfem as cf
-from crankfem.analyses.vibration.engine_excitation import engine_harmonics, forces_over_speeds
-from crankfem.analyses.vibration.engine_load import engine_load
+from crankfem.analyses.vibration.engine_excitation import (
+    engine_harmonics,
+    engine_load,
+    forces_over_speeds,
+)
 
 FOLDER = Path(__file__).parents[1] / "data" / "engines"
 OWN = ("8l32-42-damper", "5-42-176-propeller", "v12-170-190")

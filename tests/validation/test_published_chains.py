@@ -19,11 +19,8 @@ import pytest
 
 from comparing import close
 from crankfem.files.chain.chain_file import load_chain
-from dynamics.chains.chain import Chain
-from dynamics.chains.connections import Gear
-from dynamics.chains.shaft_bodies import RigidBody
-from dynamics.chains.shaft_elements import ShaftMaterial, shaft_cylinder
-from dynamics.chains.shaft_line import ShaftLine
+from dynamics.chains.chain import Chain, Gear
+from dynamics.chains.shaft_line import RigidBody, ShaftLine, ShaftMaterial, shaft_cylinder
 
 MWM_INERTIA = [0.0170, 0.0090, 0.0467, 0.0327, 0.0467, 0.0467, 0.0327, 0.0487, 2.0750]
 MWM_STIFFNESS = np.array([1.106, 1.631, 1.253, 1.253, 1.678, 1.253, 1.253, 1.976]) * 1e6

@@ -17,7 +17,7 @@ from crankbase.errors import InputError
 from crankfem.files.reading.data_files import data_folder
 from geometry.throw import CrankThrow
 from regression.formulas.axial_formulas import axial_formula
-from regression.formulas.catalogue import AXIAL_FORMULA_NAMES
+from regression.formulas.published import AXIAL_FORMULA_NAMES
 from regression.formulas.published_table import (
     FINITE_ELEMENTS,
     FINITE_ELEMENTS_DOUBT,

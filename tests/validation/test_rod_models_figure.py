@@ -16,8 +16,11 @@ import pytest
 
 from comparing import close
 from crankfem.analyses.mechanism.mechanism_run import run_mechanism
-from crankfem.analyses.mechanism.rod_comparison import model_difference
-from crankfem.analyses.mechanism.rod_model_records import model_difference_record, rod_mass_records
+from crankfem.analyses.mechanism.rod_models import (
+    model_difference,
+    model_difference_record,
+    rod_mass_records,
+)
 from crankfem.files.engine.mechanism_file import load_mechanism
 from geometry.mass import cylinder_mass_properties
 

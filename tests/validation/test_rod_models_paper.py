@@ -18,14 +18,12 @@ import numpy as np
 import pytest
 
 from comparing import close
-from dynamics.engine.cylinder import EngineCylinder, SlavePin
-from dynamics.engine.forces import mechanism_forces
-from dynamics.engine.gas_forces import gas_forces
-from dynamics.engine.layout import EngineLayout
+from dynamics.engine.forces import gas_forces, mechanism_forces
+from dynamics.engine.layout import EngineCylinder, EngineLayout, SlavePin
+from dynamics.engine.rods import ConnectingRod
+from dynamics.engine.slider_crank import SliderCrank
 from dynamics.gas.cycle_values import usual_gas_cycle
 from dynamics.gas.gas_cycle import gas_cycle
-from dynamics.mechanism.rods import ConnectingRod
-from dynamics.mechanism.slider_crank import SliderCrank
 
 R, L_SHK, L_SHP, L_D, BORE = 0.070, 0.097, 0.168, 0.009, 0.130
 # Assumed, typical of the bore: 3.4 kg are 260 kg, 4.2 kg 320 kg for each m^2 of piston. Two masses have

@@ -21,8 +21,7 @@ from geometry.throw import CrankThrow
 from regression.models.compliance_model import ComplianceModel
 from regression.models.extrapolation import OutsideRangeWarning
 from regression.models.model_file import checksum
-from regression.models.optimum import find_optimum
-from regression.models.optimum_limits import Limit
+from regression.optimum import Limit, find_optimum
 from regression.plans.designs import DesignChoice
 from regression.plans.factors import Factor
 from regression.plans.plan import StudyPlan, plan_designs

@@ -14,9 +14,8 @@ import numpy as np
 import pytest
 
 from comparing import close
-from dynamics.chains.two_mass import two_mass_check
-from dynamics.critical import critical_speeds, engine_orders
-from dynamics.torque_table import read_torque_table
+from dynamics.critical import critical_speeds, engine_orders, two_mass_check
+from dynamics.harmonics import read_torque_table
 from references import finite_sums
 
 TABLE = Path(__file__).parents[2] / "data" / "tables" / "yamz5340_torque_one_throw.csv"

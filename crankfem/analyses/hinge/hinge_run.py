@@ -2,27 +2,36 @@
 
 import math
 from dataclasses import dataclass
+from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
-from crankbase.checks.arrays import ComplexArray
+from crankbase.checks.arrays import ComplexArray, FloatArray
 from crankbase.checks.choices import check_choice
-from crankbase.drawing.diagram_style import new_axes
+from crankbase.drawing.diagram_style import figure, make_folder, new_axes
 from crankbase.errors import InputError
 from crankbase.summaries import summarized
 from crankbase.tables.frames import table
+from crankbase.units.units import RPM
+from crankfem.analyses.record import Record, assumed_values, attributes
 from crankfem.files.hinge.hinge_file import HingeFile
+from dynamics.hinge.crosshead import KINEMATICS, Kinematics
 from dynamics.hinge.moment import HingeMoment
-from dynamics.hinge.profile import HingeProfile
-from dynamics.hinge.reduced_crank import KINEMATICS, Kinematics
-from dynamics.hinge.simulation import SteadyHingeTurn, simulate_hinge, steady_hinge_turn
-from dynamics.hinge.speed_smoothing import BestPressure, best_pressure, flywheel_for
-from dynamics.hinge.spring import GasSpring
+from dynamics.hinge.profile import GasSpring, HingeProfile
+from dynamics.hinge.simulation import (
+    BestPressure,
+    SteadyHingeTurn,
+    best_pressure,
+    flywheel_for,
+    simulate_hinge,
+    steady_hinge_turn,
+)
 from dynamics.turning.speed_over_angle import SpeedOverAngle
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
+
 
 Shown = Literal["moment", "gas force", "speed", "guides"]
 SHOWN: tuple[Shown, ...] = ("moment", "gas force", "speed", "guides")
@@ -122,7 +131,7 @@ class HingeRun:
         InputError
             If `show` is unknown.
         """
-        from crankfem.analyses.hinge.plots import hinge_panels
+        from crankfem.analyses.hinge import plots
 
         check_choice("show", show, SHOWN, "these are diagrams of a hinge")
         if show == "guides":
@@ -137,11 +146,11 @@ class HingeRun:
                 )
                 for one in self.others
             ]
-            hinge_panels.draw_moments(axes, points, [None, *given])
+            plots.draw_moments(axes, points, [None, *given])
         elif show == "gas force":
-            hinge_panels.draw_gas_force(axes, points)
+            plots.draw_gas_force(axes, points)
         else:
-            hinge_panels.draw_speeds(
+            plots.draw_speeds(
                 axes,
                 self.without,
                 self.flywheel_turn,
@@ -172,7 +181,7 @@ class HingeRun:
         -------
         matplotlib.axes.Axes
         """
-        from crankfem.analyses.hinge.plots.hinge_panels import draw_guides
+        from crankfem.analyses.hinge.plots import draw_guides
 
         height, start = self.spring_sizes[size]
         compared = [
@@ -281,3 +290,181 @@ def _deviations(file: HingeFile, point: HingeMoment) -> dict[Kinematics, float]:
         for name in KINEMATICS
         if name != "exact"
     }
+
+
+def hinge_record(run: HingeRun) -> Record:
+    """Return the results as plain numbers in SI units, angles in degrees, speeds in 1/min."""
+    spring = run.profile.spring
+    return {
+        "engine": run.file.name,
+        "speed_rpm": run.point.speed * RPM,
+        "kinematics": run.moment.kinematics,
+        "hinge_moment": _moment_record(run.moment),
+        "kinematics_deviation": {str(name): share for name, share in run.deviations.items()},
+        "spring": {
+            **attributes(spring, "piston_area", "height", "pressure", "exponent"),
+            "ambient_pressure": spring.ambient,
+        },
+        "profile": profile_record(run.profile)
+        | {"roller_radius": run.profile.roller_radius, "surface": _surface_record(run.surface)},
+        "turning": {
+            "with_hinge": _turning_record(run.with_hinge),
+            "without": _turning_record(run.without)
+            | {"comes_round_at_mean_speed": run.refused is None, "reason": run.refused},
+            "flywheel": {
+                "inertia": run.flywheel,
+                "mean_speed_rpm": run.flywheel_turn.mean_speed * RPM,
+                "fluctuation": run.flywheel_turn.fluctuation,
+            },
+            "remaining_share": run.with_hinge.fluctuation / run.without.fluctuation,
+        },
+        "other_speeds": [_other_record(other) for other in run.others],
+        "compared": [
+            {**attributes(other, "height", "pressure"), "start_radius": radius}
+            | ({"refused": made} if isinstance(made, str) else profile_record(made))
+            for other, radius, made in run.compared
+        ],
+        "assumed": assumed_values(run.file.records),
+    }
+
+
+def profile_record(profile: HingeProfile) -> Record:
+    """Return the properties of guides."""
+    return {
+        "smallest_radius": float(profile.radius.min()),
+        "largest_radius": float(profile.radius.max()),
+        "largest_compression": float(profile.compression.max()),
+        "least_compression": float(profile.compression.min()),
+        "largest_pressure": float(profile.pressure.max()),
+        "lowest_pressure": float(profile.pressure.min()),
+        "largest_spring_force": float(profile.spring_force.max()),
+        "largest_normal_force": float(profile.normal_force.max()),
+        "largest_force_angle_deg": float(np.abs(profile.force_angle_deg).max()),
+        "checks": [
+            {**attributes(check, "name", "met", "value", "limit", "unit"), "meaning": check.reason}
+            for check in profile.checks
+        ],
+        "remarks": list(profile.remarks),
+    }
+
+
+def _surface_record(surface: ComplexArray | None) -> Record | None:
+    """Least and largest distance of the guides' surface from the axis."""
+    if surface is None:
+        return None
+    distance = np.abs(surface)
+    return {"smallest_radius": float(distance.min()), "largest_radius": float(distance.max())}
+
+
+def _moment_record(moment: HingeMoment) -> Record:
+    degrees = moment.angles_deg
+    highest, lowest = int(np.argmax(moment.moment)), int(np.argmin(moment.moment))
+    return {
+        "load": moment.load,
+        "largest": float(moment.moment[highest]),
+        "largest_at_deg": float(degrees[highest]),
+        "least": float(moment.moment[lowest]),
+        "least_at_deg": float(degrees[lowest]),
+        "closing_error": moment.closing_error,
+        "energy_swing": float(np.ptp(moment.stored_energy)),
+        "largest_gas_force": float(moment.gas.max()),
+        "reduced_inertia": [
+            float(moment.reduced.inertia.min()),
+            float(moment.reduced.inertia.max()),
+        ],
+    }
+
+
+def _turning_record(turn: SpeedOverAngle) -> Record:
+    return {
+        "fluctuation": turn.fluctuation,
+        "mean_speed_rpm": turn.mean_speed * RPM,
+        "lowest_speed_rpm": float(turn.speed.min()) * RPM,
+        "highest_speed_rpm": float(turn.speed.max()) * RPM,
+    }
+
+
+def _other_record(other: OtherSpeed) -> Record:
+    best = other.best
+    return {
+        "speed_rpm": other.point.speed * RPM,
+        "hinge_moment": _moment_record(other.point),
+        **attributes(best, "fitted_ratio", "fluctuation", "moment_residual", "largest_residual"),
+        "best_pressure": best.pressure,
+        "best_ratio": best.ratio,
+        "fluctuation_unchanged": best.unchanged,
+        "flywheel_without_hinge": other.flywheel,
+        "flywheel_with_hinge": other.flywheel_with_hinge,
+    }
+
+
+def hinge_columns(run: HingeRun) -> dict[str, FloatArray]:
+    """Return forces, moments, guides and speeds over the revolution, by name with unit."""
+    moment, profile = run.moment, run.profile
+    surface = run.surface
+    guides = {} if surface is None else {"guide_x_m": surface.real, "guide_y_m": surface.imag}
+    return {
+        "crank_angle_deg": moment.angles_deg,
+        "gas_force_N": moment.gas,
+        "reduced_inertia_kg_m2": moment.reduced.inertia,
+        "inertia_rate_kg_m2_per_rad": moment.reduced.inertia_rate,
+        "hinge_moment_N_m": moment.moment,
+        "radius_m": profile.radius,
+        "slope_m_per_rad": profile.slope,
+        "curvature_per_m": profile.curvature,
+        "compression_m": profile.compression,
+        "pressure_Pa": profile.pressure,
+        "spring_force_N": profile.spring_force,
+        "normal_force_N": profile.normal_force,
+        **guides,
+        "speed_with_hinge_rad_per_s": _at(run.with_hinge, np.radians(moment.angles_deg)),
+        "speed_without_rad_per_s": _at(run.without, np.radians(moment.angles_deg)),
+    }
+
+
+def _at(turn: SpeedOverAngle, angles: FloatArray) -> FloatArray:
+    """Return the speed at angles, by linear interpolation between the steps of the integration."""
+    return np.interp(angles, np.radians(turn.angle_deg), turn.speed)
+
+
+# Files of the diagrams; that of the guides is written where springs are compared, that of their surface
+# where rollers have a radius.
+FILES, GUIDES = ("hinge_moment.svg", "hinge_speed.svg"), "hinge_guides.svg"
+SURFACE = "hinge_surface.svg"
+
+
+def plot_hinge(folder: Path, run: HingeRun) -> list[Path]:
+    """Write all diagrams into a folder, which is created if necessary.
+
+    Parameters
+    ----------
+    folder : Path
+    run : HingeRun
+
+    Returns
+    -------
+    list of Path
+
+    Raises
+    ------
+    InputError
+        If the folder cannot be made.
+    """
+    make_folder(folder)
+    made = [folder / name for name in FILES]
+    with figure(made[0], columns=2, width=9.6, height=4.4) as (left, right):
+        run.plot(left, show="gas force")
+        run.plot(right, show="moment")
+    with figure(made[1]) as axes:
+        run.plot(axes, show="speed")
+    if run.compared:
+        made.append(folder / GUIDES)
+        count = len(run.spring_sizes)
+        with figure(made[-1], columns=count, width=4.6 * count, height=4.9) as panels:
+            for size, panel in enumerate(np.atleast_1d(panels)):
+                run.plot_guides(panel, size)
+    if run.surface is not None:
+        made.append(folder / SURFACE)
+        with figure(made[-1], width=6.4, height=6.8) as axes:
+            run.profile.plot(axes)
+    return made

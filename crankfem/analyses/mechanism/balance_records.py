@@ -9,10 +9,16 @@ from crankbase.tables.output_units import SI, OutputUnit, OutputUnits
 from crankbase.tables.table import Cell, Column, Table
 from crankfem.analyses.mechanism.mechanism_run import MechanismRun
 from crankfem.analyses.record import Record, attributes
-from dynamics.balance.balance import BALANCED, Balance, OrderBalance, Resultant, balance
-from dynamics.balance.hinged_rods import HingedRodEffects, hodograph_change
-from dynamics.balance.hodograph import Hodograph
-from dynamics.balance.moving_masses import moving_masses
+from dynamics.balance.balance import (
+    BALANCED,
+    Balance,
+    HingedRodEffects,
+    OrderBalance,
+    Resultant,
+    balance,
+    hodograph_change,
+)
+from dynamics.balance.moving_masses import Hodograph, moving_masses
 from geometry.parts import counterweight_moment
 
 BALANCED_TEXT = "balanced"

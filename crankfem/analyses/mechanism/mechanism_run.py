@@ -15,17 +15,21 @@ from crankfem.files.engine.engine_file import EngineFile
 from crankfem.files.engine.mechanism_file import MechanismFile, mechanism_of, with_throws
 from crankfem.files.engine.mechanism_load import full_load_only, pressures_at
 from crankfem.files.sections.cylinder_pressures import motored_pressures
-from dynamics.balance.balance import Balance, balance
-from dynamics.balance.hinged_rods import HingedRodEffects, hinged_rod_effects
+from dynamics.balance.balance import Balance, HingedRodEffects, balance, hinged_rod_effects
+from dynamics.engine import RodModelName
 from dynamics.engine.forces import MechanismForces, mechanism_forces, pin_groups
 from dynamics.engine.layout import EngineLayout
 from dynamics.engine.loads import LoadDiagram, crankpin_loads, main_bearing_loads
 from dynamics.engine.motions import piston_ends
-from dynamics.gas.indicated import indicated_mean_effective_pressure
+from dynamics.gas.cylinder_volume import indicated_mean_effective_pressure
 from dynamics.gas.pressure import ATMOSPHERE, GasPressure
-from dynamics.mechanism.rod_model_names import RodModelName
-from dynamics.torque.cycle_samples import DEFAULT_SAMPLES, samples_and_gas
-from dynamics.torque.torque import EngineTorque, check_energy, engine_torque
+from dynamics.torque.torque import (
+    DEFAULT_SAMPLES,
+    EngineTorque,
+    check_energy,
+    engine_torque,
+    samples_and_gas,
+)
 from geometry.mass import MassProperties
 
 if TYPE_CHECKING:

@@ -8,15 +8,13 @@ import numpy as np
 
 from crankbase.errors import InputError
 from crankbase.units.units import RPM
-from crankfem.analyses.mechanism.harmonics_record import fired_record, seen_stars
+from crankfem.analyses.mechanism.mechanism_records import fired_record, seen_stars
 from crankfem.analyses.record import Record, attributes
 from crankfem.files.engine.file_kinds import torque_table_file
 from crankfem.files.reading.toml_file import TomlFile
 from crankfem.files.sections.engine_sections import Engine, TwoMassInput, VibrationSettings
-from dynamics.chains.two_mass import TwoMassCheck, two_mass_check
-from dynamics.critical import critical_speeds, engine_orders
-from dynamics.harmonics import Harmonics
-from dynamics.torque_table import read_torque_table
+from dynamics.critical import TwoMassCheck, critical_speeds, engine_orders, two_mass_check
+from dynamics.harmonics import Harmonics, read_torque_table
 
 
 @dataclass(frozen=True, eq=False)

@@ -1,20 +1,107 @@
 """The axial and the torsional chain of an engine file, with all bodies attached to them."""
 
-from dataclasses import replace
+from dataclasses import asdict, dataclass, replace
+from typing import Literal, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from crankbase.errors import InputError
+from crankbase.summaries import summarized
+from crankbase.units.number_formats import compact, significant
+from crankbase.units.quantity import format_quantity
+from crankbase.units.units import UNITS, VIBRATING, unit_symbol
+from crankfem.analyses.shaft.throw_analyses import Analyses, crank_analyses
 from crankfem.files.chain.shaft_lines import PLANT, plant_chain
 from crankfem.files.engine.engine_file import EngineFile
 from crankfem.files.engine.mechanism_file import layout_of
-from dynamics.chains.attachments import DrivenMachine
 from dynamics.chains.dampers import TorsionalDamper
-from dynamics.chains.engine_chains import EngineChain, Kind, axial_chain, torsional_chain
-from dynamics.chains.throw_inertias import throw_inertias
-from dynamics.response.damping import UNIT, DampedChain, damped
-from dynamics.response.linear_system import DEFAULT_MAGNIFIER, MAGNIFIER_SOURCE
+from dynamics.chains.engine_chains import (
+    EngineChain,
+    Kind,
+    axial_chain,
+    throw_inertias,
+    torsional_chain,
+)
+from dynamics.chains.shaft_line import DrivenMachine
+from dynamics.crankshaft.surroundings import (
+    AxialSupport,
+    EndBody,
+    MainBearings,
+    ShaftSurroundings,
+    TorsionalRing,
+)
+from dynamics.response.linear_system import (
+    DEFAULT_MAGNIFIER,
+    MAGNIFIER_SOURCE,
+    UNIT,
+    DampedChain,
+    damped,
+)
+from geometry.mass import cylinder_mass_properties
+
+# Lateral stiffness of a main bearing (oil film, cap and wall) per journal diameter, where the file gives
+# none. An assumption of the order of magnitude, no measurement: it makes 0.5e9 N/m of a journal of 50 mm
+# and 2e9 N/m of one of 200 mm; hence a range of ten times less to ten times more.
+ASSUMED_PER_DIAMETER = 1e10  # N/m per m
+ASSUMED_RANGE = 10.0
+# Steps of the range on either side of the nominal value: seven values in all.
+STEPS = 3
+
+
+@summarized("nominal [N/m]", "lowest [N/m]", "highest [N/m]", "assumed")
+@dataclass(frozen=True)
+class BearingStiffness:
+    """Lateral stiffness of each main bearing with its housing, and its possible range.
+
+    The journals' compliances in the chains and the whole crankshaft depend on the same value.
+
+    Attributes
+    ----------
+    nominal, lowest, highest : float
+        [N/m]; equal to the nominal value if the file gives a stiffness without a range.
+    assumed : bool
+        Whether the file gives none.
+    """
+
+    nominal: float
+    lowest: float
+    highest: float
+    assumed: bool
+
+    @property
+    def sweep(self) -> NDArray[np.float64]:
+        """Seven values over the range, with equal ratios on either side of the nominal one in the middle.
+
+        A single value if there is no range.
+        """
+        if self.lowest == self.highest:
+            return np.array([self.nominal])
+        below = np.geomspace(self.lowest, self.nominal, STEPS + 1)
+        above = np.geomspace(self.nominal, self.highest, STEPS + 1)
+        return np.concatenate((below, above[1:]))
+
+    def describe(self) -> str:
+        """Return the stiffness and its range in a clause."""
+        text = f"lateral stiffness of {compact(self.nominal)} N/m each"
+        if self.lowest < self.highest:
+            text += f" (range {compact(self.lowest)} to {compact(self.highest)})"
+        return text
+
+
+def bearing_stiffness(engine_file: EngineFile) -> BearingStiffness:
+    """Return the lateral stiffness of an engine's main bearings, given or assumed."""
+    given = engine_file.bearings
+    if given is None:
+        assumed = ASSUMED_PER_DIAMETER * engine_file.throw.main_journal_diameter
+        return BearingStiffness(assumed, assumed / ASSUMED_RANGE, assumed * ASSUMED_RANGE, True)
+    return BearingStiffness(
+        given.stiffness,
+        given.lowest_stiffness or given.stiffness,
+        given.highest_stiffness or given.stiffness,
+        False,
+    )
+
 
 Array = NDArray[np.float64]
 ASSUMED = "assumed"
@@ -172,3 +259,175 @@ def damped_engine_chain(engine_file: EngineFile, chain: EngineChain) -> DampedCh
     record = found.record if added is None else (*found.record[:-1], told)
     unit = "N s/m" if chain.kind == "axial" else "N m s/rad"
     return replace(found, record=tuple(said.replace(UNIT, unit) for said in record))
+
+
+class Motion(NamedTuple):
+    """Motion of a node in one kind of vibration.
+
+    Attributes
+    ----------
+    quantity : str
+        Its name in diagrams.
+    si : str
+        Its unit in records.
+    printed : str
+        Its unit among those of `crankbase.tables.output_units`.
+    unit : str
+        The same as written in diagrams and reports.
+    size : float
+        Of that unit, in SI.
+    """
+
+    quantity: Literal["displacement", "twist"]
+    si: str
+    printed: str
+    unit: str
+    size: float
+
+    def number(self, value: float, digits: int = 3) -> str:
+        """Write an SI value in that unit, rounded to so many digits also before the point, as tables do."""
+        return significant(float(f"{value / self.size:.{digits}g}"), digits)
+
+
+def _motion(quantity: Literal["displacement", "twist"]) -> Motion:
+    printed = VIBRATING[quantity]
+    si, size = UNITS[printed]
+    return Motion(quantity, si, printed, unit_symbol(printed), size)
+
+
+MOTION = {"axial": _motion("displacement"), "torsional": _motion("twist")}
+
+
+Remarks = tuple[str, ...]
+
+
+def shaft_surroundings(
+    engine_file: EngineFile, analysis: Analyses, bearings: MainBearings | None = None
+) -> tuple[ShaftSurroundings, tuple[str, ...]]:
+    """Return the surroundings of the throws, as the engine file gives them.
+
+    Parameters
+    ----------
+    engine_file, analysis, bearings
+        As for `whole_shaft`.
+
+    Returns
+    -------
+    surroundings : ShaftSurroundings
+        Without damping of the shaft itself.
+    remarks : tuple of str
+        Assumptions.
+    """
+    throws, per_throw = len(engine_file.throw_angles_deg), len(engine_file.throw.parts.pins)
+    each = crank_analyses(engine_file, analysis)
+    solids = np.array([own.masses.inertia_about_shaft for own in each])
+    rods = engine_throw_inertias(engine_file, solids) - solids
+    at_each = np.repeat(rods / per_throw, per_throw) / engine_file.throw.crank_radius**2
+    thrust, damper = engine_file.thrust_bearing, engine_file.axial_damper
+    supports = [AxialSupport(thrust.section_index, thrust.stiffness)]
+    if damper is not None:
+        supports.append(AxialSupport(0, damper.stiffness, damper.damping))
+    held, first = (bearings, ()) if bearings is not None else _bearings(engine_file, throws)
+    flywheel, second = _flywheel(engine_file)
+    free_end, third = _free_end(engine_file)
+    around = ShaftSurroundings(
+        bearings=held,
+        axial_supports=tuple(supports),
+        flywheel=flywheel,
+        free_end=free_end,
+        ring=_ring(engine_file),
+        machine=_machine(engine_file),
+        pin_masses=tuple(at_each.tolist()),
+        torsional_line=engine_file.shaft_lines.get("torsional"),
+        axial_line=engine_file.shaft_lines.get("axial"),
+    )
+    return around, (*first, *second, *third)
+
+
+def _bearings(engine_file: EngineFile, throws: int) -> tuple[MainBearings, Remarks]:
+    held, given = bearing_stiffness(engine_file), engine_file.bearings
+    damping = 0.0 if given is None else given.damping
+    return MainBearings([held.nominal] * (throws + 1), [damping] * (throws + 1)), (
+        (
+            f"main bearings are assumed to have a {held.describe()}, 1e10 N/m per m of journal diameter, "
+            "and no damping; give the section [bearings]",
+        )
+        if held.assumed
+        else ()
+    )
+
+
+def flywheel_overhang(engine_file: EngineFile) -> tuple[float, bool]:
+    """Return the flywheel's distance beyond the last main journal's middle [m], and whether it is given."""
+    given, thickness = engine_file.flywheel.overhang, engine_file.shaft_ends.flange_thickness
+    if given is not None:
+        return given, True
+    if thickness is not None:
+        return thickness, False
+    return 0.5 * engine_file.crank_throws[-1].main_journal_length, False
+
+
+def _flywheel(engine_file: EngineFile) -> tuple[EndBody, Remarks]:
+    given, (overhang, known) = engine_file.flywheel, flywheel_overhang(engine_file)
+    beyond = f"{format_quantity(overhang, 'm')} beyond"
+    if known:
+        where = f"{beyond} the last main journal's middle"
+    elif engine_file.shaft_ends.flange_thickness is None:
+        where = (
+            "at the end of the last main journal (assumed, because no flange is given), "
+            f"{beyond} its middle"
+        )
+    else:
+        where = (
+            f"at the far side of the flange, {beyond} the last main journal's "
+            "middle; its mass includes that of the flange"
+        )
+    body = EndBody(given.mass, given.inertia, given.diametral_inertia, overhang)
+    kind = "a thin disc" if given.diametral_inertia is None else "a body"
+    return body, (f"the flywheel is {kind} {where}",)
+
+
+def _free_end(engine_file: EngineFile) -> tuple[EndBody | None, Remarks]:
+    """The stub of the shaft as a solid cylinder, and the inertia given for it."""
+    given, ends = engine_file.free_end, engine_file.shaft_ends
+    if given is None and ends.free_end_diameter is None:
+        return None, ()
+    remarks: Remarks = ()
+    mass = polar = diametral = length = 0.0
+    if ends.free_end_diameter is not None and ends.free_end_length is not None:
+        length = ends.free_end_length
+        stub = cylinder_mass_properties(
+            ends.free_end_diameter, -length, 0.0, engine_file.material.density
+        )
+        mass, polar = stub.mass, float(stub.inertia[2, 2])
+        diametral = float(stub.inertia[0, 0])
+    if given is not None:
+        across, missing = given.diametral_inertia, []
+        if given.mass == 0.0:
+            missing.append("has no mass of its own (free_end.mass)")
+        if across is None:
+            missing.append("has half its inertia about a diameter (free_end.diametral_inertia)")
+        if missing:
+            remarks = (f"assumed: the free end {' and '.join(missing)}",)
+        mass += given.mass
+        polar += given.inertia
+        diametral += 0.5 * given.inertia if across is None else across
+    return EndBody(mass, polar, diametral, overhang=0.5 * length), remarks
+
+
+def _ring(engine_file: EngineFile) -> TorsionalRing | None:
+    given = engine_file.torsional_damper
+    if given is None:
+        return None
+    made = asdict(given.damper())
+    data = [made.get(name, 0.0) for name in ("stiffness", "damping", "loss_factor")]
+    return TorsionalRing(made["ring_inertia"], *data)
+
+
+def _machine(engine_file: EngineFile) -> TorsionalRing | None:
+    given = engine_file.driven
+    if given is None:
+        return None
+    return TorsionalRing(
+        given.inertia, given.coupling_stiffness, loss_factor=given.coupling_loss_factor
+    )

@@ -1,28 +1,258 @@
 """Compliances of an engine's throws from every source: finite elements, regression, formulas."""
 
-from collections.abc import Callable, Mapping, Sequence
+import csv
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass, replace
 from functools import cache
+from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from crankbase.errors import InputError
-from crankfem.analyses.shaft.bearings import bearing_stiffness
-from crankfem.analyses.shaft.law_source import LawValue, law_values
-from crankfem.analyses.shaft.regression_source import REGRESSION, throw_lookups
-from crankfem.analyses.shaft.throw_analyses import Analyses, crank_analyses
-from crankfem.analyses.throw.law_record import LAW
+from crankbase.input_file import GivenFile
+from crankfem.analyses.shaft.chains import bearing_stiffness
+from crankfem.analyses.shaft.throw_analyses import Analyses, analyses_by_name, crank_analyses
+from crankfem.analyses.throw.law_record import LAW, law_answers
 from crankfem.files.chain.shaft_lines import PLANT, plant_chain
 from crankfem.files.engine.engine_file import EngineFile
+from crankfem.files.engine.throw_file import load_throw
+from crankfem.files.reading.data_files import data_folder
+from crankfem.files.reading.toml_file import TomlFile
+from crankfem.files.sections.engine_sections import VibrationSettings
+from dynamics.assessment.uncertainty import Spread
 from fem.material import Material
 from fem.shaft import ShaftCompliances, shaft_compliances
 from geometry.throw import CrankThrow
 from regression.formulas.arguments import fold_angle_deg
 from regression.formulas.axial_formulas import axial_formulas
-from regression.formulas.formula_value import FormulaValue
+from regression.formulas.case import FormulaValue
 from regression.formulas.torsional_formulas import torsional_formulas
+from regression.models.angle import between_values
 from regression.models.compliance_model import ComplianceModel
 from regression.models.lookup import Lookup
+from regression.response_kinds import AXIAL, TORSIONAL
+from regression.throw_values import same_dimension
+
+
+class LawValue(NamedTuple):
+    """A compliance by the law, and the ends of its band."""
+
+    value: float
+    lower: float
+    upper: float
+
+
+def law_values(engine_file: EngineFile, quantity: str) -> dict[CrankThrow, LawValue]:
+    """Find a compliance, ends pinned, of each distinct throw of an engine by the law.
+
+    Parameters
+    ----------
+    engine_file : EngineFile
+    quantity : {"axial_compliance", "torsional_compliance"}
+
+    Raises
+    ------
+    InputError
+        If the law does not cover one of the throws, with its name.
+    """
+    found: dict[CrankThrow, LawValue] = {}
+    for name, throw in engine_file.named_throws.items():
+        try:
+            own = law_answers(throw, engine_file.material)[quantity]
+        except InputError as error:
+            which = f"throw {name}" if engine_file.throws_by_name else "this throw"
+            raise InputError(f"does not apply to {which}: {str(error).rstrip('.')}") from None
+        found[throw] = LawValue(own["value"], own["lower"], own["upper"])
+    return found
+
+
+def refuse_law(engine_file: EngineFile) -> None:
+    """Refuse the law as a source if it does not cover a throw.
+
+    Raises
+    ------
+    InputError
+    """
+    vibration = engine_file.vibration
+    for kind, own in (("axial", vibration.axial_source), ("torsional", vibration.torsional_source)):
+        if own.casefold() != LAW:
+            continue
+        try:
+            law_values(engine_file, f"{kind}_compliance")
+        except InputError as error:
+            raise InputError(
+                f"vibration.{kind}_source: given 'law', which {error}; give another source, such as 'fe'."
+            ) from None
+
+
+REGRESSION = "regression"
+# Source of the values that the option --model gives in place of a file's.
+OPTION = "option --model"
+RESPONSES = {"axial": AXIAL, "torsional": TORSIONAL}
+# What compliances depend on.
+ELASTIC = {"youngs_modulus": "Pa", "poisson_ratio": ""}
+
+
+def throw_lookup(
+    model: ComplianceModel, response: str, throw: CrankThrow, material: Material
+) -> Lookup:
+    """Look a compliance up for a throw of an engine, only where the model knows its error.
+
+    Parameters
+    ----------
+    model : ComplianceModel
+    response : {"axial_compliance", "torsional_compliance"}
+    throw : CrankThrow
+    material : Material
+
+    Raises
+    ------
+    InputError
+        If the model lacks the response, the throw is not of its family or is outside the range of the fit,
+        the material is another one, or the band is unbounded.
+    """
+    if response not in model.responses:
+        raise InputError(f"the model has {', '.join(model.responses)} and no {response}")
+    for name, unit in ELASTIC.items():
+        fitted, own = model.material.get(name), getattr(material, name)
+        if isinstance(fitted, float) and not same_dimension(own, fitted):
+            raise InputError(
+                f"material.{name}: given {own:g} {unit}".rstrip()
+                + f"; the model was fitted with {fitted:g} {unit}".rstrip()
+            )
+    found = model.lookup(response, **model.dimensions_of(throw))
+    if not found.inside:
+        raise InputError(" ".join(found.remarks))
+    if found.lower is None or found.upper is None or not found.lower > 0.0:
+        raise InputError(f"the band of {response} has no end ({found.band})")
+    return found
+
+
+def throw_lookups(
+    engine_file: EngineFile, model: ComplianceModel, response: str
+) -> dict[CrankThrow, Lookup]:
+    """Look a compliance up for each distinct throw of an engine.
+
+    Raises
+    ------
+    InputError
+        As `throw_lookup`, with the name of the throw.
+    """
+    found: dict[CrankThrow, Lookup] = {}
+    for name, throw in engine_file.named_throws.items():
+        try:
+            found[throw] = throw_lookup(model, response, throw, engine_file.material)
+        except InputError as error:
+            own = f"throw {name}" if engine_file.throws_by_name else "this throw"
+            raise InputError(f"does not apply to {own}: {str(error).rstrip('.')}") from None
+    return found
+
+
+def chosen_regressions(vibration: VibrationSettings) -> dict[str, str]:
+    """Return the kinds of vibration whose source is a regression, with the response that they need."""
+    given = {"axial": vibration.axial_source, "torsional": vibration.torsional_source}
+    return {kind: RESPONSES[kind] for kind, own in given.items() if own.casefold() == REGRESSION}
+
+
+def refuse_regression(engine_file: EngineFile, model: ComplianceModel | None) -> None:
+    """Refuse a regression as a source if there is none, or if it does not cover the throws.
+
+    Raises
+    ------
+    InputError
+    """
+    for kind, response in chosen_regressions(engine_file.vibration).items():
+        if model is None:
+            raise InputError(
+                f"vibration.{kind}_source: given 'regression' without a fitted model; allowed is it with a "
+                "saved one (vibration.model, or --model MODEL.json), or in crankfem run, which fits the "
+                "section [study]."
+            )
+        try:
+            throw_lookups(engine_file, model, response)
+        except InputError as error:
+            raise refused(engine_file, kind, str(error)) from None
+
+
+def refused(engine_file: EngineFile, kind: str, reason: str) -> InputError:
+    """Return the error of a regression that cannot be the source of a kind of vibration."""
+    field = f"vibration.{kind}_source"
+    chosen = f"{field}: given 'regression', which"
+    if engine_file.provenance.get(field, ("", False))[0] == OPTION:
+        chosen = f"--model: given {Path(engine_file.vibration.model or '').name}, which"
+    return InputError(
+        f"{chosen} {reason.rstrip('.')}; give a model whose range "
+        "contains the throw, because its error is known nowhere else, or another source, such as 'fe'."
+    )
+
+
+def saved_model(engine_file: EngineFile) -> ComplianceModel | None:
+    """Read the model that an engine file names; None if it names none.
+
+    Raises
+    ------
+    InputError
+        If the file does not exist, or `ComplianceModel.load` cannot read it.
+    """
+    file = engine_file.model_file
+    return None if file is None else _loaded(file, "vibration.model")
+
+
+def _loaded(path: GivenFile, field: str) -> ComplianceModel:
+    try:
+        return ComplianceModel.load(path)
+    except InputError as error:
+        raise InputError(f"{field}: {error}") from None
+
+
+def usable_model(engine_file: EngineFile, given: ComplianceModel | None) -> ComplianceModel | None:
+    """Return the model given, else the one that the file names; None without either.
+
+    Raises
+    ------
+    InputError
+        If the file's model cannot be read, or a regression is to be the source of compliances and there is
+        none, or it does not cover the engine's throws.
+    """
+    model = saved_model(engine_file) if given is None else given
+    refuse_regression(engine_file, model)
+    return model
+
+
+def with_model(content: TomlFile, path: Path) -> TomlFile:
+    """Return an engine file's sections with a saved model as the source of all that it contains.
+
+    Parameters
+    ----------
+    content : TomlFile
+    path : Path
+        Of the model, as seen from the working directory.
+
+    Raises
+    ------
+    InputError
+        If it is not a model, or contains neither the axial nor the torsional compliance.
+    """
+    held = _loaded(path, "--model").responses
+    chosen = {
+        f"{kind}_source": REGRESSION for kind, response in RESPONSES.items() if response in held
+    }
+    if not chosen:
+        raise InputError(
+            f"--model: given {path}, a model of {', '.join(held)}; allowed is one of "
+            f"{' or '.join(RESPONSES.values())}, because the chains are made of these."
+        )
+    given = {"model": str(path.absolute()), **chosen}
+    vibration = {**content.sections.get("vibration", {}), **given}
+    told = {f"vibration.{name}": (OPTION, False) for name in given}
+    return replace(
+        content,
+        sections={**content.sections, "vibration": vibration},
+        provenance={**content.provenance, **told},
+    )
+
 
 FE, FE_PINNED = "fe", "fe pinned"
 # Of the torsional chain of a plant, as its maker gives it.
@@ -190,3 +420,160 @@ def torsional_by_formulas(throws: Sequence[CrankThrow], material: Material) -> S
     remark = "the same for every throw" if len(tables) == 1 else "by each throw's own dimensions"
     each = [tables[throw] for throw in throws]
     return {name: (np.array([own[name].value for own in each]), remark) for name in each[0]}
+
+
+TABLE = "throw_compliances.csv"
+# Of stiffnesses that a maker gives without saying how sure they are; an assumption.
+MAKERS_ERROR = 0.05
+
+
+@dataclass(frozen=True)
+class AnalyzedThrow:
+    """Compliances of a shipped engine's throw by finite elements.
+
+    Attributes
+    ----------
+    throw : CrankThrow
+    material : Material
+    axial : tuple of three float
+        e_0 and e_180 [m/N] and rho of its angle law.
+    torsional : float
+        Ends pinned [rad/(N m)].
+    error_estimate : float
+        Relative, of the axial compliance.
+    """
+
+    throw: CrankThrow
+    material: Material
+    axial: tuple[float, float, float]
+    torsional: float
+    error_estimate: float
+
+
+def source_spread(
+    engine_file: EngineFile,
+    kind: str,
+    source: str,
+    analysis: Analyses,
+    shaft: ShaftCompliances,
+    model: ComplianceModel | None,
+) -> Spread:
+    """Return the range of factors on the compliances of a source that contains the true ones.
+
+    Parameters
+    ----------
+    engine_file : EngineFile
+    kind : {"axial", "torsional"}
+    source : str
+        As named in `axial_sources` and `torsional_sources`; usable for this engine.
+    analysis : ThrowAnalysis or mapping
+        Of the engine's throw, or of each throw by its name.
+    shaft : ShaftCompliances
+        Of the throws in the shaft.
+    model : ComplianceModel or None
+        If the source is a regression.
+
+    Returns
+    -------
+    Spread
+        Of all throws together, with its origin.
+    """
+    estimates = (own.error_estimate for own in analyses_by_name(engine_file, analysis).values())
+    error = max(estimates)
+    if source == GIVEN:
+        return Spread(
+            "compliance",
+            1.0 - MAKERS_ERROR,
+            1.0 + MAKERS_ERROR,
+            name="error of the maker's stiffnesses, assumed",
+        )
+    if source in (FE, FE_PINNED):
+        of = " (that of the axial compliance)" if kind == "torsional" else ""
+        return Spread(
+            "compliance", 1.0 - error, 1.0 + error, name=f"error of the finite elements{of}"
+        )
+    if source == REGRESSION:
+        assert model is not None
+        found = throw_lookups(engine_file, model, RESPONSES[kind]).values()
+        return Spread(
+            "compliance",
+            min(own.lower / own.value for own in found if own.lower is not None),
+            max(own.upper / own.value for own in found if own.upper is not None),
+            name=f"error of the regression ({'; '.join(dict.fromkeys(own.band for own in found))})",
+        )
+    if source == LAW:
+        values = law_values(engine_file, RESPONSES[kind]).values()
+        return Spread(
+            "compliance",
+            min(own.lower / own.value for own in values),
+            max(own.upper / own.value for own in values),
+            name="error of the law, not exceeded by 95 of 100 throws",
+        )
+    return _formula_spread(engine_file, kind, source, getattr(shaft, kind), error)
+
+
+def _formula_spread(
+    engine_file: EngineFile, kind: str, source: str, by_elements: Iterable[float], error: float
+) -> Spread:
+    """Range of a formula: its ratio to finite elements for shipped throws, and for the engine's own."""
+    throws = engine_file.crank_throws
+    here = sum(_row(engine_file, kind, source, throws, engine_file.material)) / sum(by_elements)
+    found = [(here, error)]
+    single = all(_pins(throw) == 1 for throw in throws)
+    for one in analyzed_throws():
+        if single and _pins(one.throw) > 1:
+            continue
+        row = _row(engine_file, kind, source, [one.throw] * len(throws), one.material)
+        beside = sum(row) / sum(_elements(engine_file, kind, one))
+        if beside > 0.0:
+            found.append((beside, one.error_estimate))
+    others = [beside for beside, _ in found[1:]]
+    return Spread(
+        "compliance",
+        min(1.0, *((1.0 - off) / beside for beside, off in found)),
+        max(1.0, *((1.0 + off) / beside for beside, off in found)),
+        name=f"error of the formula {source} ({min(others):.2f} to {max(others):.2f} times finite elements "
+        f"for the throws of {len(others)} shipped engines at the angles of these cranks, {here:.2f} times "
+        "for the engine's own)",
+    )
+
+
+def _pins(throw: CrankThrow) -> int:
+    return len(throw.parts.pins)
+
+
+def _row(
+    engine_file: EngineFile,
+    kind: str,
+    source: str,
+    throws: Sequence[CrankThrow],
+    material: Material,
+) -> list[float]:
+    """Compliances by a formula along the shaft, of these throws at the engine's cranks."""
+    sources = (
+        axial_by_formulas(throws, engine_file.throw_angles_deg, material)
+        if kind == "axial"
+        else torsional_by_formulas(throws, material)
+    )
+    compliances: list[float] = sources[source][0].tolist()
+    return compliances
+
+
+def _elements(engine_file: EngineFile, kind: str, one: AnalyzedThrow) -> list[float]:
+    """Compliances by finite elements of one throw at all cranks of an engine."""
+    sides = neighbor_angles(engine_file.throw_angles_deg)
+    if kind == "torsional":
+        return [one.torsional] * len(sides)
+    return [float(np.mean(between_values(np.array(beside), one.axial))) for beside in sides]
+
+
+@cache
+def analyzed_throws() -> tuple[AnalyzedThrow, ...]:
+    """Return the throws of the shipped engines with their compliances by finite elements."""
+    text = (data_folder() / "tables" / TABLE).read_text(encoding="utf-8")
+    found = []
+    for row in csv.DictReader(line for line in text.splitlines() if not line.startswith("#")):
+        name, *numbers = row.values()
+        in_line, opposite, ratio, torsional, error = map(float, numbers)
+        found.append(AnalyzedThrow(*load_throw(name), (in_line, opposite, ratio), torsional, error))
+    return tuple(found)

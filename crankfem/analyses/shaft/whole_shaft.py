@@ -16,34 +16,130 @@ from crankbase.checks.choices import check_choice, check_not_given
 from crankbase.errors import InputError
 from crankbase.summaries import summarized
 from crankbase.tables.frames import table_of
-from crankfem.analyses.shaft.shaft_surroundings import shaft_surroundings
+from crankbase.units.number_formats import UNBOUNDED, significant
+from crankbase.units.units import RPM
+from crankfem.analyses.shaft.chains import ASSUMED, MOTION, magnifier_of, shaft_surroundings
 from crankfem.analyses.shaft.throw_analyses import Analyses, crank_analyses
-from crankfem.analyses.shaft.whole_damping import damping_remarks, modal_damping
 from crankfem.files.chain.shaft_lines import PLANT
 from crankfem.files.engine.engine_file import EngineFile
 from crankfem.files.sections.excitation_sections import PropellerForcesSection
 from dynamics.chains.engine_chains import EngineChain, Kind
-from dynamics.crankshaft.assembly import assemble_crankshaft
-from dynamics.crankshaft.chain_comparison import ChainVerdict, chain_verdict, matching_response
-from dynamics.crankshaft.chain_difference import FlywheelTilt, FrequencyDifference
+from dynamics.crankshaft.assembly import MOTION_OF, assemble_crankshaft
+from dynamics.crankshaft.chain_comparison import (
+    FREQUENCY_LIMIT,
+    RESPONSE_LIMIT,
+    ChainVerdict,
+    FlywheelTilt,
+    FrequencyDifference,
+    chain_verdict,
+    frequency_difference,
+    matching_modes,
+    matching_response,
+)
 from dynamics.crankshaft.coupled_response import CoupledResponse, coupled_response
-from dynamics.crankshaft.joined_lines import MOTION_OF
-from dynamics.crankshaft.mode_matches import matching_modes
-from dynamics.crankshaft.shaft_modes import ShaftModes, rotation_ratio
-from dynamics.crankshaft.shaft_system import CrankshaftSystem, crankshaft_system
-from dynamics.crankshaft.shaft_throw import ShaftThrow
-from dynamics.crankshaft.surroundings import MainBearings
-from dynamics.excitation.combined_excitation import combined_excitation
+from dynamics.crankshaft.shaft_modes import (
+    CrankshaftSystem,
+    ShaftModes,
+    crankshaft_system,
+    rotation_ratio,
+)
+from dynamics.crankshaft.surroundings import MainBearings, ShaftThrow
+from dynamics.excitation.chain_excitation import combined_excitation
 from dynamics.excitation.cylinders import CylinderForces
 from dynamics.excitation.propeller import propeller_excitation
 from dynamics.response.forced import ForcedResponse
+from dynamics.response.linear_system import DEFAULT_MAGNIFIER
+from dynamics.response.loads import checked_power_balance
 from dynamics.response.order_excitation import OrderExcitation
-from dynamics.response.power import checked_power_balance
 from fem.craig_bampton import DynamicSuperelement
 from geometry.throw import CrankThrow
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
+
+
+# Share of critical damping that belongs to the assumed magnifier.
+ASSUMED_RATIO = 0.5 / DEFAULT_MAGNIFIER
+
+
+def modal_damping(engine_file: EngineFile, crankshaft: CrankshaftSystem) -> FloatArray:
+    """Return the damping of engine and shaft by modes: that of the chains, by the kind of motion.
+
+    Parameters
+    ----------
+    engine_file : EngineFile
+    crankshaft : CrankshaftSystem
+
+    Returns
+    -------
+    ndarray of shape (kept + corrections,)
+        Share of critical damping of each elastic mode that is kept, and of each correction.
+
+    Notes
+    -----
+    Axial, torsional and bending motion each contribute their damping, by their share in the mode's
+    energy: axial and torsional motion that of their chains, half of 1 / magnifier or of the loss factor;
+    bending, and corrections, that of the bending magnifier, assumed by default. As in the chains, an
+    assumed magnifier leaves out the share of strain in couplings, dampers and shaft lines with damping of
+    their own, and the loss factor that of all of these.
+    """
+    modes, shaft = crankshaft.modes, crankshaft.shaft
+    kept = slice(modes.rigid, modes.rigid + crankshaft.kept)
+    shares, ratios = modes.shares[:, kept], _damping_ratios(engine_file)
+    strain = (shaft.added_springs @ modes.shapes[:, kept] / modes.angular_frequencies[kept]) ** 2
+    by_share = np.array(ratios) @ shares
+    loss = 0.0 if engine_file.damping is None else engine_file.damping.loss_factor or 0.0
+    kinds: tuple[Kind, ...] = ("axial", "torsional")
+    for place, kind in enumerate(kinds):
+        own = shaft.spring_kinds == place
+        if magnifier_of(engine_file, kind)[1].startswith(ASSUMED):
+            left = strain[own & shaft.damped_springs].sum(axis=0)
+            by_share -= ratios[place] * np.minimum(left, shares[place])
+        elif kind == "torsional":
+            by_share -= 0.5 * loss * np.minimum(strain[own].sum(axis=0), shares[place])
+    return np.concatenate((by_share, np.full(crankshaft.corrections, ratios[-1])))
+
+
+def damping_remarks(engine_file: EngineFile) -> tuple[str, ...]:
+    """Return the damping of the whole crankshaft in addition to bearings and dampers, in words."""
+    given = engine_file.damping
+    known = (False,) * 3
+    if given is not None:
+        twisted = given.torsional_magnifier is not None or given.loss_factor
+        known = (
+            given.axial_magnifier is not None,
+            bool(twisted),
+            given.bending_magnifier is not None,
+        )
+    axial, torsional, bending = (
+        f"{100.0 * ratio:.3g} %{'' if own else ' (assumed)'}"
+        for ratio, own in zip(_damping_ratios(engine_file), known, strict=True)
+    )
+    found = [
+        "modes have the damping of the chains, weighted by their energy shares, of critical damping: "
+        f"axial motion {axial}, torsion {torsional}, bending {bending}"
+    ]
+    if engine_file.damping is not None and engine_file.damping.cylinder_damping:
+        found.append(
+            "the damping of the cylinders in torsion (damping.cylinder_damping), which the torsional chain "
+            "has, is left out"
+        )
+    return tuple(found)
+
+
+def _damping_ratios(engine_file: EngineFile) -> tuple[float, float, float]:
+    """Shares of critical damping of axial, torsional and bending motion."""
+    given = engine_file.damping
+    if given is None:
+        return (ASSUMED_RATIO,) * 3
+    axial = 0.5 / (given.axial_magnifier or DEFAULT_MAGNIFIER)
+    if given.torsional_magnifier is not None:
+        torsional = 0.5 / given.torsional_magnifier
+    else:
+        torsional = 0.0 if given.loss_factor else ASSUMED_RATIO
+    bending = 0.5 / (given.bending_magnifier or DEFAULT_MAGNIFIER)
+    return axial, torsional + 0.5 * (given.loss_factor or 0.0), bending
+
 
 # Modes are kept up to this multiple of the highest exciting frequency, and so high superelements are
 # made for.
@@ -432,3 +528,97 @@ def compare_with_chains(
             response = matching_response(coupled, chain, answer, running_range)
         verdicts.append(chain_verdict(matches, response))
     return ShaftComparison(coupled, verdicts[0], verdicts[1])
+
+
+def with_differences(
+    comparison: ShaftComparison,
+    whole: WholeShaft,
+    chains: tuple[EngineChain, ...],
+    rigid_chains: tuple[EngineChain, ...],
+) -> ShaftComparison:
+    """Add to a comparison the causes of the difference of the crankshaft's first frequencies.
+
+    Parameters
+    ----------
+    comparison : ShaftComparison
+    whole : WholeShaft
+    chains, rigid_chains : tuples of EngineChain
+        Axial and torsional, in the engine's main bearings and in laterally rigid ones.
+
+    Returns
+    -------
+    ShaftComparison
+        Without a chain whose first mode has no counterpart at every step, or is divided between two;
+        unchanged if no chain is compared.
+    """
+    if not comparison.verdicts:
+        return comparison
+    shaft, found = whole.crankshaft.shaft, []
+    for chain, rigid in zip(chains, rigid_chains, strict=True):
+        modes = chain.chain.modes()
+        first = chain.first_mode(modes)
+        if first is None:
+            continue
+        number = first - modes.rigid + 1
+        try:
+            found.append(frequency_difference(shaft, chain, rigid, number))
+        except InputError:
+            continue
+    # Steps lead to one frequency, not to two.
+    whole_ones = tuple(one for one in found if one.further is None)
+    return replace(comparison, differences=whole_ones, tilts=tuple(one.tilt for one in found))
+
+
+def whole_shaft_remark(comparison: ShaftComparison) -> tuple[str, ...]:
+    """Remark on a verdict, which is based on the chains, how the whole crankshaft differs from them.
+
+    Returns
+    -------
+    tuple of str
+        A sentence; none if the chains are adequate.
+    """
+    differing = [one for one in comparison.verdicts[::-1] if not one.suffices]
+    if not differing:
+        return ()
+    told = "; ".join(map(_difference, differing))
+    which = "which are" if len(differing) > 1 else f"of which the {differing[0].kind} one is"
+    return (
+        f"The verdict uses lumped models (chains), {which} inadequate here; the whole crankshaft differs: "
+        f"{told}.",
+    )
+
+
+def _difference(verdict: ChainVerdict) -> str:
+    """State the main difference: an amplitude, a frequency, else a mode of mixed motion."""
+    motion, found = MOTION[verdict.kind], verdict.response
+    if found is not None and abs(found.difference) > RESPONSE_LIMIT:
+        chain, shaft = (
+            f"{motion.number(peak)} {motion.printed} at {significant(speed * RPM, 3)} 1/min"
+            if np.isfinite(peak)
+            else UNBOUNDED
+            for speed, peak in found.peaks
+        )
+        return (
+            f"largest {verdict.kind} amplitude of the free end at running speeds {shaft} instead of "
+            f"{chain}"
+        )
+    for match in verdict.modes:
+        number = match.chain_mode - match.chain_rigid + 1
+        if match.shaft_frequency is None:
+            return f"it has no mode like {verdict.kind} mode {number}"
+        if match.divided:
+            told = " and ".join(f"{frequency:.1f}" for frequency, _ in match.divided)
+            return (
+                f"two modes at {told} Hz instead of {verdict.kind} mode {number} at "
+                f"{match.chain_frequency:.1f} Hz"
+            )
+        if abs(match.difference) > FREQUENCY_LIMIT:
+            return (
+                f"{verdict.kind} mode {number} at {match.shaft_frequency:.1f} instead of "
+                f"{match.chain_frequency:.1f} Hz"
+            )
+    mixed = min(verdict.modes, key=lambda match: match.share)
+    return (
+        f"its {verdict.kind} mode at {mixed.shaft_frequency:.1f} Hz is only {100.0 * mixed.share:.3g} % "
+        f"{verdict.kind}"
+    )

@@ -24,15 +24,16 @@ from crankfem.analyses.record import Record, attributes, plain
 from crankfem.analyses.strength.cycle_loads import CycleLoads, cycle_loads
 from crankfem.analyses.strength.engine_strength import EngineStrength, engine_strength
 from crankfem.analyses.strength.shaft_loads import judged_speeds
-from crankfem.analyses.vibration.firing_check import Cylinders, named
+from crankfem.analyses.vibration.misfiring import Cylinders, named
 from crankfem.analyses.vibration.run import EngineVibration
 from crankfem.files.engine.mechanism_file import MechanismFile, mechanism_of
 from crankfem.files.sections.strength_section import StrengthSection
-from dynamics.strength.fatigue import MANUFACTURE, fatigue_strength
-from dynamics.strength.findley import (
+from dynamics.strength.fatigue import (
     FINDLEY_SOURCE,
+    MANUFACTURE,
     CriticalPlane,
     critical_plane,
+    fatigue_strength,
     findley_bound,
     findley_factor,
     findley_limit,

@@ -14,22 +14,20 @@ from numpy.typing import NDArray
 from crankbase.checks.arrays import FloatArray
 from crankbase.errors import InputError
 from crankbase.units.units import RPM
-from crankfem.analyses.shaft.bearings import bearing_stiffness
+from crankfem.analyses.shaft.chains import bearing_stiffness
 from crankfem.analyses.shaft.throw_analyses import crank_analyses
 from crankfem.analyses.strength.shaft_loads import superposition
-from crankfem.analyses.vibration.engine_load import pressures_of_cylinders
-from crankfem.analyses.vibration.firing_check import Cylinders
-from crankfem.analyses.vibration.misfiring import Series, Superposition
+from crankfem.analyses.vibration.engine_excitation import pressures_of_cylinders
+from crankfem.analyses.vibration.misfiring import Cylinders, Series, Superposition
 from crankfem.analyses.vibration.run import EngineVibration
 from crankfem.files.engine.engine_file import EngineFile
 from crankfem.files.engine.mechanism_file import MechanismFile, mechanism_of
 from dynamics.engine.forces import mechanism_forces
 from dynamics.gas.pressure import ATMOSPHERE
 from dynamics.response.order_excitation import at_angles
-from dynamics.response.series import OrderSeries
-from dynamics.response.synthesis import common_order
+from dynamics.response.series import OrderSeries, common_order
 from dynamics.strength.nominal import SupportedThrow
-from dynamics.torque.cycle_samples import DEFAULT_SAMPLES, samples_and_gas
+from dynamics.torque.torque import DEFAULT_SAMPLES, samples_and_gas
 from fem.shaft import shaft_unknowns, sharing_sections, solve_shaft
 from fem.superelement import RZ, UZ, Superelement, section_rotation
 

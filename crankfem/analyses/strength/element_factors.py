@@ -10,8 +10,7 @@ from crankbase.errors import InputError
 from crankfem.files.engine.engine_file import EngineFile
 from crankfem.files.sections.strength_section import StrengthSection
 from dynamics.response.loads import section_modulus
-from dynamics.strength.crank_web import CrankWeb
-from dynamics.strength.element_factors import ElementFactors
+from dynamics.strength.concentration import CrankWeb, ElementFactors
 from dynamics.strength.shrink_fit import ShrinkFit
 from fem.fillet_peaks import FilletPeak, FilletStresses
 from fem.fillet_stress import FilletMesh, fillet_stresses

@@ -28,28 +28,31 @@ from crankfem.analyses.vibration.run import EngineVibration
 from crankfem.files.engine.engine_file import EngineFile
 from crankfem.files.engine.mechanism_file import MechanismFile, mechanism_of
 from crankfem.files.sections.strength_section import StrengthSection
-from dynamics.assessment.limit_sentences import shown_range
+from dynamics.assessment.wording import shown_range
 from dynamics.response.loads import section_modulus
 from dynamics.strength.concentration import (
     COEFFICIENTS,
     DOUBTFUL,
+    M53_SOURCE,
+    PLACES,
     ConcentrationFactors,
+    CrankWeb,
+    ElementFactors,
     coefficient_differences,
+    unsafe_formulas,
 )
-from dynamics.strength.crank_web import M53_SOURCE, PLACES, CrankWeb
-from dynamics.strength.element_factors import ElementFactors, unsafe_formulas
 from dynamics.strength.fatigue import (
     MANUFACTURE,
     REQUIRED,
     PlaceStrength,
     added_bending,
+    factors_below,
     fatigue_strength,
     fillet_equivalent,
     hole_equivalent,
 )
 from dynamics.strength.nominal import SupportedThrow, hole_stress, web_stresses
 from dynamics.strength.shrink_fit import ShrinkFit
-from dynamics.strength.surface_treatment import factors_below
 from fem.fillet_peaks import FilletStresses
 
 

@@ -8,17 +8,15 @@ from numpy.typing import NDArray
 
 from crankbase.checks.arrays import FloatArray
 from crankbase.summaries import summarized
-from crankfem.analyses.vibration.chain_answers import ChainAnswer, EngineChains
 from crankfem.analyses.vibration.engine_excitation import engine_harmonics, failing_harmonics
-from crankfem.analyses.vibration.firing_check import Cylinders
-from crankfem.analyses.vibration.misfiring import Series, Superposition, misfiring_cases
+from crankfem.analyses.vibration.forced import ChainAnswer, EngineChains
+from crankfem.analyses.vibration.misfiring import Cylinders, Series, Superposition, misfiring_cases
 from crankfem.analyses.vibration.run import EngineVibration
 from crankfem.files.engine.engine_file import EngineFile
 from crankfem.files.engine.mechanism_file import MechanismFile
 from dynamics.chains.engine_chains import EngineChain
-from dynamics.response.series import OrderSeries
-from dynamics.response.synthesis import synthesis
-from dynamics.running_limits import within
+from dynamics.indices import within
+from dynamics.response.series import OrderSeries, synthesis
 
 # Highest order that the rule asks for, by strokes.
 HIGHEST_ORDER = {2: 15.0, 4: 12.0}

@@ -9,9 +9,13 @@ from crankbase.units.number_formats import UNBOUNDED
 from crankbase.units.units import RPM
 from crankfem.analyses.record import Record, attributes, plain
 from crankfem.analyses.strength.engine_strength import EQUAL, EngineStrength, ThrowStrength
-from dynamics.strength.concentration import FACTORS, ConcentrationFactors
-from dynamics.strength.crank_web import RANGES
-from dynamics.strength.element_factors import SYMBOLS, ElementFactors
+from dynamics.strength.concentration import (
+    FACTORS,
+    RANGES,
+    SYMBOLS,
+    ConcentrationFactors,
+    ElementFactors,
+)
 from dynamics.strength.fatigue import REQUIRED
 
 

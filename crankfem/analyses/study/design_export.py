@@ -11,7 +11,7 @@ from geometry.solid_files import SOLID_ENDINGS, write_mesh, write_step
 from geometry.throw import CrankThrow
 from regression.plans.plan import PlannedDesign, PlannedStudy
 from regression.records import content_key
-from regression.runs.export_table import Column, columns, write_csv
+from regression.runs.exchange import Column, columns, write_csv
 from regression.runs.study_table import study_table
 
 TABLE = "designs.csv"

@@ -15,7 +15,7 @@ from crankfem.analyses.shaft.chains import (
 from crankfem.files.engine.engine_file import EngineFile
 from dynamics.chains.engine_chains import EngineChain
 from regression.models.compliance_model import ComplianceModel
-from regression.models.optimum_limits import Limit
+from regression.optimum import Limit
 
 Array = NDArray[np.float64]
 Kind = Literal["axial", "torsional"]

@@ -32,8 +32,7 @@ from crankfem.analyses.study.response_fits import (
 )
 from crankfem.files.engine.throw_file import load_study
 from crankfem.files.reading.toml_file import TomlFile
-from regression.factor_labels import factor_text
-from regression.fits.worst_places import JudgedEquation, worst_places
+from regression.fits.fits import JudgedEquation, worst_places
 from regression.models.compliance_model import ComplianceModel
 from regression.plans.designs import values_at
 from regression.plans.designs_space import draw_feasible_points, sobol_points, with_points_at_ends
@@ -41,6 +40,7 @@ from regression.plans.plan import StudyPlan
 from regression.plots.equations import response_text
 from regression.runs.study import Progress, add_runs, run_plan
 from regression.runs.study_table import StudyTable
+from regression.throw_values import factor_text
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -9,7 +9,6 @@ from numpy.typing import NDArray
 from crankbase.checks.arrays import FloatArray
 from crankbase.errors import InputError
 from crankbase.summaries import summarized
-from crankfem.analyses.vibration.chain_answers import ChainAnswer, EngineChains
 from crankfem.analyses.vibration.engine_excitation import (
     calculated_speeds,
     engine_harmonics,
@@ -17,8 +16,15 @@ from crankfem.analyses.vibration.engine_excitation import (
     forces_over_speeds,
 )
 from crankfem.analyses.vibration.engine_limits import COUPLING, DAMPER, engine_limits
-from crankfem.analyses.vibration.firing_check import Cylinders, Reached, worst_of
-from crankfem.analyses.vibration.misfiring import Series, Superposition, at_place
+from crankfem.analyses.vibration.forced import ChainAnswer, EngineChains
+from crankfem.analyses.vibration.misfiring import (
+    Cylinders,
+    Reached,
+    Series,
+    Superposition,
+    at_place,
+    worst_of,
+)
 from crankfem.analyses.vibration.run import EngineVibration
 from crankfem.files.engine.engine_file import EngineFile
 from crankfem.files.engine.mechanism_file import MechanismFile, mechanism_of
@@ -26,11 +32,11 @@ from crankfem.files.sections.excitation_sections import Misfire
 from crankfem.files.sections.limits_sections import LimitsInput
 from dynamics.assessment.limits import VibrationLimit
 from dynamics.chains.chain import Chain
-from dynamics.excitation.cylinder_harmonics import CylinderHarmonics
+from dynamics.excitation.cylinders import CylinderHarmonics
+from dynamics.indices import at_most, within
 from dynamics.response.forced import ForcedResponse
 from dynamics.response.loads import alternating_stress, section_modulus
 from dynamics.response.series import OrderSeries
-from dynamics.running_limits import at_most, within
 
 Flags = NDArray[np.bool_]
 # Speeds are calculated up to this share of the rated one, as class rules ask.

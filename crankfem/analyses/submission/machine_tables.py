@@ -18,10 +18,10 @@ from crankfem.analyses.submission.firing_cases import (
 )
 from crankfem.analyses.submission.stress_tables import SPEED, found_value
 from crankfem.analyses.vibration.engine_limits import COUPLING
-from crankfem.analyses.vibration.firing_check import Reached
+from crankfem.analyses.vibration.misfiring import Reached
 from crankfem.analyses.vibration.run import EngineVibration
 from crankfem.files.sections.limits_sections import LimitsInput
-from dynamics.running_limits import within
+from dynamics.indices import within
 
 
 def damper_table(run: EngineVibration, cases: FiringCases) -> Table | None:

@@ -11,7 +11,7 @@ from crankbase.tables.output_units import OutputUnit
 from crankbase.tables.table import Column, Table
 from crankfem.analyses.submission.firing_cases import HIGHEST_SHARE
 from crankfem.analyses.vibration.run import EngineVibration
-from dynamics.assessment.major_criticals import (
+from dynamics.assessment.separation import (
     MAJOR_READING,
     MAJOR_SOURCE,
     MajorCriticals,

@@ -7,16 +7,16 @@ import numpy as np
 from crankbase.drawing.diagram_style import GREEN, ORANGE, figure, with_gaps
 from crankbase.drawing.legends import legend_below
 from crankbase.units.units import RPM
-from crankfem.analyses.shaft.motion import MOTION
+from crankfem.analyses.shaft.chains import MOTION
 from crankfem.analyses.submission.firing_cases import CUT_OUT, MISFIRING, STRESS, FiringCases
 from crankfem.analyses.submission.mode_tables import mode_stars, shown_modes
 from crankfem.analyses.submission.stress_tables import permitted_curves
 from crankfem.analyses.titles import short_name
 from crankfem.analyses.vibration.modes import mode_label
 from crankfem.analyses.vibration.run import EngineVibration
+from dynamics.plots.harmonics import draw_star, finish_stars
 from dynamics.plots.mode_shapes import draw_chain_shapes
 from dynamics.plots.quantities import quantity_display
-from dynamics.plots.stars import draw_star, finish_stars
 from dynamics.torque.star import same_stars
 
 # Stars in a row of a picture, and mode shapes in one picture.

@@ -16,7 +16,7 @@ from crankfem.files.engine.mechanism_load import curve_at, full_load_only, press
 from crankfem.files.sections.excitation_sections import gas_map_load
 from crankfem.files.sections.load_section import LoadSection
 from dynamics.chains.chain import Chain
-from dynamics.excitation.cylinder_harmonics import CylinderHarmonics, cylinder_harmonics
+from dynamics.excitation.cylinders import CylinderHarmonics, cylinder_harmonics
 
 # Loads of an engine of constant load at which its harmonics are told, as shares of full load.
 LOADS = (0.25, 0.5, 0.75, 1.0)

@@ -15,7 +15,7 @@ from fem.plots.over_angle import ANGLES_DEG
 from fem.throw_analysis import ThrowAnalysis
 from geometry.throw import CrankThrow
 from regression.formulas.axial_formulas import axial_formulas
-from regression.formulas.formula_value import FormulaValue
+from regression.formulas.case import FormulaValue
 from regression.plots.equations import draw_formula_bars
 
 if TYPE_CHECKING:

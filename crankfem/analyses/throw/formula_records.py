@@ -13,7 +13,7 @@ from fem.supports import Neighbors
 from fem.throw_analysis import ThrowAnalysis
 from geometry.throw import CrankThrow
 from regression.formulas.axial_formulas import axial_formula_faults, axial_formulas
-from regression.formulas.formula_value import FormulaValue
+from regression.formulas.case import FormulaValue
 from regression.formulas.torsional_formulas import torsional_formulas
 
 

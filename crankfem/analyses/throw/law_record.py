@@ -13,8 +13,7 @@ from geometry.throw import CrankThrow
 from regression.law.superelement import law_reactions
 from regression.law.throw_law import AxialLaw, TorsionalLaw, throw_laws
 from regression.models.angle import between_ends, fold_angle
-from regression.models.lookup import Lookup
-from regression.models.reaction_lookup import ReactionLookup
+from regression.models.lookup import Lookup, ReactionLookup
 
 LAW = "law"
 AXIAL, TORSIONAL = "axial_compliance", "torsional_compliance"

@@ -1,7 +1,9 @@
 """Assessment of an engine's forced vibration: limits, verdict, and uncertainty."""
 
-from collections.abc import Mapping, Sequence
+import math
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from itertools import pairwise
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -9,42 +11,310 @@ import numpy as np
 from crankbase.checks.arrays import FloatArray
 from crankbase.summaries import summarized
 from crankbase.tables.frames import table
-from crankfem.analyses.shaft.chains import damped_engine_chain
-from crankfem.analyses.shaft.source_errors import source_spread
+from crankfem.analyses.assumptions import is_assumed
+from crankfem.analyses.shaft.chains import ASSUMED, damped_engine_chain, magnifier_of
+from crankfem.analyses.shaft.sources import source_spread
 from crankfem.analyses.shaft.throw_analyses import Analyses
 from crankfem.analyses.vibration.bearing_sweep import HeldChains, answers_by_chain
-from crankfem.analyses.vibration.chain_answers import cause_at
-from crankfem.analyses.vibration.decision import engine_decision
 from crankfem.analyses.vibration.engine_limits import (
+    Findings,
+    Limited,
     engine_limits,
     engine_verdict,
     limit_findings,
     limited_series,
+    strengths,
     unmodeled_plant,
 )
-from crankfem.analyses.vibration.forced import ForcedVibration, forced_vibrations
+from crankfem.analyses.vibration.forced import ForcedVibration, cause_at, forced_vibrations
 from crankfem.analyses.vibration.modes import Vibration
-from crankfem.analyses.vibration.source_verdicts import Again, source_verdicts
 from crankfem.files.chain.shaft_lines import PLANT
 from crankfem.files.engine.engine_file import EngineFile
-from dynamics.assessment.decided import Decision, Trial, decide
+from crankfem.files.sections.limits_sections import LimitsInput
+from dynamics.assessment.limit_rules import BASE_STRENGTH, BASE_YIELD, CRANKSHAFT_STRENGTHS
 from dynamics.assessment.limits import VibrationLimit
 from dynamics.assessment.response_curves import with_resonances
 from dynamics.assessment.separation import USUAL_MARGIN, CriticalRange, critical_ranges
-from dynamics.assessment.spreads import Spread
-from dynamics.assessment.uncertainty import Samples, chain_samples, frequency_bounds
-from dynamics.assessment.verdict import Verdict
+from dynamics.assessment.uncertainty import (
+    Samples,
+    Spread,
+    chain_samples,
+    frequency_bounds,
+    scaled_chain,
+)
+from dynamics.assessment.verdict import Decision, Status, Trial, Verdict, changes, decide
+from dynamics.assessment.wording import conclusion_sentence
 from dynamics.chains.chain import Chain
 from dynamics.critical import engine_orders
-from dynamics.excitation.cylinder_harmonics import CylinderHarmonics
+from dynamics.excitation.cylinders import CylinderHarmonics
+from dynamics.indices import within
 from dynamics.response.forced import forced_response
-from dynamics.response.synthesis import synthesis
-from dynamics.running_limits import within
+from dynamics.response.series import synthesis
 from fem.shaft import ShaftCompliances
 from regression.models.compliance_model import ComplianceModel
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
+
+
+# Magnifiers that are tried beside the one assumed, as shares of it: 25 and 60 of 40. An order of magnitude.
+MAGNIFIER_SHARES = (0.625, 1.5)
+TENSILE, YIELD = "tensile_strength", "yield_strength"
+# Yield strengths are tried up to this share of a given tensile strength.
+HIGHEST_YIELD = 0.7
+# [Pa] The change of a verdict between two strengths is told to this.
+STRENGTH_STEP = 1e6
+
+Answers = tuple[Limited, Limited]
+Judged = Callable[[float], Status]
+
+
+def engine_decision(
+    engine_file: EngineFile,
+    status: Status,
+    findings: Findings,
+    again: Callable[[EngineFile], Answers] | None = None,
+) -> Decision:
+    """Check whether an engine's verdict holds for other values of its assumptions.
+
+    Parameters
+    ----------
+    engine_file : EngineFile
+    status : {"fine", "barred range needed", "not acceptable"}
+        Of its verdict.
+    findings : sequence of pairs of VibrationLimit and AmplitudeCurve
+        Quantities compared with limits.
+    again : callable, optional
+        Forced vibration of a changed engine; without it no other magnifier is tried.
+
+    Returns
+    -------
+    Decision
+        The steel of the crankshaft's rule and the magnifiers are varied if they
+        are assumed, each separately.
+    """
+    trials = _steels(engine_file, status, findings)
+    if again is not None:
+        trials += _magnifiers(engine_file, status, again)
+    return decide(status, trials)
+
+
+def _steels(engine_file: EngineFile, status: Status, findings: Findings) -> list[Trial]:
+    """Steels from the plain one to the strongest of the rule, if the crankshaft's limit is from a rule.
+
+    The strength that decides alone, else both strengths together.
+    """
+    limits = engine_file.limits or LimitsInput()
+    if limits.crankshaft_stress is not None:
+        return []
+    tensile, yielding = strengths(engine_file)
+
+    def judged(**given: float) -> Status:
+        told = None if TENSILE in given else limits.tensile_strength
+        strong = told is None and given.get(TENSILE, tensile) > CRANKSHAFT_STRENGTHS[False]
+        changed = engine_file.changed(limits={**given, "alloy": limits.alloy or strong})
+        own = {limit.name: limit for limit in engine_limits(changed)[0].values()}
+        return engine_verdict(changed, [(own[lim.name], curve) for lim, curve in findings]).status
+
+    ways: list[list[Trial]] = []
+    strongest = {BASE_STRENGTH, *CRANKSHAFT_STRENGTHS.values()}
+    if is_assumed(engine_file, f"limits.{TENSILE}") and engine_file.strength is None:
+        made = Trial(f"limits.{TENSILE}", "tensile strength", tensile, "Pa", status, taken=True)
+        ways.append(_with_changes(made, strongest, lambda value: judged(tensile_strength=value)))
+    if is_assumed(engine_file, f"limits.{YIELD}"):
+        made = Trial(f"limits.{YIELD}", "yield strength", yielding, "Pa", status, taken=True)
+        highest = max(BASE_YIELD, HIGHEST_YIELD * tensile)
+        ways.append(
+            _with_changes(made, {BASE_YIELD, highest}, lambda value: judged(yield_strength=value))
+        )
+    if len(ways) == 2:
+        made = replace(
+            ways[0][0],
+            field=f"limits.{TENSILE} and limits.{YIELD}",
+            name="tensile strength (yield strength in proportion)",
+        )
+        share = yielding / tensile
+        ways.append(
+            _with_changes(
+                made,
+                strongest,
+                lambda value: judged(tensile_strength=value, yield_strength=share * value),
+            )
+        )
+    return next((own for own in ways if changes(own)), ways[-1] if ways else [])
+
+
+def _with_changes(made: Trial, others: set[float], judged: Judged) -> list[Trial]:
+    """The value used and others, and those between which the verdict changes."""
+    tried = [made, *(_tried(made, value, judged) for value in sorted(others - {made.value}))]
+    for pair in changes(tried):
+        tried += _at_change(*pair, judged)
+    return tried
+
+
+def _magnifiers(
+    engine_file: EngineFile, status: Status, again: Callable[[EngineFile], Answers]
+) -> Iterable[Trial]:
+    """Other magnifiers, of the axial chain only if its vibration is assessed."""
+    limits, _ = engine_limits(engine_file)
+    for kind in ("torsional", "axial"):
+        value, source = magnifier_of(engine_file, kind)
+        field = f"{kind}_magnifier"
+        judges = kind == "torsional" or any(name.startswith("axial") for name in limits)
+        if value is None or not judges:
+            continue
+        if not source.startswith(ASSUMED):
+            continue
+
+        def judged(magnifier: float, field: str = field) -> Status:
+            changed = engine_file.changed(damping={field: magnifier})
+            # What is tried is still assumed, so parts with damping of their own do without it.
+            sources = changed.provenance | {f"damping.{field}": ("tried", True)}
+            changed = replace(changed, provenance=sources)
+            return engine_verdict(changed, limit_findings(changed, *again(changed))).status
+
+        made = Trial(f"damping.{field}", f"{kind} magnifier", value, "", status, taken=True)
+        yield made
+        for share in MAGNIFIER_SHARES:
+            yield _tried(made, share * value, judged)
+
+
+def _tried(like: Trial, value: float, judged: Judged) -> Trial:
+    return replace(like, value=value, status=judged(value), taken=False)
+
+
+def _at_change(low: Trial, high: Trial, judged: Judged) -> list[Trial]:
+    """The two strengths, a step apart, between which the verdict changes."""
+    first = (low, high)
+    while high.value - low.value > STRENGTH_STEP:
+        steps = round(0.5 * (high.value - low.value) / STRENGTH_STEP)
+        own = _tried(low, low.value + max(1, steps) * STRENGTH_STEP, judged)
+        low, high = (own, high) if own.acceptable == low.acceptable else (low, own)
+    return [one for one in (low, high) if one not in first]
+
+
+# Largest step from one factor to the next: a resonance then moves by 7 %, which no running range is
+# as narrow as. One step either way for finite elements and good equations.
+STEP = 1.15
+# How sources are called in a sentence; formulas by their names.
+SOURCES = {"fe": "finite elements", "fe pinned": "finite elements", "regression": "the regression"}
+# Factors nearer to 1 change nothing that is told.
+LEAST = 1e-6
+
+Range = tuple[float, float]
+# An engine with its axial and torsional vibration to their forced vibration, as far as limits need it.
+Again = Callable[[EngineFile, Vibration, Vibration], tuple[ForcedVibration, ForcedVibration]]
+
+
+@dataclass(frozen=True)
+class SourceVerdicts:
+    """Verdicts over the range of one kind of compliance.
+
+    Attributes
+    ----------
+    trials : tuple of Trial
+        In the order of the factors, including the value used; empty if that kind is not assessed.
+    barred : tuple of pairs of float
+        Speeds that have to be barred with some compliance of the range [rad/s]; as far as permitted.
+    """
+
+    trials: tuple[Trial, ...] = ()
+    barred: tuple[Range, ...] = ()
+
+
+def source_verdicts(
+    engine_file: EngineFile,
+    chains: tuple[Vibration, Vibration],
+    kind: str,
+    spread: Spread,
+    verdict: Verdict,
+    again: Again,
+) -> SourceVerdicts:
+    """Assess an engine with compliances of one kind over their range.
+
+    Parameters
+    ----------
+    engine_file : EngineFile
+    chains : pair of Vibration
+        The axial and the torsional one.
+    kind : {"axial", "torsional"}
+        Whose compliances are varied.
+    spread : Spread
+        Of these, with its places.
+    verdict : Verdict
+        With the compliances used.
+    again : callable
+    """
+    limits, _ = engine_limits(engine_file)
+    if kind == "axial" and not any(name.startswith("axial") for name in limits):
+        return SourceVerdicts()
+    found = {1.0: verdict}
+    for factor in _factors(spread):
+        axial, torsional = (
+            _scaled(own, spread, factor) if own.kind == kind else own for own in chains
+        )
+        findings = limit_findings(engine_file, *again(engine_file, axial, torsional))
+        found[factor] = engine_verdict(engine_file, findings)
+    source = next(own for own in chains if own.kind == kind).chosen.source
+    given = getattr(engine_file.ranges, f"{kind}_compliance", None) is not None
+    made = Trial(
+        field=f"ranges.{kind}_compliance" if given else f"vibration.{kind}_source",
+        name=f"{kind} compliance, ratio to that by {SOURCES.get(source, source)}",
+        value=1.0,
+        unit="",
+        status=verdict.status,
+        taken=True,
+        why="the range given" if given else "the error of its source",
+    )
+    ordered = sorted(found.items())
+    return SourceVerdicts(
+        tuple(
+            replace(made, value=factor, status=own.status, taken=factor == 1.0)
+            for factor, own in ordered
+        ),
+        _joined([own.ranges_to_bar for _, own in ordered]),
+    )
+
+
+def _factors(spread: Spread) -> list[float]:
+    """Factors from 1 to either end of a range, with equal ratios, without the 1."""
+    found: list[float] = []
+    for end in (spread.low, spread.high):
+        if abs(end - 1.0) > LEAST:
+            steps = math.ceil(abs(math.log(end)) / math.log(STEP))
+            found += np.geomspace(1.0, end, steps + 1)[1:].tolist()
+    return found
+
+
+def _scaled(vibration: Vibration, spread: Spread, factor: float) -> Vibration:
+    """Return a kind of vibration with the chosen compliances multiplied by a factor."""
+    chosen = vibration.chosen
+    chain = scaled_chain(chosen.chain.chain, [spread], [factor])
+    changed = replace(
+        chosen,
+        compliances=factor * chosen.compliances,
+        chain=replace(chosen.chain, chain=chain),
+        modes=chain.modes(),
+    )
+    return replace(vibration, chosen=changed)
+
+
+def _joined(each: Sequence[Sequence[Range]]) -> tuple[Range, ...]:
+    """Ranges over all factors: between two factors with equally many, each is joined to its counterpart."""
+    swept = [own for ranges in each for own in ranges]
+    for before, after in pairwise(each):
+        if len(before) == len(after):
+            swept += [
+                (min(one[0], other[0]), max(one[1], other[1]))
+                for one, other in zip(before, after, strict=True)
+            ]
+    joined: list[Range] = []
+    for low, high in sorted(swept):
+        if joined and low <= joined[-1][1]:
+            joined[-1] = (joined[-1][0], max(joined[-1][1], high))
+        else:
+            joined.append((low, high))
+    return tuple(joined)
 
 
 @summarized("kind", "spreads", "nominal [Hz]", "lowest [Hz]", "highest [Hz]")
@@ -139,12 +409,8 @@ class Assessment:
     @property
     def conclusion(self) -> str:
         """What can be concluded despite the assumptions, then the verdict with the values used."""
-        decision, said = self.decision, self.verdict.sentence
-        if decision.status == "undecided":
-            with_used = f"{said[0].lower()}{said[1:]}"
-            return f"Undecided: {decision.sentence}. With the values used, {with_used}"
-        depends = "It depends on assumed or uncertain values"
-        return f"{said} {depends}: {decision.sentence}." if decision.sentence else said
+        undecided = self.decision.status == "undecided"
+        return conclusion_sentence(self.verdict.sentence, self.decision.sentence, undecided)
 
     def limit_curve(self, name: str, speeds: FloatArray) -> dict[str, FloatArray]:
         """Return a limit over speeds [rad/s] with its name in a legend; empty if there is none."""
@@ -177,7 +443,7 @@ def assess(
         Its sections [limits] and [ranges] are used if given.
     axial, torsional : ForcedVibration
     errors : mapping of str to Spread
-        Kind to the error of its compliances' source; see `crankfem.analyses.shaft.source_errors`.
+        Kind to the error of its compliances' source; see `crankfem.analyses.shaft.sources`.
     held : sequence of HeldChains, optional
         The chains over the range of the bearings' stiffness with their responses; the bounds
         of frequencies and critical speeds cover all of them.

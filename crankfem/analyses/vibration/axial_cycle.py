@@ -5,16 +5,15 @@ import numpy as np
 from crankbase.checks.arrays import FloatArray
 from crankbase.units.units import RPM
 from crankfem.analyses.record import Record
-from crankfem.analyses.vibration.chain_answers import EngineChains
 from crankfem.analyses.vibration.engine_excitation import forces_over_speeds
-from crankfem.analyses.vibration.forced import ForcedVibration
+from crankfem.analyses.vibration.forced import EngineChains, ForcedVibration
 from crankfem.files.engine.engine_file import EngineFile
 from dynamics.crankshaft.coupled_response import CoupledResponse
 from dynamics.cycle import cycle_degrees, even_angles
-from dynamics.excitation.axial_cycle import AxialForceOverCycle, axial_force_over_cycle
-from dynamics.excitation.cylinder_harmonics import CylinderHarmonics
-from dynamics.excitation.torsion_to_axial import tangential_towards_flywheel
-from dynamics.running_limits import within
+from dynamics.excitation.axial_forces import AxialForceOverCycle, axial_force_over_cycle
+from dynamics.excitation.chain_excitation import tangential_towards_flywheel
+from dynamics.excitation.cylinders import CylinderHarmonics
+from dynamics.indices import within
 
 MEAN_LEFT_OUT = ", without the propeller's mean thrust"
 

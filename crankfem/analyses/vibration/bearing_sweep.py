@@ -11,8 +11,7 @@ from crankbase.checks.arrays import FloatArray
 from crankbase.summaries import summarized
 from crankbase.tables.frames import table
 from crankbase.units.number_formats import compact
-from crankfem.analyses.shaft.bearings import BearingStiffness, bearing_stiffness
-from crankfem.analyses.shaft.chains import damped_engine_chain
+from crankfem.analyses.shaft.chains import BearingStiffness, bearing_stiffness, damped_engine_chain
 from crankfem.analyses.shaft.sources import compliances_in_shaft
 from crankfem.analyses.shaft.throw_analyses import Analyses
 from crankfem.analyses.shaft.whole_shaft import WholeShaft, not_comparable
@@ -24,21 +23,19 @@ from crankfem.analyses.vibration.engine_limits import (
     engine_verdict,
     limit_findings,
 )
-from crankfem.analyses.vibration.forced import ForcedVibration, forced_vibrations
+from crankfem.analyses.vibration.forced import ForcedVibration, forced_vibrations, resonances_of
 from crankfem.analyses.vibration.modes import Vibration, axial_vibration, torsional_vibration
-from crankfem.analyses.vibration.resonances import resonances_of
 from crankfem.files.engine.engine_file import EngineFile
-from dynamics.assessment.decided import Trial
-from dynamics.assessment.verdict import Status, Verdict
+from dynamics.assessment.verdict import Status, Trial, Verdict
 from dynamics.chains.chain import Chain
 from dynamics.chains.engine_chains import EngineChain
-from dynamics.crankshaft.assembly import AssembledShaft
-from dynamics.crankshaft.mode_matches import DIVIDED, followed_modes, mode_likeness
+from dynamics.crankshaft.assembly import CLASSES, AssembledShaft
+from dynamics.crankshaft.chain_comparison import DIVIDED, followed_modes, mode_likeness
 from dynamics.crankshaft.shaft_modes import ShaftModes, crankshaft_modes
-from dynamics.crankshaft.shaft_throw import UX, UY
-from dynamics.crankshaft.stations import CLASSES
+from dynamics.crankshaft.surroundings import UX, UY
 from dynamics.critical import critical_speeds
-from dynamics.excitation.cylinder_harmonics import CylinderHarmonics
+from dynamics.excitation.cylinders import CylinderHarmonics
+from dynamics.indices import at_most
 from fem.shaft import ShaftCompliances
 from regression.models.compliance_model import ComplianceModel
 
@@ -98,6 +95,8 @@ class BearingSweep:
         3 % of a peak, except for the nominal stiffness. Empty if nothing is assessed.
     statuses : tuple of k str, or empty
         Verdict at each stiffness.
+    beyond : tuple of str
+        Limits of which most is used above the running range, at one stiffness or more.
     """
 
     bearings: BearingStiffness
@@ -107,6 +106,7 @@ class BearingSweep:
     used: dict[str, FloatArray]
     statuses: tuple[Status, ...]
     further: dict[str, FloatArray] = field(default_factory=dict)
+    beyond: tuple[str, ...] = ()
 
     @property
     def flips(self) -> bool:
@@ -148,7 +148,9 @@ class BearingSweep:
         found = [f"{over}: {'; '.join(found)}."]
         if self.used:
             uses = ", ".join(
-                f"{_range(100.0 * own, '.0f')} % ({name})" for name, own in self.used.items()
+                f"{_range(100.0 * used, '.0f')} % ({name}"
+                f"{', above the running range included' if name in self.beyond else ''})"
+                for name, used in self.used.items()
             )
             said = (
                 f"the verdict changes within this range: {self.status_by_stiffness}"
@@ -270,22 +272,26 @@ def bearing_sweep(
             for place, one in enumerate(each)
         ]
     limits = dict.fromkeys(check.limit.name for own in verdicts for check in own.checks)
+    worst = {
+        name: [
+            max((c for c in own.checks if c.limit.name == name), key=lambda c: c.used)
+            for own in verdicts
+        ]
+        for name in limits
+    }
     return BearingSweep(
         bearings=held,
         stiffness=np.array([own.stiffness for own in each]),
         chains=chains,
         shaft=matched,
-        used={
-            name: np.array(
-                [
-                    max(check.used for check in own.checks if check.limit.name == name)
-                    for own in verdicts
-                ]
-            )
-            for name in limits
-        },
+        used={name: np.array([c.used for c in checks]) for name, checks in worst.items()},
         statuses=tuple(own.status for own in verdicts),
         further=further,
+        beyond=tuple(
+            name
+            for name, checks in worst.items()
+            if any(not at_most(c.worst_speed, c.highest_running) for c in checks)
+        ),
     )
 
 

@@ -1,9 +1,9 @@
 """Forced vibration of an engine's chains over its speeds, under the forces of its cylinders."""
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import TYPE_CHECKING, Any, Literal
+from typing import TYPE_CHECKING, Any, Literal, Protocol
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -14,22 +14,17 @@ from crankbase.drawing.legends import write_title
 from crankbase.errors import InputError
 from crankbase.summaries import summarized
 from crankbase.tables.frames import table_of
-from crankfem.analyses.shaft.motion import MOTION
+from crankfem.analyses.shaft.chains import MOTION, damped_engine_chain
 from crankfem.analyses.shaft.throw_analyses import Analyses
-from crankfem.analyses.vibration.chain_answers import (
-    Answers,
-    ChainAnswer,
-    EngineChains,
-    crank_element_count,
-    first_places,
-)
 from crankfem.analyses.vibration.engine_excitation import (
     Frequencies,
     calculated_speeds,
     compared_axial_forces,
+    excitation_along_shaft,
     excitation_remarks,
     forces_over_speeds,
     merged_speeds,
+    with_propeller,
 )
 from crankfem.analyses.vibration.engine_limits import (
     assessment_end_speeds,
@@ -37,30 +32,302 @@ from crankfem.analyses.vibration.engine_limits import (
     limit_findings,
     limited_series,
 )
-from crankfem.analyses.vibration.modes import Vibration
-from crankfem.analyses.vibration.resonances import resonances_of
+from crankfem.analyses.vibration.modes import SourceResult, Vibration
 from crankfem.files.engine.engine_file import EngineFile
 from dynamics.assessment.barred_ranges import limit_end_speed
 from dynamics.assessment.limits import usage
-from dynamics.assessment.worst_speeds import refined_maxima
+from dynamics.assessment.response_curves import refined_maxima
 from dynamics.chains.engine_chains import EngineChain
-from dynamics.excitation.axial_comparison import AxialForceComparison
-from dynamics.excitation.cylinder_harmonics import CylinderHarmonics
-from dynamics.excitation.cylinders import CylinderForces
+from dynamics.critical import major_orders
+from dynamics.excitation.axial_forces import AxialForceComparison
+from dynamics.excitation.chain_excitation import torque_excitation
+from dynamics.excitation.cylinders import CylinderForces, CylinderHarmonics
+from dynamics.indices import at_most, within
 from dynamics.plots.quantities import Quantity
 from dynamics.response.complex_modes import ComplexModes, complex_modes
-from dynamics.response.damped_criticals import LEAST_PEAK, DampedCritical
-from dynamics.response.damping import DampedChain
-from dynamics.response.forced import ForcedResponse
-from dynamics.response.loads import ElementLoads
+from dynamics.response.damped_criticals import LEAST_PEAK, DampedCritical, damped_criticals
+from dynamics.response.forced import ForcedResponse, forced_response
+from dynamics.response.linear_system import DampedChain
+from dynamics.response.loads import (
+    ElementLoads,
+    PowerBalance,
+    alternating_stress,
+    checked_power_balance,
+    element_loads,
+    section_modulus,
+)
 from dynamics.response.order_excitation import OrderExcitation
-from dynamics.response.power import PowerBalance, checked_power_balance
+from dynamics.response.peak_cause import PeakCause, peak_cause
 from dynamics.response.series import OrderSeries
-from dynamics.running_limits import at_most, within
 from fem.shaft import ShaftCompliances
+from geometry.throw import CrankThrow
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
+
+
+@dataclass(frozen=True, eq=False)
+class ChainAnswer:
+    """Motion of one chain, and quantities with limits, calculated on demand.
+
+    Attributes
+    ----------
+    engine_chain : EngineChain
+    response : ForcedResponse
+    moduli : dict of int to float
+        Section modulus of each element of the crankshaft [m^3]; none in the axial direction.
+    by_torque : OrderExcitation or None
+        Of axial vibration, the part of its excitation due to torques in the shaft.
+    remarks : tuple of str
+        Parts left out of the excitation.
+    """
+
+    engine_chain: EngineChain
+    response: ForcedResponse
+    moduli: dict[int, float]
+    by_torque: OrderExcitation | None = None
+    remarks: tuple[str, ...] = ()
+
+    @cached_property
+    def modes(self) -> ComplexModes:
+        """The damped modes of the chain."""
+        return complex_modes(self.response)
+
+    @cached_property
+    def loads(self) -> ElementLoads:
+        """Torque [N m] or force [N] in each element."""
+        return element_loads(self.response)
+
+    @cached_property
+    def stress(self) -> OrderSeries | None:
+        """Nominal torsional stress of the crankshaft's elements [Pa]; None in the axial direction."""
+        return alternating_stress(self.loads, self.moduli) if self.moduli else None
+
+    @cached_property
+    def free_end(self) -> OrderSeries:
+        """Motion of the free end [rad or m], relative to that of the rigid body, one location."""
+        return first_places(self.response.elastic, 1)
+
+    @cached_property
+    def crank_elements(self) -> OrderSeries:
+        """Torque or force in the elements of the crankshaft itself, from the free end."""
+        return first_places(self.loads.elements, crank_element_count(self.engine_chain))
+
+
+# Of the axial and of the torsional chain.
+Answers = tuple[ChainAnswer, ChainAnswer]
+
+
+@dataclass(frozen=True, eq=False)
+class EngineChains:
+    """The damped chains of an engine, ready for forces.
+
+    Attributes
+    ----------
+    engine_file : EngineFile
+    pulled : SourceResult
+        The axial chain and its compliances.
+    cranks : EngineChain
+        The torsional chain.
+    damped : tuple of two DampedChain
+        The axial one and the torsional one.
+    shaft : ShaftCompliances
+    """
+
+    engine_file: EngineFile
+    pulled: SourceResult
+    cranks: EngineChain
+    damped: tuple[DampedChain, DampedChain]
+    shaft: ShaftCompliances
+
+    @classmethod
+    def of(
+        cls,
+        engine_file: EngineFile,
+        axial: Vibration,
+        torsional: Vibration,
+        shaft: ShaftCompliances,
+    ) -> "EngineChains":
+        """Damp the chains with the chosen compliances."""
+        pulled, cranks = axial.chosen, torsional.chosen.chain
+        damped = (
+            damped_engine_chain(engine_file, pulled.chain),
+            damped_engine_chain(engine_file, cranks),
+        )
+        return cls(engine_file, pulled, cranks, damped, shaft)
+
+    @cached_property
+    def moduli(self) -> dict[int, float]:
+        """Section modulus of each element of the crankshaft in torsion, that of the weaker throw [m^3]."""
+        return _sections(self.engine_file, self.cranks)
+
+    def answers(self, forces: CylinderForces, *, propeller: bool = True) -> Answers:
+        """Return the axial and the torsional vibration under forces of the cylinders.
+
+        Parameters
+        ----------
+        forces : CylinderForces
+        propeller : bool, optional
+            Whether the propeller excites too. Without it the response is linear in the forces.
+        """
+        file = self.engine_file
+        torques = torque_excitation(forces, self.cranks)
+        if propeller:
+            torques = with_propeller(file, self.cranks, torques)
+        twisted = forced_response(self.damped[1], torques)
+        pressed, by_torque, remarks = excitation_along_shaft(
+            file, forces, self.pulled, self.shaft, self.cranks, twisted
+        )
+        if propeller:
+            pressed = with_propeller(file, self.pulled.chain, pressed)
+        lengthened = forced_response(self.damped[0], pressed)
+        return (
+            ChainAnswer(self.pulled.chain, lengthened, {}, by_torque, remarks),
+            ChainAnswer(self.cranks, twisted, self.moduli),
+        )
+
+
+class Answer(Protocol):
+    """Vibration of one chain: a `ChainAnswer`, or `crankfem.analyses.vibration.forced.ForcedVibration`."""
+
+    @property
+    def engine_chain(self) -> EngineChain:
+        """The chain, without damping."""
+
+    @property
+    def response(self) -> ForcedResponse:
+        """Its motion."""
+
+    @property
+    def modes(self) -> ComplexModes:
+        """Its damped modes."""
+
+    @property
+    def by_torque(self) -> OrderExcitation | None:
+        """Of axial vibration, the part of its excitation due to torques in the shaft."""
+
+    @property
+    def crank_elements(self) -> OrderSeries:
+        """Torque or force in the elements of the crankshaft."""
+
+
+def cause_at(
+    answer: Answer, torsional: Answer, series: OrderSeries, place: str, speed: float, unit: str
+) -> PeakCause:
+    """Find the orders responsible for what is reached at a place and a speed [rad/s].
+
+    Parameters
+    ----------
+    answer, torsional : Answer
+        The vibration, and the torsional one, which also drives the axial one.
+    series : OrderSeries
+        Of the vibration, with that place [unit].
+    """
+    index = int(np.argmin(np.abs(series.speeds - speed)))
+    driven = None
+    if answer.by_torque is not None:
+        # The torsional vibration that stretches the shaft is largest in one of its elements.
+        elements = torsional.crank_elements
+        largest = int(np.argmax(elements.synthesis.amplitude[index]))
+        twist = peak_cause(
+            torsional.response, elements, largest, index, kind="torsional", modes=torsional.modes
+        )
+        driven = (answer.by_torque, twist)
+    kind = answer.engine_chain.kind
+    return peak_cause(
+        answer.response,
+        series,
+        place,
+        index,
+        unit=unit,
+        kind=kind,
+        modes=answer.modes,
+        driven=driven,
+    )
+
+
+def first_places(series: OrderSeries, count: int) -> OrderSeries:
+    """Return the first locations of a series."""
+    return replace(series, values=series.values[:, :, :count], names=series.names[:count])
+
+
+def crank_element_count(chain: EngineChain) -> int:
+    """Return the number of elements between free end (or first throw) and flywheel, the first ones."""
+    if chain.kind == "axial":
+        return chain.throws
+    return chain.throw_nodes[-1] + 1
+
+
+def nominal_section_modulus(throw: CrankThrow) -> float:
+    """Section modulus of the weaker of main journal and crankpin in torsion [m^3]."""
+    moduli = section_modulus(
+        "torsional",
+        [throw.main_journal_diameter, throw.pin_diameter],
+        [throw.main_journal_bore, throw.pin_bore],
+    )
+    return float(min(moduli))
+
+
+def _sections(engine_file: EngineFile, chain: EngineChain) -> dict[int, float]:
+    """Section modulus of each element of the crankshaft: the weaker one of the throws that it joins."""
+    moduli = [nominal_section_modulus(throw) for throw in engine_file.crank_throws]
+    found: dict[int, float] = {}
+    for element in range(crank_element_count(chain)):
+        ends = chain.chain.connections[element]
+        own = [moduli[chain.throw_nodes.index(node)] for node in ends if node in chain.throw_nodes]
+        if own:  # of a plant, parts before the first crank have no section that is known
+            found[element] = min(own)
+    return found
+
+
+class FromForces(Protocol):
+    """A vibrating system; `crankfem.analyses.vibration.forced.ForcedVibration` is an example."""
+
+    @property
+    def response(self) -> ForcedResponse:
+        """Motion of the chain."""
+
+    @property
+    def modes(self) -> ComplexModes:
+        """The damped modes of the chain."""
+
+    @property
+    def running_range(self) -> tuple[float, float]:
+        """Speeds at which the engine runs [rad/s]."""
+
+    @property
+    def judged_range(self) -> tuple[float, float]:
+        """Speeds at which vibration is assessed [rad/s]."""
+
+
+def resonances_of(
+    engine_file: EngineFile, forced: FromForces, limited: Collection[str] = ()
+) -> tuple[DampedCritical, ...]:
+    """Return the peaks of all elements and nodes, ascending in speed, and then modes without a peak.
+
+    Major orders are those in which all cylinders fire in phase. A peak of the exciting forces
+    without a mode near it is not a resonance; it is not `in_band`. Places with limits are told first.
+    """
+    response = forced.response
+    major = major_orders(response.orders, engine_file.engine.firing_angles)
+    found = damped_criticals(
+        response, speed_range=forced.judged_range, modes=forced.modes, first=limited
+    )
+    told = [
+        replace(
+            one,
+            kind="major" if np.any(np.isclose(major, one.order)) else "minor",
+            in_running_range=_speed(one) <= forced.running_range[1],
+        )
+        for one in found
+    ]
+    return tuple(sorted(told, key=lambda one: (not one.has_peak, _speed(one))))
+
+
+def _speed(critical: DampedCritical) -> float:
+    """Speed of a peak; without one that at which the order meets the undamped mode [rad/s]."""
+    return critical.speed if critical.has_peak else critical.undamped_speed
+
 
 Forced = Literal["amplitude", "load", "stress", "power", "axial forces"]
 FORCED: tuple[Forced, ...] = ("amplitude", "load", "stress", "power", "axial forces")

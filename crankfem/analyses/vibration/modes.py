@@ -15,11 +15,11 @@ from crankbase.errors import InputError
 from crankbase.summaries import summarized
 from crankbase.tables.frames import table
 from crankfem.analyses.shaft.chains import (
+    MOTION,
     engine_axial_chain,
     engine_throw_inertias,
     engine_torsional_chain,
 )
-from crankfem.analyses.shaft.motion import MOTION
 from crankfem.analyses.shaft.sources import GIVEN, Sources, axial_sources, torsional_sources
 from crankfem.analyses.shaft.throw_analyses import Analyses, crank_analyses
 from crankfem.analyses.titles import short_name

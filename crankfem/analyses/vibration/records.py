@@ -10,24 +10,88 @@ from crankbase.units.units import RPM
 from crankfem.analyses.assumptions import input_values
 from crankfem.analyses.mechanism.mechanism_records import power_record
 from crankfem.analyses.record import ASSUMED, Record, assumed_values, attributes, plain
-from crankfem.analyses.shaft.motion import MOTION
+from crankfem.analyses.shaft.chains import MOTION
 from crankfem.analyses.shaft.whole_records import whole_record
 from crankfem.analyses.shaft.whole_shaft import not_comparable
-from crankfem.analyses.vibration.assessment_records import assessment_record
+from crankfem.analyses.vibration.assessment import Assessment, Uncertainty
 from crankfem.analyses.vibration.axial_cycle import axial_cycle_record
 from crankfem.analyses.vibration.bearing_sweep import BearingSweep
-from crankfem.analyses.vibration.engine_load import EngineLoad
+from crankfem.analyses.vibration.engine_excitation import EngineLoad
 from crankfem.analyses.vibration.forced import ForcedVibration
-from crankfem.analyses.vibration.misfiring_records import misfiring_record
+from crankfem.analyses.vibration.misfiring import FiringCheck, Misfiring, Reached
 from crankfem.analyses.vibration.modes import SourceResult, Vibration
 from crankfem.analyses.vibration.run import EngineVibration
 from crankfem.analyses.vibration.run_up import RunUp
 from crankfem.analyses.vibration.whole_verdict import whole_criticals
 from crankfem.files.engine.firing_evenness import firing_evenness, firing_sentence
+from dynamics.assessment.barred_ranges import BarredRange
+from dynamics.assessment.limits import worst_use
+from dynamics.assessment.verdict import SAME, LimitCheck, Verdict
 from dynamics.chains.engine_chains import CRANKSHAFT_MODE
-from dynamics.excitation.axial_comparison import AxialForceComparison
+from dynamics.crankshaft.coupled_response import CoupledResponse
+from dynamics.excitation.axial_forces import AxialForceComparison
 from dynamics.response.damped_criticals import DampedCritical
+from dynamics.response.peak_cause import PeakCause
 from dynamics.response.series import OrderSeries
+
+
+def misfiring_record(found: Misfiring) -> Record:
+    """Return the record of misfiring; null where vibration is unbounded or nothing is limited."""
+    return {
+        **attributes(found, "sentence", "passed", "cases", "missing_share", "compression"),
+        "checks": [_misfiring_check(one) for one in found.checks],
+        "exceeded_rpm": [[speed * RPM for speed in one] for one in found.exceeded],
+        "remaining_rpm": [[speed * RPM for speed in one] for one in found.remaining],
+        "remarks": list(found.remarks),
+    }
+
+
+def _misfiring_check(check: FiringCheck) -> Record:
+    limit = check.limit
+    return {
+        **attributes(check, "quantity", "unit", "cylinders"),
+        "source": None if limit is None else limit.source,
+        "assumed": limit is not None and limit.assumed,
+        "passed": None if limit is None else check.passed,
+        "basis": None if limit is None else limit.misfiring_basis,
+        "new": None
+        if check.new is None
+        else {
+            "cylinders": list(check.new.cylinders),
+            **_reached(check.new.reached),
+            "cause": check.new.cause.reasons,
+        },
+        "normal": _reached(check.normal),
+        "misfiring": _reached(check.misfiring),
+        "each": [{"cylinders": list(case), **_reached(one)} for case, one in check.each.items()],
+    }
+
+
+def _reached(found: Reached) -> Record:
+    limited = found.permitted < float("inf")
+    return plain(
+        {
+            "place": found.place,
+            "speed_rpm": found.speed * RPM,
+            "value": found.value,
+            "permitted": found.permitted,
+            "used": found.used if limited else None,
+        }
+    )
+
+
+def worst_record(found: tuple[float, float, float] | None) -> Record | None:
+    """Return the largest use of a limit among some speeds."""
+    if found is None:
+        return None
+    speed, value, permitted = found
+    return {
+        "speed_rpm": speed * RPM,
+        "value": value,
+        "permitted": permitted,
+        "used": value / permitted,
+    }
+
 
 # SI units of loads in records.
 LOAD_UNIT = {"torsional": "N m", "axial": "N"}
@@ -36,6 +100,133 @@ ONE_DIAGRAM = "One pressure diagram was used"
 
 # Shares below this are round-off: the cylinders cancel.
 ROUND_OFF = 1e-12
+
+
+def assessment_record(assessment: Assessment) -> Record:
+    """Return verdict, limits and uncertainty in SI units; null where vibration is unbounded."""
+    verdict = assessment.verdict
+    running = verdict.running_range
+    judged_to = {check.limit.name: check.judged[1] for check in verdict.checks}
+    return {
+        **attributes(verdict, "status", "headline", "sentence"),
+        "decision": attributes(assessment.decision, "status", "sentence")
+        | {
+            "trials": [
+                attributes(one, "field", "name", "value", "unit", "status", "taken", "why")
+                for one in assessment.decision.trials
+            ]
+        },
+        "running_rpm": [speed * RPM for speed in running],
+        "worst": _check(verdict.worst, running[1]),
+        "checks": [_check(check, running[1]) for check in verdict.checks],
+        "barred": [_range(one) for one in verdict.barred],
+        "started_through": [_range(one) for one in verdict.started_through],
+        "remarks": [*assessment.remarks, *verdict.remarks],
+        "beside": [*assessment.by_whole, *assessment.beside],
+        "by_whole": list(assessment.by_whole),
+        "whole": None if assessment.whole is None else _verdict(assessment.whole),
+        "limits": [
+            attributes(limit, "name", "unit", "source", "assumed", "remark")
+            | {"judged_to_rpm": judged_to[limit.name] * RPM}
+            for limit in assessment.limits.values()
+        ],
+        "uncertainty": {
+            one.kind: _uncertainty(one) for one in (assessment.axial, assessment.torsional)
+        },
+    }
+
+
+def _verdict(found: Verdict) -> Record:
+    checks = [_check(check, found.running_range[1]) for check in found.checks]
+    ranges = (*found.barred, *found.started_through)
+    return {
+        **attributes(found, "status"),
+        "checks": checks,
+        "barred": [_range(one) for one in ranges],
+    }
+
+
+def _check(check: LimitCheck, highest_speed: float) -> Record:
+    return plain(
+        {
+            "limit": check.limit.name,
+            "place": check.curve.name,
+            "speed_rpm": check.worst_speed * RPM,
+            "cause": None if check.cause is None else _cause(check.cause),
+            "in_running_range": check.worst_speed <= highest_speed,
+            "value": check.worst_value,
+            **attributes(check, "permitted", "used", "passed"),
+            "running": worst_record(check.running),
+            "above": worst_record(check.above),
+            "below": worst_record(
+                worst_use(check.limit, check.curve, 0.0, (1.0 - SAME) * check.judged[0])
+            ),
+            **attributes(check.limit, "unit", "source", "assumed"),
+        }
+    )
+
+
+def _cause(found: PeakCause) -> Record:
+    """Return the contributions of the orders to a peak, and the sentences on them."""
+    names = (
+        *("order", "contribution", "amplitude", "state", "kind", "mode", "mode_share"),
+        *("magnifier", "detuning"),
+    )
+    return {"sentence": found.reasons, "orders": [attributes(one, *names) for one in found.parts]}
+
+
+def _range(found: BarredRange) -> Record:
+    return {
+        **attributes(found, "shown", "sentence", "position", "limits", "allowed", "refusals"),
+        **attributes(found, "remarks", "ends"),
+        "low_rpm": found.low * RPM,
+        "high_rpm": found.high * RPM,
+    }
+
+
+def _uncertainty(uncertain: Uncertainty) -> Record:
+    amplitudes = uncertain.amplitudes
+    frequencies = zip(uncertain.lowest, uncertain.nominal, uncertain.highest, strict=True)
+    return plain(
+        {
+            "spreads": [
+                attributes(one, "name", "kind", "low", "high") for one in uncertain.spreads
+            ],
+            "frequencies": [
+                {"mode": mode, "low": low, "nominal": nominal, "high": high}
+                for mode, (low, nominal, high) in enumerate(frequencies, start=1)
+            ],
+            "critical": [
+                {
+                    **attributes(one, "mode", "order", "margin"),
+                    "speed_rpm": one.nominal * RPM,
+                    "low_rpm": one.low * RPM,
+                    "high_rpm": one.high * RPM,
+                }
+                for one in uncertain.critical
+            ],
+            "barred": [
+                {"low_rpm": low * RPM, "high_rpm": high * RPM} for low, high in uncertain.barred
+            ],
+            "amplitudes": None
+            if amplitudes is None
+            else {
+                "samples": len(amplitudes.values),
+                "nominal": amplitudes.nominal,
+                "percentile_5": amplitudes.percentile(5.0),
+                "percentile_95": amplitudes.percentile(95.0),
+                "highest": amplitudes.highest,
+            },
+        }
+    )
+
+
+# SI units of loads in records.
+
+# How the forces begin to tell that full load serves all speeds, which the load tells.
+
+
+# Shares below this are round-off: the cylinders cancel.
 
 
 def run_record(run: EngineVibration) -> Record:
@@ -78,9 +269,11 @@ def _whole_criticals(run: EngineVibration, highest: float) -> Record:
                 "left_out": left_out,
                 "peaks": [
                     {
-                        **attributes(one, "order", "place", "value", "mode", "frequency"),
-                        **attributes(one, "damping_ratio", "share"),
-                        "speed_rpm": one.speed * RPM,
+                        **attributes(one, "order", "place"),
+                        "value": one.amplitude,
+                        **_mode_at_resonance(one, run.comparison.coupled),
+                        "share": one.severity,
+                        "speed_rpm": one.speed_rpm,
                         "in_running_range": one.speed <= highest * (1.0 + 1e-9),
                         "unit": "m" if kind == "axial" else "N m",
                     }
@@ -90,6 +283,17 @@ def _whole_criticals(run: EngineVibration, highest: float) -> Record:
             for kind, (criticals, left_out) in found.items()
         }
     )
+
+
+def _mode_at_resonance(critical: DampedCritical, coupled: CoupledResponse | None) -> Record:
+    """Return number, undamped frequency [Hz] and damping ratio of the mode that makes a peak, if one does."""
+    if coupled is None or not critical.in_band:
+        return {"mode": 0, "frequency": None, "damping_ratio": None}
+    return {
+        "mode": critical.mode,
+        "frequency": coupled.total.system.elastic_frequencies[critical.mode - 1],
+        "damping_ratio": critical.damping_ratio,
+    }
 
 
 def _axial_force(run: EngineVibration) -> Record | None:

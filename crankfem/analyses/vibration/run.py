@@ -12,10 +12,8 @@ from crankbase.drawing.legends import write_title
 from crankbase.errors import InputError
 from crankbase.summaries import summarized
 from crankbase.tables.frames import table
-from crankfem.analyses.shaft.saved_model import usable_model
-from crankfem.analyses.shaft.sources import compliances_in_shaft
+from crankfem.analyses.shaft.sources import compliances_in_shaft, usable_model
 from crankfem.analyses.shaft.throw_analyses import Analyses, analyses_by_name, analyze_throws
-from crankfem.analyses.shaft.whole_difference import with_differences
 from crankfem.analyses.shaft.whole_shaft import (
     ShaftComparison,
     WholeShaft,
@@ -23,6 +21,7 @@ from crankfem.analyses.shaft.whole_shaft import (
     not_comparable,
     shaft_response,
     whole_shaft,
+    with_differences,
 )
 from crankfem.analyses.vibration.assessment import Assessment, assess_chains
 from crankfem.analyses.vibration.axial_cycle import axial_cycle
@@ -33,20 +32,22 @@ from crankfem.analyses.vibration.bearing_sweep import (
     held_chains,
     with_answers,
 )
-from crankfem.analyses.vibration.chain_answers import EngineChains
-from crankfem.analyses.vibration.engine_excitation import engine_harmonics
-from crankfem.analyses.vibration.engine_load import EngineLoad, engine_load
-from crankfem.analyses.vibration.forced import ForcedVibration, forced_vibrations
+from crankfem.analyses.vibration.engine_excitation import (
+    EngineLoad,
+    engine_harmonics,
+    engine_load,
+    refuse_vibration,
+)
+from crankfem.analyses.vibration.forced import EngineChains, ForcedVibration, forced_vibrations
 from crankfem.analyses.vibration.misfiring import Misfiring, misfiring_or_reason
 from crankfem.analyses.vibration.modes import Vibration, axial_vibration, torsional_vibration
-from crankfem.analyses.vibration.refusals import refuse_vibration
 from crankfem.analyses.vibration.whole_verdict import with_bearings, with_whole_shaft
 from crankfem.files.engine.engine_file import EngineFile, load_engine
 from crankfem.files.engine.mechanism_file import MechanismFile, layout_of, mechanism_of
 from dynamics.assessment.verdict import LimitCheck
 from dynamics.chains.chain import Chain
 from dynamics.critical import engine_orders
-from dynamics.excitation.axial_cycle import AxialForceOverCycle
+from dynamics.excitation.axial_forces import AxialForceOverCycle
 from dynamics.plots.campbell import draw_campbell
 from fem.shaft import ShaftCompliances
 from fem.throw_analysis import ThrowAnalysis

@@ -13,10 +13,9 @@ from crankbase.tables.frames import table
 from crankbase.units.quantity import parse_quantity
 from crankfem.analyses.shaft.chains import magnifier_damping
 from crankfem.analyses.vibration.run import EngineVibration
-from dynamics.transient.curve_selection import axis_names
-from dynamics.transient.envelope import Envelope
+from dynamics.transient.applied_forces import SpeedCurve
+from dynamics.transient.motions import Envelope, axis_names
 from dynamics.transient.run import TransientMotion, transient_motion
-from dynamics.transient.speed_curve import SpeedCurve
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -1,17 +1,18 @@
 """The tables of an engine's vibration, from its plain records: the command line and the report show them."""
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Collection, Sequence
 from dataclasses import replace
 from typing import Any
 
 from crankbase.tables.output_units import SI, OutputUnits
-from crankbase.tables.table import Column, Table
+from crankbase.tables.table import Cell, Column, Table
 from crankbase.units.number_formats import UNBOUNDED
 from crankbase.units.units import RPM
 from crankfem.analyses.record import Record
-from crankfem.analyses.shaft.motion import MOTION
-from dynamics.assessment.limit_sentences import limit_at
+from crankfem.analyses.shaft.chains import MOTION
+from dynamics.assessment.wording import limit_at
+from dynamics.chains.engine_chains import FREE_END
 from dynamics.response.damped_criticals import LEAST_PEAK
 
 # What a table shows; files hold everything.
@@ -488,3 +489,262 @@ def _assessed_range(record: Record, units: OutputUnits) -> str:
         f"at the speeds judged: the running range to {running[1]:.4g} 1/min, and above it to "
         f"{judged[1]:.4g} 1/min, as far as a limit applies"
     )
+
+
+KINDS = ("axial", "torsional")
+# Of what there is none, or none is known, such as amplitudes beyond the speeds judged.
+ABSENT = "-"
+BESIDE = ("lowest", "highest", "undamped", "ring locked")
+
+
+def speed_table(
+    vibration: Record,
+    units: OutputUnits = SI,
+    most: int = ROWS_SHOWN,
+    major: Collection[float] | None = None,
+) -> Table:
+    """Return the critical speeds of both kinds of vibration, with all that is known of each.
+
+    Parameters
+    ----------
+    vibration : dict
+        Record of a run's vibration. Without forces there are no amplitudes, and critical speeds are those
+        without damping.
+    units : OutputUnits, optional
+        In which amplitudes are written.
+    most : int
+        How many are shown of each kind: the most severe, or without forces those at which the cylinders
+        act together most.
+    major : collection of float, optional
+        The engine's major orders, to name the kind of critical speeds without a peak at speeds calculated.
+
+    Returns
+    -------
+    Table
+        Speeds at which the cylinders act in phase are marked.
+    """
+    running = (vibration["assessment"] or {}).get("running_rpm")
+    shown = {kind: _shown(_speeds(vibration, kind), most) for kind in KINDS}
+    rows = [_row(one, units, major, running) for kind in KINDS for one in shown[kind]]
+    notes = [
+        f"{kind.capitalize()}: {text}"
+        for kind in KINDS
+        if vibration["forced"] is not None
+        and (
+            text := left_out(
+                vibration["forced"][kind]["resonances"],
+                [one["resonance"] for one in shown[kind] if "resonance" in one],
+            )
+        )
+    ]
+    columns = [
+        Column("vibration", words=True),
+        SPEED,
+        *(_absent(Column(name, "1/min", decimals=1, bare=True)) for name in BESIDE),
+        Column("order", digits=None),
+        Column("mode", words=True),
+        _absent(FREQUENCY),
+        _absent(Column("phase sum", decimals=2)),
+        _absent(Column("peak at", words=True)),
+        _absent(Column("amplitude")),
+        _absent(Column("damping", "%", decimals=2)),
+        Column("margin", "%", decimals=1, missing="inside"),
+        Column("kind", words=True, missing=""),
+    ]
+    # A column that would say "none" of every speed says nothing.
+    columns = [one for one in columns if any(row[one.name] is not None for row in rows)]
+    return Table(
+        "Critical speeds",
+        columns,
+        [[row[one.name] for one in columns] for row in rows],
+        note=" ".join(notes),
+        marks=[
+            "chosen" if isinstance(row["phase sum"], float) and row["phase sum"] >= TOGETHER else ""
+            for row in rows
+        ],
+    )
+
+
+def _absent(column: Column) -> Column:
+    return replace(column, missing=ABSENT)
+
+
+def _speeds(vibration: Record, kind: str) -> list[Record]:
+    """Return the results for each critical speed of one kind, combined by its mode and order.
+
+    One order may have several peaks by one mode, each a critical speed of its own. Orders that damping
+    leaves without a peak count at running speeds alone, and modes that no order brings to a peak have no
+    margin.
+    """
+    forced, assessment = vibration["forced"], vibration["assessment"]
+    calculated = [] if forced is None else forced[kind]["resonances"]
+    peaks = [
+        one
+        for one in calculated
+        if is_listed(one) and (one["speed_rpm"] is not None or one["in_running_range"])
+    ]
+    damped = {one["mode"] for one in calculated}
+    damped -= {mode for one in calculated if one["speed_rpm"] is not None for mode in _modes(one)}
+    met = {_meeting(one): one for one in vibration[kind]["criticals"]}
+    found: list[Record] = [{"resonance": one} for one in peaks]
+    known = {(mode, one["order"]) for one in calculated for mode in _modes(one)}
+    found += [{"critical": met[key]} for key in met.keys() - known]
+    for own in found:
+        key = _meeting(_known(own))
+        own |= {"kind of motion": kind} | ({"critical": met[key]} if key in met else {})
+    margins = [] if assessment is None else assessment["uncertainty"][kind]["critical"]
+    for margin in margins:
+        same = [
+            own
+            for own in found
+            if _known(own)["order"] == margin["order"] and margin["mode"] in _modes(_known(own))
+        ]
+        if same:
+            nearest = min(same, key=lambda own: _distance(own, margin))
+            nearest["margin"] = margin
+        elif margin["mode"] not in damped and _meeting(margin) not in known:
+            found.append({"kind of motion": kind, "margin": margin})
+    return found
+
+
+def _meeting(record: Record) -> tuple[int, float]:
+    return record["mode"], record["order"]
+
+
+def _modes(record: Record) -> list[int]:
+    """Return all modes that make a peak."""
+    return [record["mode"], *record.get("modes", ())]
+
+
+def _distance(record: Record, margin: Record) -> float:
+    speed = _speed_rpm(record)
+    return float("inf") if speed is None else abs(speed - float(margin["speed_rpm"]))
+
+
+def _strength(record: Record) -> float:
+    """How much a critical speed matters beside others of its kind."""
+    severity = float(record.get("resonance", {}).get("severity", 0.0))
+    return severity + float(record.get("critical", {}).get("phase_sum", 0.0)) * 1e-9
+
+
+def _shown(records: list[Record], most: int) -> list[Record]:
+    worst = sorted(records, key=lambda one: -_strength(one))[:most]
+    return sorted(worst, key=lambda one: (_speed_rpm(one) or float("inf"), _known(one)["order"]))
+
+
+def _known(record: Record) -> Record:
+    """The main quantity of a critical speed: its peak, or its undamped speed, or its margin."""
+    return next(record[part] for part in ("resonance", "critical", "margin") if part in record)
+
+
+def _speed_rpm(record: Record) -> float | None:
+    for part in ("resonance", "margin", "critical"):
+        if part in record:
+            return None if record[part]["speed_rpm"] is None else float(record[part]["speed_rpm"])
+    return None
+
+
+def _row(
+    record: Record,
+    units: OutputUnits,
+    major: Collection[float] | None,
+    running: Sequence[float] | None,
+) -> dict[str, Cell]:
+    kind = record["kind of motion"]
+    critical, peak, margin = (record.get(part, {}) for part in ("critical", "resonance", "margin"))
+    speed = _speed_rpm(record)
+    known = _known(record)
+    outside = not known.get("in_running_range", True) or bool(margin.get("margin"))
+    if running is not None and speed is not None and not peak:
+        outside = not running[0] <= speed <= running[1]
+    named = peak.get("kind", "")
+    if not named and major is not None:
+        named = "major" if known["order"] in major else "minor"
+    return {
+        "vibration": kind,
+        "speed": "no peak" if speed is None else speed / RPM,
+        "lowest": _from_rpm(margin.get("low_rpm")),
+        "highest": _from_rpm(margin.get("high_rpm")),
+        "undamped": _from_rpm(peak.get("undamped_rpm")),
+        "ring locked": _from_rpm(peak.get("locked_rpm")),
+        "order": known["order"],
+        "mode": peak_modes(known),
+        "frequency": None if peak else critical.get("frequency"),
+        "phase sum": critical.get("phase_sum"),
+        "peak at": peak_place(peak),
+        "amplitude": peak_size(peak, kind, units, 3) if peak else None,
+        "damping": peak.get("damping_ratio"),
+        # Of a speed outside whose uncertainty range reaches to running speeds nothing is left.
+        "margin": (margin["margin"] if outside else None) if margin else ABSENT if peak else None,
+        "kind": f"{named}{', ' if named else ''}outside" if outside else named or None,
+    }
+
+
+def mode_table(record: Record) -> Table:
+    """Return the natural modes of one kind, from its `vibration_record`."""
+    names = record["nodes"]
+    # Points have the numbers of their names: throws and main bearings count from 1.
+    first = 0 if names[0].startswith(FREE_END) else 1
+    return Table(
+        f"{record['kind'].capitalize()} modes (compliances: {record['source']})",
+        [
+            Column("mode", words=True),
+            FREQUENCY,
+            Column("[1/min]", decimals=0),
+            Column("nodes at", words=True),
+        ],
+        [
+            [
+                "rigid body" if one["rigid"] else f"{one['number']}{_beside_crankshaft(one)}",
+                one["frequency"],
+                60.0 * one["frequency"],
+                "moves as one" if one["rigid"] else _still_at(one["node_positions"], record, first),
+            ]
+            for one in record["modes"]
+        ],
+        note=f"Node positions count the chain's points: {_points(names, first)}.",
+    )
+
+
+def _points(names: list[str], first: int) -> str:
+    """Name all points by their numbers; those whose own numbers ascend along the chain together.
+
+    Examples
+    --------
+    >>> _points(["free end", "throw 1", "throw 2", "throw 3", "flywheel"], 0)
+    '0 free end, 1 to 3 throw 1 to throw 3, 4 flywheel'
+    """
+    runs: list[list[int]] = []
+    for place, name in enumerate(names):
+        before = names[place - 1].rpartition(" ") if place else ("", "", "")
+        stem, _, number = name.rpartition(" ")
+        follows = before[2].isdecimal() and number.isdecimal() and int(number) == int(before[2]) + 1
+        if follows and stem == before[0]:
+            runs[-1].append(place)
+        else:
+            runs.append([place])
+    return ", ".join(
+        f"{first + run[0]} {names[run[0]]}"
+        if len(run) == 1
+        else f"{first + run[0]} to {first + run[-1]} {names[run[0]]} to {names[run[-1]]}"
+        for run in runs
+    )
+
+
+def _still_at(positions: list[float], record: Record, first: int) -> str | None:
+    """State the positions of a mode's nodes: by the numbers of the points, or on their branch."""
+    names = record["nodes"]
+    # Results of older runs say nothing of branches.
+    pairs = record.get("connections") or [(node, node + 1) for node in range(len(names) - 1)]
+    found = []
+    for position in positions:
+        element = min(int(position), len(pairs) - 1)
+        (left, right), share = pairs[element], position - element
+        row = f"{first + left + share:.2f}"
+        branch = f"{share:.2f} of the way from {names[left]} to {names[right]}"
+        found.append(row if right == left + 1 else branch)
+    return ", ".join(found) or None
+
+
+def _beside_crankshaft(mode: Record) -> str:
+    return "" if mode.get("of_crankshaft", True) else " (coupling, damper or line)"

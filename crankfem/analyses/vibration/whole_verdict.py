@@ -5,8 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from crankfem.analyses.shaft.whole_difference import whole_shaft_remark
-from crankfem.analyses.shaft.whole_shaft import ShaftComparison, not_comparable
+from crankfem.analyses.shaft.whole_shaft import ShaftComparison, not_comparable, whole_shaft_remark
 from crankfem.analyses.vibration.assessment import Assessment
 from crankfem.analyses.vibration.bearing_sweep import BearingSweep
 from crankfem.analyses.vibration.engine_limits import (
@@ -17,14 +16,14 @@ from crankfem.analyses.vibration.engine_limits import (
     engine_verdict,
 )
 from crankfem.files.engine.engine_file import EngineFile
-from dynamics.assessment.decided import Decision, decide
-from dynamics.assessment.limit_sentences import limit_at, use_in_words
 from dynamics.assessment.limits import AmplitudeCurve
 from dynamics.assessment.response_curves import curves_of
-from dynamics.assessment.verdict import LimitCheck, Verdict
+from dynamics.assessment.verdict import Decision, LimitCheck, Verdict, decide
+from dynamics.assessment.wording import limit_at, use_in_words
 from dynamics.chains.engine_chains import FLYWHEEL, FREE_END, EngineChain
-from dynamics.crankshaft.shaft_criticals import ShaftCritical, shaft_criticals
-from dynamics.response.loads import ElementLoads
+from dynamics.crankshaft.coupled_response import CoupledResponse, shaft_criticals
+from dynamics.response.damped_criticals import DampedCritical
+from dynamics.response.loads import ElementLoads, LinearQuantities
 from dynamics.response.series import OrderSeries
 
 DIGITS = 3
@@ -87,8 +86,7 @@ def whole_stress(
     assert comparison.coupled is not None
     torque = comparison.coupled.torque
     elements = sorted(moduli)
-    nodes = np.array(cranks.throw_nodes)
-    bearings = [int(np.sum(nodes <= min(cranks.chain.connections[one]))) for one in elements]
+    bearings = [_bearing(cranks, element) for element in elements]
     return replace(
         torque,
         values=torque.values[:, :, bearings] / [moduli[one] for one in elements],
@@ -108,30 +106,21 @@ def whole_loads(comparison: ShaftComparison, cranks: EngineChain) -> ElementLoad
     """
     assert comparison.coupled is not None
     coupled, chain = comparison.coupled, cranks.chain
-    count, named = coupled.crankshaft.shaft.section_count, set(coupled.crankshaft.names)
-    ends = {FREE_END: "main bearing 1 rz", FLYWHEEL: f"main bearing {count} rz"}
-    speeds = coupled.orders[:, np.newaxis] * coupled.speeds
-    elastic = whole_stress(comparison, cranks, dict.fromkeys(range(cranks.crank_elements), 1.0))
-    springs, total = [], []
-    for element in range(cranks.crank_elements, len(chain.connections)):
+    elastic = whole_torques(coupled, cranks).series(coupled.total)
+    total, speeds = elastic.values.copy(), coupled.total.angular_frequencies
+    for spring in range(cranks.crank_elements, len(chain.connections)):
         left, right = (
-            coupled.motion(ends.get(name, name if name in named else f"{name} rz"))
-            for name in (chain.names[node] for node in chain.connections[element])
+            coupled.total.motion[:, :, point] for point in _ends(coupled, cranks, spring)
         )
-        springs.append(chain.stiffness[element] * (right - left))
-        lost = 1j * (chain.loss_factor[element] * springs[-1])
-        total.append(springs[-1] + lost + 1j * speeds * chain.damping[element] * (right - left))
-    all_total, all_elastic = (
-        replace(elastic, values=np.dstack((elastic.values, *own)), names=chain.elements)
-        for own in (total, springs)
-    )
+        total[:, :, spring] *= 1.0 + 1j * chain.loss_factor[spring]
+        total[:, :, spring] += 1j * speeds * chain.damping[spring] * (right - left)
     none = replace(elastic, values=elastic.values[:, :, :0], names=())
-    return ElementLoads(all_total, all_elastic, ground=none, dashpots=none)
+    return ElementLoads(replace(elastic, values=total), elastic, ground=none, dashpots=none)
 
 
 def whole_criticals(
     engine_file: EngineFile, comparison: ShaftComparison, cranks: EngineChain
-) -> dict[str, tuple[tuple[ShaftCritical, ...], int]]:
+) -> dict[str, tuple[tuple[DampedCritical, ...], int]]:
     """Return the whole crankshaft's critical speeds and the number of small ones left out, by kind.
 
     Of the kinds whose chain is inadequate: torques [N m] in the elements of the torsional chain, axial
@@ -140,28 +129,55 @@ def whole_criticals(
     coupled = comparison.coupled
     if coupled is None:
         return {}
-    found: dict[str, tuple[tuple[ShaftCritical, ...], int]] = {}
+    found: dict[str, tuple[tuple[DampedCritical, ...], int]] = {}
     ends = assessment_end_speeds(engine_file)
     for verdict in comparison.verdicts:
         if verdict.suffices:
             continue
-        if verdict.kind == "torsional":
-            series = whole_loads(comparison, cranks).elastic
-        else:
-            names = [
-                f"main bearing {number}"
-                for number in range(1, coupled.crankshaft.shaft.section_count + 1)
-            ]
-            moved = [coupled.elastic_motion(f"{name} uz") for name in names]
-            series = OrderSeries(
-                coupled.orders,
-                coupled.speeds,
-                np.stack(moved, axis=-1),
-                coupled.unbounded,
-                tuple(names),
-            )
-        found[verdict.kind] = shaft_criticals(coupled, series, (ends[0], ends[-1]))
+        torsional = verdict.kind == "torsional"
+        quantities = whole_torques(coupled, cranks) if torsional else coupled.axial_motions
+        found[verdict.kind] = shaft_criticals(coupled, quantities, (ends[0], ends[-1]))
     return found
+
+
+def whole_torques(coupled: CoupledResponse, cranks: EngineChain) -> LinearQuantities:
+    """Return the torques k d in the elements of the torsional chain [N m], of the whole crankshaft."""
+    shaft, chain = coupled.crankshaft, cranks.chain
+    torques, expand = coupled.bearing_torques, shaft.system.expand
+    crank_elements = range(cranks.crank_elements)
+    bearings = [_bearing(cranks, element) for element in crank_elements]
+    springs = range(cranks.crank_elements, len(chain.connections))
+    twists = [
+        np.subtract(*(expand[point] for point in _ends(coupled, cranks, spring)[::-1]))
+        for spring in springs
+    ]
+    rows = [chain.stiffness[spring] * twist for spring, twist in zip(springs, twists, strict=True)]
+    more = ((0, len(springs)), (0, 0))
+    assert torques.inertia is not None
+    assert torques.direct is not None
+    return LinearQuantities(
+        names=chain.elements,
+        rows=np.vstack((torques.rows[bearings], *rows)),
+        loads=np.ones(len(chain.elements), dtype=bool),
+        inertia=np.pad(torques.inertia[bearings], more),
+        direct=np.pad(torques.direct[bearings], more),
+    )
+
+
+def _bearing(cranks: EngineChain, element: int) -> int:
+    """Return the main bearing, from 0, that an element of the crankshaft passes."""
+    return int(np.sum(np.array(cranks.throw_nodes) <= min(cranks.chain.connections[element])))
+
+
+def _ends(coupled: CoupledResponse, cranks: EngineChain, element: int) -> list[int]:
+    """Return the points of the whole crankshaft at both ends of an element behind it or in a damper."""
+    points, count = coupled.crankshaft, coupled.crankshaft.shaft.section_count
+    ends = {FREE_END: "main bearing 1 rz", FLYWHEEL: f"main bearing {count} rz"}
+    names = (cranks.chain.names[node] for node in cranks.chain.connections[element])
+    return [
+        points.point(ends.get(name, name if name in points.names else f"{name} rz"))
+        for name in names
+    ]
 
 
 def whole_verdict(

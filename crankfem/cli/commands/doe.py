@@ -100,7 +100,7 @@ def doe(
     from crankfem.files.engine.throw_file import load_study
     from crankfem.files.reading.data_files import input_path
     from crankfem.jobs.outputs import check_distinct_files, check_writable
-    from regression.runs.export_table import FORMATS, check_export, export_table
+    from regression.runs.exchange import FORMATS, check_export, export_table
     from regression.runs.store_rows import damaged_rows_warning
     from regression.runs.study import read_study
 
@@ -283,7 +283,7 @@ def _run(
     from crankfem.analyses.study.studies import run_grown
 
     if options["dask"] is not None:
-        from regression.runs.dask_cluster import silence_dask_log
+        from regression.runs.cluster import silence_dask_log
 
         silence_dask_log()
     with console.RunProgress(quiet) as progress:

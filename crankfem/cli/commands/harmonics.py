@@ -115,17 +115,17 @@ def _names_engine(source: str) -> bool:
 
 
 def _torque_table_harmonics(source: str, asked: _Request) -> dict[str, Any]:
-    from crankfem.analyses.mechanism.harmonics_record import (
+    from crankfem.analyses.mechanism.mechanism_records import (
         fired_record,
         harmonics_record,
         residual_record,
         seen_stars,
     )
-    from crankfem.analyses.mechanism.plots.torque_plots import picture_torque_table, table_files
+    from crankfem.analyses.mechanism.plots import picture_torque_table, table_files
     from crankfem.cli.firing_options import firing_angles_deg
     from crankfem.files.reading.data_files import torque_path
     from crankfem.jobs.outputs import check_outputs
-    from dynamics.torque_table import read_torque_table
+    from dynamics.harmonics import read_torque_table
 
     for name, value, lacks in (
         ("cylinder", asked.cylinder, "cylinders"),
@@ -154,15 +154,14 @@ def _torque_table_harmonics(source: str, asked: _Request) -> dict[str, Any]:
 
 def _engine_harmonics(source: str, asked: _Request) -> dict[str, Any]:
     from crankfem.analyses import titles
-    from crankfem.analyses.mechanism.plots.torque_plots import FILES, picture_torque
+    from crankfem.analyses.mechanism.plots import FILES, picture_torque
     from crankfem.cli.angle_and_speed import parse_speed
     from crankfem.cli.tables.harmonics_tables import engine_record, pin_force_record
     from crankfem.files.engine.input_files import mechanism_inputs
     from crankfem.files.engine.mechanism_file import load_mechanism
     from crankfem.files.engine.mechanism_load import full_load_only, pressures_at
     from crankfem.jobs.outputs import check_outputs
-    from dynamics.torque.pin_harmonics import pin_force_harmonics
-    from dynamics.torque.torque import engine_torque
+    from dynamics.torque.torque import engine_torque, pin_force_harmonics
 
     mechanism = load_mechanism(source)
     engine, strokes, cylinder = mechanism.layout, asked.strokes, asked.cylinder

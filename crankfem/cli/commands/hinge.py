@@ -52,14 +52,20 @@ def hinge(
     """Calculate the guides of an elastic hinge for constant crank speed, and the speed left uneven."""
     from crankbase.checks.choices import check_choice
     from crankbase.units.quantity import parse_quantity
-    from crankfem.analyses.hinge.hinge_pictures import FILES, GUIDES, SURFACE, plot_hinge
-    from crankfem.analyses.hinge.hinge_records import hinge_columns, hinge_record
-    from crankfem.analyses.hinge.hinge_run import run_hinge
+    from crankfem.analyses.hinge.hinge_run import (
+        FILES,
+        GUIDES,
+        SURFACE,
+        hinge_columns,
+        hinge_record,
+        plot_hinge,
+        run_hinge,
+    )
     from crankfem.cli.column_file import write_columns
     from crankfem.cli.tables.hinge_tables import print_hinge
     from crankfem.files.hinge.hinge_file import load_hinge
     from crankfem.jobs.outputs import check_outputs
-    from dynamics.hinge.reduced_crank import KINEMATICS
+    from dynamics.hinge.crosshead import KINEMATICS
 
     other = None if speed is None else parse_quantity(speed, "rad/s", "--speed")
     loaded = load_hinge(file)

@@ -177,8 +177,7 @@ def _print_lookups(
     list of str
         Names of the equations whose bands were printed.
     """
-    from regression.end_reactions import END_MOMENTS
-    from regression.response_kinds import ANGLE_LAWS
+    from regression.response_kinds import ANGLE_LAWS, END_MOMENTS
 
     hidden = [name for name in answers if name in END_MOMENTS]
     answers = {name: answer for name, answer in answers.items() if name not in hidden} or answers
@@ -219,7 +218,7 @@ def _print_lookup(name: str, answer: "Lookup", shared: list[str], units: "Output
 
 def _print_bands(model: "ComplianceModel", names: list[str]) -> None:
     """State the errors included in the bands, and those unknown."""
-    from regression.fits.statistics import COVERAGE
+    from regression.fits.selection import COVERAGE
     from regression.models.extrapolation import FEWEST, equation_error, percent
 
     used = {name: model.responses[name] for name in names}

@@ -10,7 +10,7 @@ from crankbase.errors import InputError
 from crankfem.cli import console
 from crankfem.cli.commands.options import EngineArgument, Output, SpeedOption, with_output
 from crankfem.cli.console import print_json
-from dynamics.mechanism.rod_model_names import ROD_MODELS, RodModelName
+from dynamics.engine import ROD_MODELS, RodModelName
 
 ROD_MODELS_FILE = "rod_models.svg"
 
@@ -41,16 +41,19 @@ def mechanism(
     out: Output,
 ) -> None:
     """Calculate forces in the crank mechanism, bearing loads, and the balance of the engine."""
-    from crankfem.analyses.mechanism.acceleration_records import acceleration_record
     from crankfem.analyses.mechanism.balance_records import (
         hinged_rods_record,
         mechanism_balance_record,
     )
-    from crankfem.analyses.mechanism.mechanism_records import force_columns, mechanism_record
+    from crankfem.analyses.mechanism.mechanism_records import (
+        acceleration_record,
+        force_columns,
+        mechanism_record,
+    )
     from crankfem.analyses.mechanism.mechanism_run import hinged_group, run_mechanism
-    from crankfem.analyses.mechanism.plots.load_plots import plot_model_difference
-    from crankfem.analyses.mechanism.rod_comparison import model_difference
-    from crankfem.analyses.mechanism.rod_model_records import (
+    from crankfem.analyses.mechanism.plots import plot_model_difference
+    from crankfem.analyses.mechanism.rod_models import (
+        model_difference,
         model_difference_record,
         rod_mass_records,
     )

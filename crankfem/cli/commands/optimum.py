@@ -14,8 +14,7 @@ if TYPE_CHECKING:
     from crankbase.tables.output_units import OutputUnits
     from crankfem.analyses.study.frequency_limits import Kind
     from regression.models.compliance_model import ComplianceModel
-    from regression.models.optimum import Optimum
-    from regression.models.optimum_limits import Limit
+    from regression.optimum import Limit, Optimum
 
 
 @with_output(units=True)
@@ -70,8 +69,7 @@ def optimum(
     """Find the smallest value of a dimension or response, such as web thickness, under limits."""
     from crankfem.cli.model_arguments import model_dimensions, parse_limit
     from regression.models.compliance_model import ComplianceModel
-    from regression.models.optimum import find_optimum
-    from regression.models.optimum_limits import check_minimized
+    from regression.optimum import check_minimized, find_optimum
 
     loaded = ComplianceModel.load(model)
     check_minimized(loaded, minimize, "--minimize")

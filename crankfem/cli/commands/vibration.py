@@ -65,11 +65,11 @@ def vibration(
         _print_chain_modes(engine, content, out.json, out.units, only_engines=others)
         return
     from crankbase.outputs import protect
-    from crankfem.analyses.engine_refusals import refuse_what_cannot_run
-    from crankfem.analyses.shaft.motion import MOTION
-    from crankfem.analyses.shaft.saved_model import with_model
+    from crankfem.analyses.file_check import refuse_what_cannot_run
+    from crankfem.analyses.shaft.chains import MOTION
+    from crankfem.analyses.shaft.sources import with_model
     from crankfem.analyses.vibration.axial_cycle import axial_cycle_columns
-    from crankfem.analyses.vibration.plots.transient_plots import picture_run_up
+    from crankfem.analyses.vibration.plots import picture_run_up
     from crankfem.analyses.vibration.records import forced_columns, run_record, run_up_record
     from crankfem.analyses.vibration.run import engine_vibration
     from crankfem.analyses.vibration.run_up import parse_duration

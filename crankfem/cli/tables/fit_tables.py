@@ -7,7 +7,7 @@ from crankbase.units.quantity import format_quantity
 from crankfem.analyses.record import Record
 from crankfem.analyses.study.fit_records import LACK_OF_FIT
 from crankfem.cli.console import number, print_line, print_table
-from regression.end_reactions import END_MOMENTS
+from regression.response_kinds import END_MOMENTS
 
 MAIN_RESPONSE = "axial_compliance"
 # Relative errors below this are round-off.

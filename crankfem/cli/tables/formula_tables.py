@@ -17,7 +17,7 @@ from crankfem.analyses.throw.formula_records import (
 from crankfem.cli import console
 from crankfem.cli.angle_and_speed import angle_text
 from crankfem.cli.console import print_line, print_table
-from regression.formulas.catalogue import AXIAL_FORMULAS
+from regression.formulas.published import AXIAL_FORMULAS
 from regression.formulas.published_table import (
     FINITE_ELEMENTS,
     FINITE_ELEMENTS_DOUBT,

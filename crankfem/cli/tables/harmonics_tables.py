@@ -7,7 +7,7 @@ from crankbase.tables.output_units import SI, OutputUnits
 from crankbase.tables.table import Column, Table
 from crankbase.tables.table_units import table_unit
 from crankbase.units.units import RPM
-from crankfem.analyses.mechanism.harmonics_record import (
+from crankfem.analyses.mechanism.mechanism_records import (
     COLUMNS,
     RESIDUALS,
     harmonics_record,
@@ -18,9 +18,8 @@ from crankfem.analyses.record import Record
 from crankfem.cli.column_file import write_rows
 from crankfem.cli.console import number, print_line, print_notes, print_table
 from crankfem.files.engine.mechanism_file import MechanismFile
-from dynamics.torque.pin_harmonics import PinForceHarmonics
 from dynamics.torque.star import star_diagram
-from dynamics.torque.torque import EngineTorque
+from dynamics.torque.torque import EngineTorque, PinForceHarmonics
 
 SUMMED = "torque of all cylinders"
 PARTS = ("gas", "inertia", "gas and inertia")

@@ -2,10 +2,6 @@
 
 from crankbase.tables.output_units import SI, OutputUnits
 from crankbase.units.units import RPM
-from crankfem.analyses.mechanism.acceleration_records import (
-    acceleration_sentences,
-    acceleration_table,
-)
 from crankfem.analyses.mechanism.balance_records import (
     BALANCED_TEXT,
     balance_contents,
@@ -14,16 +10,15 @@ from crankfem.analyses.mechanism.balance_records import (
     moving_mass_table,
     throw_mass_table,
 )
-from crankfem.analyses.mechanism.load_tables import (
+from crankfem.analyses.mechanism.mechanism_records import acceleration_sentences, acceleration_table
+from crankfem.analyses.mechanism.rod_models import (
     bearing_table,
     crankpin_table,
     cylinder_table,
-    rod_model_table,
-)
-from crankfem.analyses.mechanism.rod_model_records import (
     model_difference_sentence,
     model_difference_table,
     rod_mass_table,
+    rod_model_table,
 )
 from crankfem.analyses.record import ASSUMED, Record
 from crankfem.cli.console import print_line, print_table

@@ -8,7 +8,7 @@ from crankfem.analyses.record import Record, attributes
 from crankfem.analyses.throw.throw_record import reaction_table
 from crankfem.cli.console import print_line, print_table
 from fem.supports import Neighbors, Support
-from regression.models.reaction_lookup import ReactionLookup
+from regression.models.lookup import ReactionLookup
 
 
 def reaction_record(

@@ -8,7 +8,7 @@ from crankbase.tables.output_units import SI, OutputUnits
 from crankbase.tables.table import Column, Table
 from crankbase.units.number_formats import UNBOUNDED
 from crankbase.units.units import RPM
-from crankfem.analyses.vibration.speed_table import speed_table
+from crankfem.analyses.vibration.tables import speed_table
 from crankfem.cli.console import print_line, print_table
 from crankfem.report.conclusions import conclusions, reached_and_permitted, verdict_line
 from crankfem.report.summary import engine_facts, worst_of_each

@@ -2,8 +2,7 @@
 
 from crankbase.tables.output_units import SI, OutputUnits
 from crankfem.analyses.record import Record
-from crankfem.analyses.shaft.motion import MOTION
-from crankfem.analyses.vibration.mode_table import mode_table
+from crankfem.analyses.shaft.chains import MOTION
 from crankfem.analyses.vibration.tables import (
     barred_within_error,
     critical_table,
@@ -13,6 +12,7 @@ from crankfem.analyses.vibration.tables import (
     load_table,
     margin_table,
     misfiring_table,
+    mode_table,
     resonance_table,
     run_up_table,
     source_table,

@@ -18,10 +18,9 @@ from crankfem.files.chain.chain_sections import (
     TorsionalNode,
 )
 from crankfem.files.sections.damper_sections import AxialDamperPart, TorsionalDamperPart
-from dynamics.chains.chain import Chain
-from dynamics.chains.connections import Dashpot, Gear
+from dynamics.chains.chain import Chain, Dashpot, Gear
 from dynamics.chains.editing import with_damper
-from dynamics.chains.shaft_elements import ShaftCone, shaft_cylinder, shaft_flange
+from dynamics.chains.shaft_line import ShaftCone, shaft_cylinder, shaft_flange
 from fem.material import Material
 
 Section = TorsionalChainSection | AxialChainSection

@@ -15,7 +15,7 @@ from crankfem.files.chain.chain_text import read_chain_text
 from crankfem.files.reading.data_files import InputFiles, input_path
 from crankfem.files.reading.toml_file import InputRecord, TomlFile, read_toml
 from dynamics.chains.chain import Chain
-from dynamics.chains.shaft_elements import Motion
+from dynamics.chains.shaft_line import Motion
 from fem.material import STEEL, Material
 
 # Sizes within which all calculations keep their digits.

@@ -19,9 +19,8 @@ from crankbase.errors import InputError, InputErrors
 from crankbase.summaries import summarized
 from crankbase.units.quantity import parse_quantity
 from crankfem.files.chain.chain_sections import UNITS
-from dynamics.chains.chain import Chain
-from dynamics.chains.connections import Dashpot, Gear
-from dynamics.chains.shaft_elements import Motion
+from dynamics.chains.chain import Chain, Dashpot, Gear
+from dynamics.chains.shaft_line import Motion
 
 COLUMNS = re.compile(r"\s{2,}|\t+")
 HEADING = re.compile(r"(torsional|axial)(?:\s+chain)?\s*(?::\s*(.*))?")

@@ -16,7 +16,7 @@ from crankfem.files.sections.strength_section import StrengthSection
 from crankfem.files.sections.vibration_sections import Damping
 from dynamics.chains.chain import Chain
 from geometry.throw import CrankThrow
-from regression.formulas.catalogue import AXIAL_FORMULA_NAMES
+from regression.formulas.published import AXIAL_FORMULA_NAMES
 from regression.formulas.torsional_formulas import TORSIONAL_FORMULA_NAMES
 from regression.plans.plan import StudyPlan
 

@@ -7,9 +7,9 @@ from crankbase.errors import InputError
 from crankbase.units.quantity import format_quantity
 from crankfem.files.sections.engine_sections import Engine, ShaftLayout
 from crankfem.files.sections.mechanism_sections import HingedRods, Piston, Rod
-from dynamics.engine.cylinder import EngineCylinder, SlavePin
 from dynamics.engine.firing import IN_LINE
-from dynamics.mechanism.rods import ConnectingRod
+from dynamics.engine.layout import EngineCylinder, SlavePin
+from dynamics.engine.rods import ConnectingRod
 from geometry.crankshaft import throw_starts
 from geometry.throw import CrankThrow
 

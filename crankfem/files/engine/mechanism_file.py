@@ -31,8 +31,7 @@ from crankfem.files.sections.cylinder_pressures import cylinder_pressures
 from crankfem.files.sections.engine_sections import Engine, Flywheel, FreeEnd, ShaftLayout
 from crankfem.files.sections.load_section import LoadSection
 from crankfem.files.sections.mechanism_sections import Gas, HingedRods, Piston, Rod
-from dynamics.engine.cylinder import RotatingMass
-from dynamics.engine.layout import EngineLayout
+from dynamics.engine.layout import EngineLayout, RotatingMass
 from dynamics.gas.pressure import GasPressure
 from fem.material import STEEL, Material
 from geometry.crankshaft import ShaftEnds, throw_masses, throw_starts

@@ -10,10 +10,10 @@ from crankbase.summaries import summarized
 from crankbase.units.quantity import format_quantity
 from crankfem.files.sections.engine_sections import Engine
 from dynamics.cycle import cycle_radians
-from dynamics.engine.gas_forces import piston_position
+from dynamics.engine.forces import piston_position
 from dynamics.engine.layout import EngineLayout
 from dynamics.engine.motions import piston_ends
-from dynamics.gas.indicated import indicated_work, periodic_slope
+from dynamics.gas.cylinder_volume import indicated_work, periodic_slope
 from dynamics.gas.pressure import GasPressure
 
 # Rated power beside the indicated one: 0.75 in small old engines, 0.97 in slow-running crosshead ones.

@@ -21,13 +21,17 @@ from crankfem.files.hinge.hinge_sections import (
 from crankfem.files.reading.data_files import InputFiles, input_path
 from crankfem.files.reading.toml_file import InputRecord, TomlFile, read_toml
 from crankfem.files.sections.cylinder_pressures import given_of_cycle, name_fields
-from dynamics.hinge.crosshead import CrossheadEngine, GasForce, piston_gas_force, two_stroke_cycle
-from dynamics.hinge.force_table import read_gas_force
+from dynamics.engine.rods import ConnectingRod
+from dynamics.hinge.crosshead import (
+    CrossheadEngine,
+    GasForce,
+    Kinematics,
+    piston_gas_force,
+    read_gas_force,
+    two_stroke_cycle,
+)
 from dynamics.hinge.moment import HingeMoment, hinge_moment
-from dynamics.hinge.profile import HingeProfile, hinge_profile
-from dynamics.hinge.reduced_crank import Kinematics
-from dynamics.hinge.spring import GasSpring
-from dynamics.mechanism.rods import ConnectingRod
+from dynamics.hinge.profile import GasSpring, HingeProfile, hinge_profile
 
 # Speeds of a file count as equal within this share.
 SAME_SPEED = 1e-6

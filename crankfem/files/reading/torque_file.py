@@ -3,7 +3,7 @@
 from pathlib import Path
 
 from crankfem.files.reading.data_files import torque_path
-from dynamics.torque_table import TorqueTable, read_torque_table
+from dynamics.harmonics import TorqueTable, read_torque_table
 
 
 def load_torque_table(path: str | Path, *, strokes: int | None = None) -> TorqueTable:

@@ -12,15 +12,12 @@ from crankbase.units.units import PER_MINUTE
 from crankfem.files.reading.data_files import InputFiles
 from crankfem.files.sections.cylinder_pressures import motored_pressures
 from crankfem.files.sections.mechanism_sections import Gas
-from dynamics.engine.gas_forces import piston_position
+from dynamics.engine.forces import piston_position
 from dynamics.engine.layout import EngineLayout
-from dynamics.excitation.engine_load import Load, propeller_load
-from dynamics.excitation.motored_pressure import motored_from_compression
-from dynamics.excitation.pressure_map import PressureMap, pressure_map
+from dynamics.excitation.pressure_map import Load, PressureMap, pressure_map, propeller_load
 from dynamics.excitation.propeller import PropellerForces
-from dynamics.gas.cylinder_volume import cylinder_volume
-from dynamics.gas.pressure import GasPressure
-from dynamics.gas.pressure_table import read_pressure_table
+from dynamics.gas.cylinder_volume import cylinder_volume, motored_from_compression
+from dynamics.gas.pressure import GasPressure, read_pressure_table
 
 
 class GasMapPoint(InputModel):

@@ -15,7 +15,7 @@ from dynamics.assessment.barred_ranges import BarredRangeRule
 from dynamics.assessment.limit_rules import CRANKSHAFT_RULES, SHAFT_FEATURES, propulsion_shaft_limit
 from dynamics.assessment.limit_rules import Kind as EngineKind
 from dynamics.assessment.limits import VibrationLimit, given_limit
-from dynamics.assessment.spreads import Kind, Spread
+from dynamics.assessment.uncertainty import Kind, Spread
 
 # What each value given in [limits] applies to: quantity, place and SI unit.
 GIVEN = {

@@ -12,11 +12,14 @@ from crankbase.units.quantity import format_quantity
 from crankfem.files.sections.cylinder_pressures import full_load_cycles, name_fields
 from crankfem.files.sections.load_section import LoadSection
 from crankfem.files.sections.mechanism_sections import Gas
-from dynamics.engine.gas_forces import piston_position
+from dynamics.engine.forces import piston_position
 from dynamics.engine.layout import EngineLayout
-from dynamics.excitation.calculated_pressure_map import pressure_map_from_cycles
-from dynamics.excitation.grid_weights import SAME, sorted_unique
-from dynamics.excitation.pressure_map import PressureMap
+from dynamics.excitation.pressure_map import (
+    SAME,
+    PressureMap,
+    pressure_map_from_cycles,
+    sorted_unique,
+)
 from dynamics.gas.cycle_values import LEAST_EXHAUST
 from dynamics.gas.gas_cycle import GasCycleResult
 from dynamics.gas.pressure import ATMOSPHERE

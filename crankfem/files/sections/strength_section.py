@@ -9,9 +9,8 @@ from crankbase.errors import InputError
 from crankbase.model import InputModel, length_field, part_field, quantity_field
 from crankbase.units.quantity import format_quantity
 from dynamics.strength.concentration import Coefficients
-from dynamics.strength.fatigue import Manufacture, Piston
+from dynamics.strength.fatigue import TREATED, Manufacture, Piston, Process, SurfaceTreatment
 from dynamics.strength.shrink_fit import LEAST_SAFETY, MOST_FRICTION
-from dynamics.strength.surface_treatment import TREATED, Process, SurfaceTreatment
 
 
 class HardeningInput(InputModel):

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from crankbase.drawing.diagram_style import BLUE, COLORS, GRAY, GREEN, ORANGE
-from crankfem.analyses.shaft.motion import MOTION
+from crankfem.analyses.shaft.chains import MOTION
 from crankfem.analyses.titles import short_name
 from crankfem.analyses.vibration.modes import SourceResult, mode_label
 from crankfem.report.interactive.style import (
@@ -27,7 +27,7 @@ from crankfem.report.interactive.style import (
     visibility_by_choice,
 )
 from dynamics.crankshaft.shaft_modes import ShaftModes
-from dynamics.crankshaft.shaft_throw import RZ, UX, UY, UZ
+from dynamics.crankshaft.surroundings import RZ, UX, UY, UZ
 from dynamics.plots.campbell import (
     FREQUENCY_LABEL,
     RUNNING,
@@ -35,9 +35,9 @@ from dynamics.plots.campbell import (
     campbell_frame,
     mode_text,
 )
+from dynamics.plots.harmonics import KIND_COLORS
 from dynamics.plots.mode_shapes import chain_places, crosses_on_axis
 from dynamics.plots.quantities import SPEED_LABEL
-from dynamics.plots.stars import KIND_COLORS
 from dynamics.response.damped_criticals import DampedCritical
 
 # Modes that are drawn before anybody asks for the others, and all that are there.

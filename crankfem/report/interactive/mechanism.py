@@ -7,14 +7,14 @@ from numpy.typing import NDArray
 
 from crankbase.drawing.curves import Curves, Dash, Dots, Series
 from crankbase.drawing.diagram_style import BLUE, GRAY, GREEN, ORANGE
-from crankfem.analyses.mechanism.acceleration_records import piston_names
+from crankfem.analyses.mechanism.mechanism_records import piston_names
 from crankfem.analyses.mechanism.mechanism_run import MechanismRun, hinged_group
-from crankfem.analyses.mechanism.plots.balance_plots import (
+from crankfem.analyses.mechanism.plots import (
     plot_accelerations,
     plot_balance,
     plot_hinged_rods,
+    plot_polar_loads,
 )
-from crankfem.analyses.mechanism.plots.load_plots import plot_polar_loads
 from crankfem.analyses.titles import at_speed
 from crankfem.report.interactive.plot import Plot, Plots, plot_of_curves
 from crankfem.report.interactive.style import (

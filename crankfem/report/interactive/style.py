@@ -16,8 +16,8 @@ from crankbase.drawing.curves import order_line_style
 from crankbase.drawing.diagram_style import GRAY, STYLE
 from crankbase.units.number_formats import format_number
 from crankbase.units.units import DISPLAY_UNITS
-from regression.factor_labels import factor_label
 from regression.plans.factors import Factor
+from regression.throw_values import factor_label
 
 DIGITS = 5
 

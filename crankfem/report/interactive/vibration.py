@@ -7,12 +7,12 @@ import numpy as np
 from crankbase.drawing.curves import Curves, Series
 from crankbase.drawing.diagram_style import BLUE, ORANGE, with_gaps
 from crankbase.units.units import RPM
-from crankfem.analyses.shaft.motion import MOTION
-from crankfem.analyses.shaft.plots.shaft_mode_plots import plot_shaft_modes
+from crankfem.analyses.shaft.chains import MOTION
 from crankfem.analyses.titles import at_speed
 from crankfem.analyses.vibration.engine_limits import limited_series, of_stress
-from crankfem.analyses.vibration.firing_check import FiringCheck, named
+from crankfem.analyses.vibration.misfiring import FiringCheck, named
 from crankfem.analyses.vibration.modes import Vibration
+from crankfem.analyses.vibration.plots import plot_shaft_modes
 from crankfem.analyses.vibration.run import EngineVibration, Kind
 from crankfem.report.interactive.campbell import campbell, mode_shapes, shaft_modes
 from crankfem.report.interactive.plot import Plot, Plots, picture, plot_of_curves

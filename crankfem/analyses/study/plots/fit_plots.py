@@ -12,7 +12,6 @@ from crankbase.drawing.diagram_style import figure, make_folder, math_symbol
 from crankbase.drawing.legends import display_unit, write_title
 from crankfem.analyses.study.nominal_throw import Sensitivities, factor_sweep, sensitivities
 from crankfem.analyses.study.response_fits import ResponseFits, predicted
-from regression.factor_labels import factor_text
 from regression.fits.fits import Fit
 from regression.plots.equations import (
     BARS,
@@ -30,6 +29,7 @@ from regression.plots.equations import (
     sweep,
 )
 from regression.runs.study_table import StudyTable
+from regression.throw_values import factor_text
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

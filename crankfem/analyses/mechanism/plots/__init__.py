@@ -1,1 +1,0 @@
-"""Diagrams of a crank mechanism: loads, torque, balance."""

@@ -1,1 +1,0 @@
-"""Diagrams of a whole crankshaft's modes and vibration."""

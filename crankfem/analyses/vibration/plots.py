@@ -1,0 +1,234 @@
+"""Diagrams of an engine's vibration: responses, transients, and modes of the whole crankshaft."""
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any, Literal
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from crankbase.checks.arrays import finite_array, finite_vector
+from crankbase.drawing.diagram_style import figure
+from crankbase.errors import InputError
+from crankfem.analyses.titles import add_title
+from crankfem.analyses.vibration.run import EngineVibration
+from crankfem.analyses.vibration.run_up import RunUp
+from dynamics.crankshaft.shaft_modes import ShaftModes
+from dynamics.plots.campbell import Meeting, draw_campbell
+from dynamics.plots.curves import draw_named_curves, draw_speed
+from dynamics.plots.mode_shapes import draw_shaft_shape
+from dynamics.transient.motions import Moving
+from dynamics.transient.run import TransientMotion
+from dynamics.transient.turning_run import TurningRun
+
+MODES_SHOWN = 5
+# Of one row; more would be unreadable on paper.
+COLUMNS = 3
+
+
+def plot_shaft_modes(
+    path: Path, modes: ShaftModes, radius: float, count: int = MODES_SHOWN
+) -> None:
+    """Plot axial, torsional and lateral motion along the shaft for the first elastic modes.
+
+    Parameters
+    ----------
+    path : Path
+        Ends in .svg.
+    modes : ShaftModes
+    radius : float
+        Crank radius: rotation about the shaft is shown as the displacement there [m].
+    count : int
+        Number of modes.
+
+    Raises
+    ------
+    InputError
+        If the path does not end in .svg or has no folder, or there is no elastic mode.
+    """
+    shown = range(modes.rigid, min(modes.rigid + count, len(modes.names)))
+    if not shown:
+        raise InputError(
+            f"count: given {count}; allowed is 1 or more of {len(modes.names) - modes.rigid} elastic modes, "
+            "because a picture shows some."
+        )
+    # Sections and pins by place; end bodies stand where their section does, or beyond.
+    order = np.argsort(modes.positions, kind="stable")
+    places = modes.positions[order]
+    columns = min(COLUMNS, len(shown))
+    rows = -(-len(shown) // columns)
+    with figure(path, columns, width=2.6 * columns, height=0.5 + 3.1 * rows, rows=rows) as axes:
+        for spare in axes.flat[len(shown) :]:
+            spare.remove()
+        for one, mode in zip(axes.flat, shown, strict=False):
+            draw_shaft_shape(one, places, modes.motions[order, :, mode], radius)
+            one.set_title(
+                f"{modes.frequencies[mode]:.1f} Hz\n" + modes.label(mode).replace(", ", "\n"),
+                fontsize=9,
+            )
+            _pad_title(one, modes.label(mode))
+        for left in axes[:, 0]:
+            left.set_ylabel("relative displacement")
+        first = axes[0, 0]
+        handles, names = first.get_legend_handles_labels()
+        first.figure.legend(handles, names, fontsize=8, loc="outside lower center", ncols=4)
+
+
+def _pad_title(axes: Any, label: str) -> None:
+    """Give titles of fewer lines the height of those with three classes, so that axes align."""
+    axes.title.set_linespacing(1.15)
+    missing = 2 - label.count(",")
+    axes.set_title(axes.get_title(loc="left") + "\n" * missing, loc="left", fontsize=9)
+
+
+def plot_response_campbell(
+    path: Path,
+    frequencies: ArrayLike,
+    orders: ArrayLike,
+    speed_range: tuple[float, float],
+    found: Sequence[Meeting],
+    *,
+    title: str = "",
+) -> None:
+    """Plot natural frequencies and order lines over speed, with a dot at each resonance.
+
+    Parameters
+    ----------
+    path : Path
+        SVG file.
+    frequencies : array_like of shape (n,)
+        Natural frequencies of elastic modes [Hz]; those above the range of the orders are left out.
+    orders : array_like of shape (K,)
+        In cycles per crankshaft revolution.
+    speed_range : tuple of two floats
+        Running range [rad/s].
+    found : sequence of Meeting
+        For example `Resonance`; dots grow with their severity.
+    title : str, optional
+
+    Raises
+    ------
+    InputError
+        If the path is not an SVG file in an existing folder.
+    """
+    natural, lines = finite_array("frequencies", frequencies), finite_array("orders", orders)
+    with figure(path, height=4.8) as axes:
+        draw_campbell(axes, natural, lines, speed_range, found)
+        add_title(axes, title)
+
+
+def plot_transient(
+    path: Path,
+    run: TransientMotion | TurningRun,
+    place: int = 0,
+    *,
+    quantity: Literal["torque", "motion"] = "torque",
+    steady: tuple[ArrayLike, ArrayLike] | None = None,
+    turns: int | None = None,
+    title: str = "",
+) -> None:
+    """Plot the motion or load of one element or node over time, its amplitude, and the speed below.
+
+    Parameters
+    ----------
+    path : Path
+        SVG file.
+    run : TransientMotion or TurningRun
+        Of a chain.
+    place : int, optional
+        Number of the element, or of the node, from 0.
+    quantity : {"torque", "motion"}
+        Torque in the spring of the element, or twist of the node.
+    steady : (speeds [rad/s], amplitudes), optional
+        Amplitudes at constant speeds, ascending, drawn where the run passes these speeds.
+    turns : int, optional
+        Revolutions of the shaft for one amplitude; by default those after which the run repeats.
+    title : str, optional
+
+    Raises
+    ------
+    InputError
+        If the run is not that of a chain, there is no such element or node, the run is shorter
+        than one window of its envelope, or its orders have no common cycle and no turns are given.
+    """
+    if quantity not in ("torque", "motion"):
+        raise InputError(
+            f"quantity: given {quantity!r}; allowed are torque and motion, because a run has these."
+        )
+    moving: Moving = "torque" if quantity == "torque" else "twist"
+    with figure(path, width=7.6, height=5.0) as axes:
+        top, bottom = _two_rows(axes)
+        run.plot(top, place, quantity=moving, steady=steady, turns=turns)
+        top.set_xlabel("")
+        top.tick_params(labelbottom=False)
+        draw_speed(bottom, run.time, run.shaft_speed)
+        add_title((top, bottom), title)
+
+
+def picture_run_up(path: Path, run: EngineVibration, found: RunUp) -> None:
+    """Draw the torque in the spring with the largest one, and its amplitude at constant speeds."""
+    forced = run.forced_torsional
+    assert forced is not None
+    elastic = forced.loads.elastic
+    plot_transient(
+        path,
+        found.motion,
+        found.worst,
+        steady=(elastic.speeds, elastic.synthesis.amplitude[:, found.worst]),
+        title=f"{run.engine_file.engine.name}, run-up in {found.duration:g} s",
+    )
+
+
+def plot_transient_over_speed(
+    path: Path,
+    speeds: ArrayLike,
+    amplitudes: Mapping[str, ArrayLike],
+    *,
+    label: str = "amplitude",
+    title: str = "",
+) -> None:
+    """Plot amplitudes over the speed, such as those of one order by different models.
+
+    Parameters
+    ----------
+    path : Path
+        SVG file.
+    speeds : array_like of shape (S,)
+        [rad/s]
+    amplitudes : mapping of str to array_like of shape (S,)
+        Name of each curve, and its values; infinite ones leave a gap.
+    label : str, optional
+        Of the axis, with its unit.
+    title : str, optional
+
+    Raises
+    ------
+    InputError
+        If there is no curve, or one does not fit the speeds.
+    """
+    along = finite_vector("speeds", speeds)
+    if not amplitudes:
+        raise InputError(
+            "amplitudes: given none; allowed are one or more, because they are what is drawn."
+        )
+    curves = {}
+    for name, values in amplitudes.items():
+        curve = np.asarray(values, dtype=np.float64)
+        if curve.shape != along.shape or np.any(np.isnan(curve)):
+            raise InputError(
+                f"amplitudes[{name!r}]: given an array of shape {curve.shape}; allowed are "
+                f"{along.size} numbers, because there is one for each speed."
+            )
+        curves[name] = curve
+    with figure(path, width=7.2, height=3.8) as axes:
+        draw_named_curves(axes, along, curves, label, dashed=True)
+        add_title(axes, title)
+
+
+def _two_rows(axes: Any) -> tuple[Any, Any]:
+    """Replace the axes of a figure by a high one and a low one below it."""
+    grid = axes.get_subplotspec().subgridspec(2, 1, height_ratios=(2.4, 1.0))
+    drawn = axes.figure
+    axes.remove()
+    top = drawn.add_subplot(grid[0])
+    return top, drawn.add_subplot(grid[1], sharex=top)

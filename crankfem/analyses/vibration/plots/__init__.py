@@ -1,1 +1,0 @@
-"""Diagrams of an engine's vibration."""

@@ -1,1 +1,0 @@
-"""Kinematics of the crank mechanism and the masses of its rods."""

@@ -1,0 +1,428 @@
+"""Curves over an angle, over time and over the speed."""
+
+from collections.abc import Mapping, Sequence
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from crankbase.checks.arrays import FloatArray, finite_array
+from crankbase.drawing.curves import Band, Curves, Mark, Series, draw_bands, draw_curves, draw_lines
+from crankbase.drawing.diagram_style import BLUE, COLORS, GRAY, ORANGE, new_axes, with_gaps
+from crankbase.drawing.legends import legend_above, legend_below, legend_inside, write_title
+from crankbase.errors import InputError
+from crankbase.library_types import Axes
+from crankbase.units.units import RPM
+from dynamics.indices import within
+from dynamics.plots.quantities import SPEED_LABEL, QuantityDisplay
+
+# Ticks stand this far apart over a turn, over a cycle of two, and over longer spans [deg].
+TICKS = ((360.0, 60.0), (720.0, 90.0))
+LINE = 1.4
+# Room for the round-off of an angle.
+SAME = 1.0 + 1e-9
+FROM_TOP = "crank angle from the top [deg]"
+FROM_FIRING = "crank angle from the firing top [deg]"
+
+
+def draw_over_angle(
+    axes: Axes | None,
+    angles: FloatArray,
+    curves: Mapping[str, FloatArray],
+    label: str,
+    *,
+    title: str = "",
+    angle_label: str = "shaft angle [deg]",
+    cyclic: bool = True,
+    colors: Sequence[Any] = COLORS,
+) -> Axes:
+    """Draw curves over an angle, with gaps where values are not finite.
+
+    Parameters
+    ----------
+    axes : matplotlib.axes.Axes or None
+        Those of a new figure if None.
+    angles : ndarray of shape (m,)
+        Ascending [rad].
+    curves : mapping of str to ndarray of shape (m,)
+        In the unit of the axis.
+    label, angle_label : str
+        Of the axes, with their units.
+    title : str, optional
+    cyclic : bool, optional
+        Whether the even angles are a cycle without its closing sample, which is added.
+    colors : sequence of colors, optional
+        Of the curves in turn.
+
+    Returns
+    -------
+    matplotlib.axes.Axes
+    """
+    degrees = np.degrees(angles)
+    if cyclic:
+        degrees = np.append(degrees, 2.0 * degrees[-1] - degrees[-2])
+        curves = {name: np.append(values, values[0]) for name, values in curves.items()}
+    axes = new_axes(axes)
+    _draw_curves(axes, degrees, curves, label, title, colors)
+    first, last = float(degrees[0]), float(degrees[-1])
+    step = next((step for longest, step in TICKS if last - first <= SAME * longest), None)
+    if step is not None and last - first > step:
+        axes.set_xticks(np.arange(np.floor(first / step) * step, last + step, step))
+    if last > first:
+        axes.set_xlim(first, last)
+    axes.set_xlabel(angle_label)
+    return axes
+
+
+def draw_over_time(
+    axes: Axes | None,
+    time: FloatArray,
+    curves: Mapping[str, FloatArray],
+    label: str,
+    *,
+    title: str = "",
+) -> Axes:
+    """Draw curves over the time [s], with gaps where values are not finite. See `draw_over_angle`."""
+    axes = new_axes(axes)
+    _draw_curves(axes, time, curves, label, title, COLORS)
+    if time[-1] > time[0]:
+        axes.set_xlim(time[0], time[-1])
+    axes.set_xlabel("time [s]")
+    return axes
+
+
+def _draw_curves(
+    axes: Axes,
+    along: FloatArray,
+    curves: Mapping[str, FloatArray],
+    label: str,
+    title: str,
+    colors: Sequence[Any],
+) -> None:
+    for place, (name, values) in enumerate(curves.items()):
+        color = colors[place % len(colors)]
+        axes.plot(along, with_gaps(values), color=color, linewidth=LINE, label=name)
+    axes.set_ylabel(label)
+    if title:
+        write_title(axes, title)
+    if len(curves) > 1:
+        legend_inside(axes)
+
+
+# Columns of the band between extremes: more cannot be told apart in print.
+COLUMNS = 600
+
+
+class RunCurve(NamedTuple):
+    """The motion or load of one element or node over time.
+
+    Parameters
+    ----------
+    values : ndarray of shape (m,)
+        At all times, in the unit of the axis.
+    envelope_time, amplitude : ndarray of shape (w,)
+        Times [s] and amplitudes of the windows, the latter in the unit of the axis.
+    turns : int
+        Of the shaft in each window.
+    factor : float
+        Factor from SI to the unit of the axis.
+    label : str
+        Of the axis, with its unit.
+    name : str
+        Of the element or node.
+    """
+
+    values: FloatArray
+    envelope_time: FloatArray
+    amplitude: FloatArray
+    turns: int
+    factor: float
+    label: str
+    name: str
+
+
+def plot_run(
+    axes: Axes | None,
+    time: FloatArray,
+    speed: FloatArray,
+    curve: RunCurve,
+    steady: tuple[ArrayLike, ArrayLike] | None,
+) -> Axes:
+    """Draw the motion or load of one element or node over time, on new axes by default.
+
+    Parameters
+    ----------
+    axes : matplotlib.axes.Axes or None
+    time, speed : ndarray of shape (m,)
+        [s, rad/s]
+    curve : RunCurve
+    steady : (speeds [rad/s], amplitudes in SI) or None
+        At constant speeds, ascending, drawn where the run passes these speeds.
+
+    Raises
+    ------
+    InputError
+        If steady is not a pair, its speeds do not ascend, or there is not an amplitude for each.
+    """
+    known = None if steady is None else _checked_steady(steady)
+    axes = new_axes(axes)
+    # The extremes in columns, few enough for a small file.
+    columns = min(COLUMNS, time.size)
+    starts = np.unique(np.linspace(0, time.size, columns, endpoint=False).astype(int))
+    low, high = np.minimum.reduceat(curve.values, starts), np.maximum.reduceat(curve.values, starts)
+    label = "extremes"
+    axes.fill_between(time[starts], low, high, color=BLUE, alpha=0.3, linewidth=0.0, label=label)
+    label = f"amplitude over {'each turn' if curve.turns == 1 else f'{curve.turns} turns'}"
+    axes.plot(curve.envelope_time, curve.amplitude, color=BLUE, linewidth=1.6, label=label)
+    if known is not None:
+        # Not a number outside of what is known: a gap.
+        steadily = curve.factor * np.interp(speed, *known, left=np.nan, right=np.nan)
+        label = "steady amplitude at this speed"
+        axes.plot(time, steadily, color=ORANGE, linestyle="--", linewidth=1.3, label=label)
+    axes.set_xlim(time[0], time[-1])
+    axes.set_xlabel("time [s]")
+    axes.set_ylabel(curve.label)
+    write_title(axes, curve.name, 9)
+    legend_above(axes)
+    return axes
+
+
+def draw_speed(axes: Axes, time: FloatArray, speed: FloatArray) -> None:
+    """Draw the speed [rad/s] over the time [s]."""
+    places = np.linspace(0, time.size - 1, COLUMNS).astype(int)
+    axes.plot(time[places], speed[places] * RPM, color=GRAY, linewidth=1.6)
+    axes.set_ylabel("speed [1/min]")
+    axes.set_xlabel("time [s]")
+    axes.set_xlim(time[0], time[-1])
+
+
+def _checked_steady(steady: tuple[ArrayLike, ArrayLike]) -> tuple[FloatArray, FloatArray]:
+    """Return ascending speeds [rad/s] and the steady amplitudes at them."""
+    if not isinstance(steady, tuple | list) or len(steady) != 2:
+        raise InputError(
+            f"steady: given {steady!r}; allowed is a pair of speeds and amplitudes, because these are drawn "
+            "over the speeds of the run."
+        )
+    known, amplitude = (finite_array("steady", values) for values in steady)
+    if known.ndim != 1 or known.shape != amplitude.shape or np.any(np.diff(known) <= 0.0):
+        raise InputError(
+            f"steady: given arrays of shapes {known.shape} and {amplitude.shape}; allowed are ascending "
+            "speeds and an amplitude for each, because they are drawn over the speeds of the run."
+        )
+    return known, amplitude
+
+
+BARRED, OUTSIDE = "#f6dcd9", "#ececec"
+# Orders that get a line of their own in a diagram over speed.
+MAIN_ORDERS = 5
+# Height of a diagram with unbounded speeds in medians of the plain sum.
+BESIDE_UNBOUNDED = 4.0
+HEADROOM = 1.08
+LEGEND_COLUMNS = 4
+
+
+def main_orders_of(amplitudes: FloatArray, count: int) -> list[int]:
+    """Return which orders have the largest peaks over the speeds, in ascending order.
+
+    Parameters
+    ----------
+    amplitudes : ndarray of shape (K, S)
+        Values that are not finite are ignored.
+    count : int
+        Largest number of orders.
+    """
+    peaks = np.max(np.where(np.isfinite(amplitudes), amplitudes, 0.0), axis=1, initial=0.0)
+    return [int(place) for place in np.sort(np.argsort(peaks)[::-1][: max(0, count)])]
+
+
+def order_series(
+    orders: FloatArray, amplitudes: FloatArray, count: int, counted: NDArray[np.bool_] | None = None
+) -> list[Series]:
+    """Return all orders; those that are not main ones are hidden at first.
+
+    Parameters
+    ----------
+    orders : ndarray of shape (K,)
+    amplitudes : ndarray of shape (K, S)
+        In the unit of the axis; gaps where not finite.
+    count : int
+        Number of main orders: those with the largest peaks.
+    counted : ndarray of shape (S,), bool, optional
+        Speeds whose peaks count; all by default.
+    """
+    main = main_orders_of(amplitudes if counted is None else amplitudes[:, counted], count)
+    others = [place for place in range(len(orders)) if place not in main]
+    # Those that are seen first have the colors first.
+    ranks = {place: rank for rank, place in enumerate([*main, *others])}
+    return [
+        Series(
+            f"order {order:g}", with_gaps(amplitudes[place]), "order", ranks[place], place in main
+        )
+        for place, order in enumerate(orders.tolist())
+    ]
+
+
+def draw_orders(
+    axes: Axes, speeds: FloatArray, orders: FloatArray, amplitudes: FloatArray, count: int
+) -> None:
+    """Draw the main orders over the speed [rad/s], a line each; see `order_series`."""
+    draw_lines(axes, speeds * RPM, order_series(orders, amplitudes, count))
+
+
+def barred_bands(barred: Sequence[tuple[float, float]]) -> tuple[Band, ...]:
+    """Return barred ranges of speed [rad/s] as shaded areas."""
+    return tuple(Band(low * RPM, high * RPM, BARRED, "barred") for low, high in barred)
+
+
+def outside_bands(speeds: FloatArray, running: tuple[float, float] | None) -> tuple[Band, ...]:
+    """Return the speeds outside the running range [rad/s], if one is given, as shaded areas."""
+    if running is None or speeds.size < 2:
+        return ()
+    ends = ((speeds[0], running[0]), (running[1], speeds[-1]))
+    return tuple(
+        Band(float(low) * RPM, float(high) * RPM, OUTSIDE, "outside the running range")
+        for low, high in ends
+        if low < high
+    )
+
+
+def draw_barred(axes: Axes, barred: Sequence[tuple[float, float]]) -> None:
+    """Shade barred ranges of speed [rad/s]."""
+    draw_bands(axes, barred_bands(barred))
+
+
+def over_speed(
+    speeds: FloatArray,
+    orders: FloatArray,
+    by_order: FloatArray,
+    total: FloatArray,
+    plain: FloatArray,
+    unbounded: NDArray[np.bool_],
+    quantity: QuantityDisplay,
+    *,
+    limits: Mapping[str, ArrayLike] | None = None,
+    passing: Mapping[str, ArrayLike] | None = None,
+    barred: Sequence[tuple[float, float]] = (),
+    main_orders: int = MAIN_ORDERS,
+    running: tuple[float, float] | None = None,
+) -> Curves:
+    """Describe orders, synthesis and plain sum of one location over the speed, with limits.
+
+    Parameters
+    ----------
+    speeds : ndarray of shape (S,)
+        [rad/s]
+    orders : ndarray of shape (K,)
+    by_order : ndarray of shape (K, S)
+        Amplitudes in SI; inf where unbounded.
+    total, plain : ndarray of shape (S,)
+        Of all orders together, and the sum of their amplitudes, in SI.
+    unbounded : ndarray of shape (S,), bool
+    quantity : Shown
+    limits, passing : mapping of str to float or array_like of shape (S,), optional
+        In SI; inf where none is stated. The latter, for passing a range, are not main curves.
+    barred : sequence of pairs of floats, optional
+        Ranges of speed [rad/s], shaded.
+    main_orders : int, optional
+        Number of main orders, those with the largest peaks.
+    running : tuple of two floats, optional
+        Lowest and highest running speed [rad/s]: speeds outside are shaded, and determine neither the main
+        orders nor the height.
+    """
+    inside = np.ones(speeds.shape, dtype=bool) if running is None else within(speeds, *running)
+    rpm, factor = speeds * RPM, quantity.factor
+    plain_sum = with_gaps(factor * plain)
+    found = [
+        Series(
+            name,
+            with_gaps(factor * np.broadcast_to(np.asarray(limit, dtype=float), rpm.shape)),
+            "limit",
+            number,
+            main,
+        )
+        for some, main in ((limits, True), (passing, False))
+        for number, (name, limit) in enumerate((some or {}).items())
+    ]
+    finite = plain_sum[inside & ~unbounded]
+    highest = float(np.max(finite, initial=0.0))
+    if np.any(inside & unbounded):
+        # Beside what has no bounds all else would be flat: let the curves leave at the top.
+        highest = min(highest, BESIDE_UNBOUNDED * float(np.median(finite)) if finite.size else 0.0)
+    highest = max(
+        [highest, *(float(np.nanmax(own.values, initial=0.0)) for own in found if own.main)]
+    )
+    return Curves(
+        x=rpm,
+        series=(
+            *order_series(orders, factor * by_order, main_orders, inside),
+            Series("all orders (synthesis)", with_gaps(factor * total), "total"),
+            Series("plain sum", plain_sum, "plain sum"),
+            *found,
+        ),
+        x_label=SPEED_LABEL,
+        y_label=quantity.label,
+        top=HEADROOM * highest if highest > 0.0 else 1.0,
+        bands=(*outside_bands(speeds, running), *barred_bands(barred)),
+        marks=tuple(Mark(speed, "unbounded") for speed in rpm[unbounded].tolist()),
+    )
+
+
+def draw_over_speed(axes: Axes, curves: Curves) -> None:
+    """Draw what `over_speed` describes, with its legend."""
+    draw_curves(axes, curves)
+    legend_below(axes, LEGEND_COLUMNS)
+
+
+def draw_named_curves(
+    axes: Axes | None,
+    speeds: FloatArray,
+    curves: Mapping[str, FloatArray],
+    label: str,
+    *,
+    title: str = "",
+    dashed: bool = False,
+) -> Axes:
+    """Draw curves over the speed, with gaps where values are not finite.
+
+    Parameters
+    ----------
+    axes : matplotlib.axes.Axes or None
+        Those of a new figure if None.
+    speeds : ndarray of shape (S,)
+        [rad/s]
+    curves : mapping of str to ndarray of shape (S,)
+        In the unit of the axis, none below zero.
+    label : str
+        Of the upright axis, with its unit.
+    title : str, optional
+    dashed : bool, optional
+        Whether all but the first are.
+
+    Returns
+    -------
+    matplotlib.axes.Axes
+    """
+    axes = new_axes(axes, height=3.8)
+    for place, (name, values) in enumerate(curves.items()):
+        axes.plot(
+            speeds * RPM,
+            with_gaps(np.asarray(values, dtype=np.float64)),
+            color=COLORS[place % len(COLORS)],
+            linestyle="--" if dashed and place else "-",
+            linewidth=1.8 if dashed else 1.5,
+            label=name,
+        )
+    set_speed_axis(axes, speeds)
+    axes.set_ylim(bottom=0.0)
+    axes.set_ylabel(label)
+    if title:
+        write_title(axes, title)
+    legend_inside(axes)
+    return axes
+
+
+def set_speed_axis(axes: Axes, speeds: FloatArray) -> None:
+    """Label the axis of the speed and end it with the speeds [rad/s], if there are several."""
+    axes.set_xlabel(SPEED_LABEL)
+    if len(speeds) > 1:
+        axes.set_xlim(speeds[0] * RPM, speeds[-1] * RPM)
