@@ -20,7 +20,7 @@ from crankfem.files.engine.engine_file import SECTIONS, load_engine
 from crankfem.files.engine.mechanism_file import load_mechanism, mechanism_of
 from crankfem.files.engine.throw_file import load_crankshaft, load_study, load_throw
 from crankfem.files.reading import toml_file
-from crankfem.files.reading.data_files import input_path, shipped_names
+from crankfem.files.reading.data_files import input_path
 from dynamics.indices import values_at_nodes
 from dynamics.turning.speed_over_angle import checked_inertia
 from fem.material import STEEL
@@ -30,20 +30,6 @@ from geometry.throw import CrankThrow
 from regression.formulas.axial_formulas import axial_formula
 from regression.law.throw_law import axial_law
 from regression.plans.factors import Factor
-
-SIX_LEVELS = '["60 mm", "68 mm", "76 mm"]'
-
-
-@pytest.mark.parametrize("name", ["6chn25-34", "yamz-5340"])
-def test_shipped_engines_are_valid(name):
-    assert name in shipped_names("engine")
-    engine = load_engine(name)
-    assert len(engine.engine.crank_angles) == engine.engine.cylinders
-    assert any(one.assumed for one in engine.records)
-    assert all(record.source for record in engine.records)
-    assert engine.study is not None
-    assert math.prod(len(factor.levels) for factor in engine.study.factors) == 27
-    assert engine.study.held_out == 8
 
 
 def test_values_are_read_in_si_units():
@@ -93,14 +79,6 @@ def test_spellings_of_one_length(tmp_path, six_cylinders, edit, spelling):
     text = edit(six_cylinders, {"throw.crank_radius": f'"{spelling}"'})
     (tmp_path / "spelled.toml").write_text(text, encoding="utf-8")
     assert load_engine(tmp_path / "spelled.toml").throw.crank_radius == close(0.170)
-
-
-@pytest.mark.parametrize("spelling", ["500 1/min", "500 rpm", "8.333333333333334 Hz", "3000 deg/s"])
-def test_spellings_of_one_speed(tmp_path, six_cylinders, edit, spelling):
-    text = edit(six_cylinders, {"engine.rated_speed": f'"{spelling}"'})
-    (tmp_path / "spelled.toml").write_text(text, encoding="utf-8")
-    read = load_engine(tmp_path / "spelled.toml").engine.rated_speed
-    assert read == close(500.0 * math.pi / 30.0)
 
 
 def test_a_file_with_a_byte_order_mark_is_read(tmp_path, six_cylinders):

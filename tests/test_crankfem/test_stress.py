@@ -6,7 +6,6 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from matplotlib.image import imread
 from typer.testing import CliRunner
 
 from comparing import close
@@ -15,7 +14,6 @@ from crankfem.analyses.throw.pictures import stress_picture, stress_rendering
 from crankfem.analyses.throw.pictures.stress_picture import (
     largest_peak,
     picture_arrays,
-    picture_name,
     picture_stresses,
 )
 from crankfem.analyses.throw.stress import stress_record, stress_tables
@@ -233,19 +231,6 @@ def test_command_refuses_a_folder_that_cannot_be_made(computed, tmp_path):
 # ------------------------------------------------------------------------------------------ pictures
 
 
-@pytest.mark.slow
-def test_names_of_pictures():
-    names = [picture_name(load) for load in unit_loads(np.eye(2, 3))]
-    assert names == [
-        "stress-axial.png",
-        "stress-torsion.png",
-        "stress-bending.png",
-        "stress-cross-bending.png",
-        "stress-radial.png",
-        "stress-radial-2.png",
-    ]
-
-
 def volume_inside(points, facets):
     """Volume inside flat facets through the corners."""
     a, b, c = (points[facets[:, corner]] for corner in range(3))
@@ -306,26 +291,6 @@ def test_a_mark_is_shown_from_where_it_is_seen(arrays):
     eye, place = solid.best_eye(np.array([[radius, 0.0, 0.03]]))
     assert place is None
     assert np.array_equal(eye, stress_rendering.OUTSIDE[0])
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("part", ["quarter", "full"])
-def test_a_picture_has_colors_and_texts(arrays, part, tmp_path):
-    drawn = dict(arrays[part])
-    for name in ("stress", "places", "largest", "titles", "remarks", "files"):
-        drawn[name] = drawn[name][:1]
-    stress_rendering.render(drawn, tmp_path)
-    (file,) = tmp_path.iterdir()
-    assert file.name == "stress-axial.png"
-    pixels = imread(file)[:, :, :3]
-    assert min(pixels.shape[:2]) > 600
-    # White margins all round, so nothing is clipped.
-    frame = np.concatenate([pixels[:4], pixels[-4:], *np.hsplit(pixels, [4, -4])[::2]], axis=None)
-    assert frame.min() > 0.99
-    red = (pixels[..., 0] > 0.6) & (pixels[..., 1] < 0.35) & (pixels[..., 2] < 0.35)
-    blue = (pixels[..., 2] > 0.75) & (pixels[..., 0] < 0.2)
-    assert red.sum() > 500
-    assert blue.sum() > 20
 
 
 @pytest.mark.slow

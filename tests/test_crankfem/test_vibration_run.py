@@ -31,7 +31,6 @@ from crankfem.files.reading.data_files import input_path
 from crankfem.report.interactive.vibration import VIBRATION
 from dynamics.assessment.wording import shown_range
 from dynamics.chains.chain import Chain
-from dynamics.excitation.chain_excitation import axial_excitation
 from dynamics.response.forced import forced_response
 from dynamics.response.linear_system import damped
 from dynamics.response.order_excitation import OrderExcitation
@@ -203,19 +202,6 @@ def test_forced_vibration_of_an_engine(run):
 
 
 @pytest.mark.slow
-def test_what_is_asked_for_most_has_a_short_name(run, coarse):
-    assert run.torsional_chain is run.forced_torsional.engine_chain.chain
-    assert run.axial_chain is run.axial.chosen.chain.chain
-    checks = run.assessment.verdict.checks
-    assert run.worst_check.used == max(check.used for check in checks)
-    silent = engine_vibration(run.engine_file.changed(gas=None, ranges=None), analysis=coarse)
-    assert silent.worst_check is None
-    thicker = run.engine_file.changed(throw={"web_thickness": 0.070})
-    with pytest.raises(InputError, match="analysis: given that of another throw"):
-        engine_vibration(thicker, analysis=coarse)
-
-
-@pytest.mark.slow
 def test_worst_use_does_not_depend_on_what_else_is_calculated(run):
     """Another grid of speeds, as with the whole crankshaft; refined to 2e-6 of the use either way."""
     engine = run.engine_file
@@ -289,20 +275,6 @@ def test_exciting_forces_do_not_depend_on_the_chains_compliances(coarse, run):
     own, other = (one.forced_axial.response.excitation.forces[:, 0] for one in (run, pinned))
     # Of the two, radial forces and torsion, neither is negligible; round-off.
     assert own == close(other, rel=1e-9, abs=1e-9 * np.abs(own).max())
-
-
-@pytest.mark.slow
-def test_torsion_excites_axial_vibration(run):
-    """Without the tangential forces' torques the axial amplitude of order 9 is far smaller."""
-    axial = run.forced_axial
-    (worst,) = (one for one in axial.resonances if one.order == 9.0)
-    assert worst.severity == 1.0
-    chosen, pins = run.axial.chosen, run.engine_file.pins
-    influence = run.shaft.influence * (chosen.compliances / run.shaft.axial)[:, None]
-    by_radial = axial_excitation(axial.forces, chosen.chain, chosen.compliances, influence, pins)
-    alone = forced_response(damped_engine_chain(run.engine_file, chosen.chain), by_radial)
-    near = np.argmin(np.abs(alone.speeds - worst.speed))
-    assert worst.amplitude > 2.0 * alone.amplitude[17, near, 0]
 
 
 @pytest.mark.slow
@@ -643,18 +615,3 @@ def test_diagrams_are_made_and_the_same_each_time(tmp_path):
         assert made[0] == made[1]
         assert b"nan" not in made[0].lower().replace(b"nance", b"")
     assert (tmp_path / "damped_a_s.svg").read_bytes() != (tmp_path / "endless_a_s.svg").read_bytes()
-
-
-@pytest.mark.parametrize(
-    ("place", "quantity", "words"),
-    [
-        ("crank", "twist", "place: given 'crank'"),
-        (2, "twist", "place: given 2; allowed are the whole numbers 0 to 1"),
-        (0, "noise", "quantity: given 'noise'; allowed are twist"),
-    ],
-)
-def test_refused(tmp_path, place, quantity, words):
-    with pytest.raises(InputError, match=words):
-        response().nodes.plot(None, place, quantity=quantity)
-    with pytest.raises(InputError, match="path: given"):
-        plot_response_campbell(tmp_path / "x.png", [10.0], [1.0], (1.0, 2.0), [])

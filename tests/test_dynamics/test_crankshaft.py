@@ -25,7 +25,6 @@ from dynamics.crankshaft.coupled_response import (
     coupled_response,
     pins_of_cylinders,
     shaft_criticals,
-    shaft_excitation,
 )
 from dynamics.crankshaft.shaft_modes import crankshaft_modes, crankshaft_system, rotation_ratio
 from dynamics.crankshaft.surroundings import (
@@ -185,17 +184,6 @@ def test_elastic_modes_are_those_of_the_matrices(surrounded):
     assert modes.angular_frequencies**2 == close(squares, abs=1e-11 * squares[-1])
 
 
-def test_shares_do_not_depend_on_the_frame(surrounded):
-    modes = crankshaft_modes(surrounded)
-    turned = crankshaft_modes(shaft_of([angle + 37.0 for angle in CRANKS], AROUND))
-    apart = np.diff(modes.frequencies[modes.rigid : 12]).min()
-    assert apart > 1.0  # no two of them alike, so that each mode is one
-    assert turned.frequencies == close(modes.frequencies, rel=1e-9)
-    assert turned.shares[:, :12] == close(modes.shares[:, :12], abs=1e-6)
-    assert modes.shares.min() >= 0.0
-    assert modes.shares.sum(axis=0) == close(np.ones(len(modes.frequencies)))
-
-
 def test_a_straight_shaft_has_pure_modes():
     """Without an offset nothing is coupled: shares are one, and the first mode of torsion is known."""
     points = [np.array([0.0, 0.0, z]) for z in (0.0, 0.2, 0.4)]
@@ -259,18 +247,6 @@ def test_static_answers_are_exact_however_many_modes_are_left_out(highest):
     whole = shaft.expand @ exact
     # Rounding of the least squares solution, whose matrix has a condition of 1e7.
     assert answer == close(whole, abs=1e-7 * np.abs(whole).max())
-
-
-def test_a_tangential_force_turns_the_shaft_and_a_radial_one_does_not():
-    shaft = shaft_of(CRANKS)
-    about = shaft.rigid[:, 0]
-    moved = shaft.pins.reshape(4, 3, -1) @ about
-    assert moved == close(np.tile([RADIUS, 0.0, 0.0], (4, 1)), abs=1e-12)
-    against = shaft_of(CRANKS, turning_sense=-1).pins.reshape(4, 3, -1) @ about
-    assert against[:, 0] == close(np.full(4, -RADIUS))
-    # Towards the axis: +x of the shaft for a crank at 90 degrees (which lies at -x).
-    along_x = shaft.pins.reshape(4, 3, -1) @ shaft.rigid[:, 2]
-    assert along_x[:, 1] == close([0.0, 1.0, -1.0, 0.0], abs=1e-12)
 
 
 def test_masses_at_pins_add_what_rods_add(surrounded):
@@ -390,16 +366,6 @@ def chains():
     return axial, torsional
 
 
-def test_axial_chain_is_the_straight_shaft():
-    shaft, (axial, _) = straight(), chains()
-    matches = matching_modes(shaft, axial, 1e4)
-    assert len(matches) == 4
-    for match in matches:
-        assert match.difference == close(0.0, abs=1e-9)
-        assert (match.share, match.likeness) == close((1.0, 1.0), abs=1e-9)
-    assert chain_verdict(matches).suffices
-
-
 def test_coupling_makes_chains_insufficient():
     axial, _ = chains()
     matches = matching_modes(straight(0.3), axial, 1e4)
@@ -450,32 +416,6 @@ def test_no_mode_of_the_shaft_stands_for_two_of_the_chain():
     matches = matching_modes(straight(0.9), chains()[0], 1e4)
     taken = [match.shaft_mode for match in matches if match.shaft_mode is not None]
     assert len(taken) == len(set(taken)) > 1
-
-
-def test_tangential_forces_move_the_free_end_only_where_torsion_is_coupled(forces):
-    """The torque of a straight shaft stays in torsion; with a coupled spring it shows at the end."""
-    plain = coupled_response(straight(), forces)
-    split = plain.split("main bearing 1 uz")
-    # Nothing but rounding: the pin of a straight shaft has no way to push along it.
-    assert split.both_sum.max() < 1e-15
-    coupled = coupled_response(straight(0.3), forces).split("main bearing 1 uz")
-    assert coupled.tangential_sum.min() > 1e-8
-    assert np.all(coupled.both <= coupled.tangential + coupled.radial + 1e-18)
-
-
-def test_both_kinds_of_force_together_are_their_sum(forces):
-    shaft = straight(0.3)
-    answer = coupled_response(shaft, forces, modal_damping=0.02)
-    whole = forced_response(
-        shaft.system.with_modal_damping(0.02), shaft_excitation(shaft, forces), method="direct"
-    )
-    row = shaft.point("pin 2 tangential")
-    # Modal against direct: what is allowed of the modal answer's residual, times the peak's magnifier.
-    largest = np.abs(whole.motion[:, :, row]).max()
-    assert (
-        np.abs(answer.motion("pin 2 tangential") - whole.motion[:, :, row]).max() < 1e-8 * largest
-    )
-    assert not answer.unbounded.any()
 
 
 @pytest.mark.slow

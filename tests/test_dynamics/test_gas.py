@@ -10,10 +10,7 @@ from hypothesis import strategies as st
 from comparing import close
 from crankbase.errors import InputError
 from dynamics.cycle import cycle_radians
-from dynamics.engine.layout import EngineCylinder, EngineLayout
-from dynamics.engine.rods import ConnectingRod
-from dynamics.excitation.cylinders import cylinder_forces
-from dynamics.excitation.pressure_map import pressure_map, pressure_map_from_cycles, propeller_load
+from dynamics.excitation.pressure_map import pressure_map, pressure_map_from_cycles
 from dynamics.gas.cycle_values import usual_gas_cycle
 from dynamics.gas.cylinder_volume import (
     indicated_mean_effective_pressure,
@@ -35,29 +32,6 @@ def even(count, strokes, start=0.0):
     return gas_pressure(curve(angles, cycle), strokes, angles_deg=np.degrees(angles))
 
 
-@pytest.mark.parametrize("strokes", [2, 4])
-@pytest.mark.parametrize("start", [-360.0, -180.0, -17.3, 0.0, 200.0])
-def test_even_samples_are_kept_wherever_the_cycle_starts(strokes, start):
-    found = even(360, strokes, start)
-    cycle = np.pi * strokes
-    assert found.remarks == ()
-    assert np.all(np.diff(np.radians(found.angles_deg)) > 0.0)
-    assert 0.0 <= np.radians(found.angles_deg)[0] < cycle / 360
-    assert np.radians(found.angles_deg)[-1] < cycle
-    # Round-off of folding the angles, times the steepest slope of the curve.
-    assert found.pressure == close(curve(np.radians(found.angles_deg), cycle), rel=1e-11)
-
-
-def test_curve_meets_its_samples_exactly_and_repeats():
-    found = even(360, 4)
-    assert found.at(angle_deg=found.angles_deg).tolist() == found.pressure.tolist()
-    angles = np.linspace(-20.0, 40.0, 1001).reshape(7, 143)
-    once, later = found.at(angle_deg=angles), found.at(angle_deg=angles + 3.0 * found.cycle_deg)
-    assert once.shape == (7, 143)
-    # Angles of some 50 rad are rounded at 1e-14, where the curve rises by 30 times its value.
-    assert later == close(once, rel=1e-12)
-
-
 @given(st.lists(st.floats(1e4, 2e7), min_size=72, max_size=90), st.floats(-30.0, 30.0))
 @settings(max_examples=50)
 def test_curve_stays_between_neighboring_samples(values, angle):
@@ -75,44 +49,6 @@ def test_curve_stays_between_neighboring_samples(values, angle):
     value = float(found.at(angle_deg=np.degrees(angle)))
     # Round-off of the cubic on the largest value.
     assert min(pair) - 1e-8 <= value <= max(pair) + 1e-8
-
-
-@given(st.lists(st.floats(1e4, 2e7), min_size=72, max_size=90), st.integers(1, 71))
-@settings(max_examples=50)
-def test_curve_does_not_know_where_the_cycle_begins(values, places):
-    step = 2.0 * np.pi / len(values)
-    angles = step * np.arange(len(values))
-    one = gas_pressure(values, 2, angles_deg=np.degrees(angles))
-    other = gas_pressure(np.roll(values, places), 2, angles_deg=np.degrees(angles))
-    asked = np.linspace(0.0, 2.0 * np.pi, 401)
-    # Angles are rounded at 1e-15; the curve rises by at most 3 times the range in a step.
-    assert other.at(angle_deg=np.degrees(asked + places * step)) == close(
-        one.at(angle_deg=np.degrees(asked)), abs=1e-12 * 2e7
-    )
-
-
-def test_curve_converges_on_a_smooth_pressure():
-    """Slopes are of third order but at the extremes: a quarter of the step, error 1/16 or less."""
-    errors = []
-    angles = np.linspace(0.0, 4.0 * np.pi, 9001)
-    for count in (360, 1440):
-        errors.append(
-            np.max(
-                np.abs(even(count, 4).at(angle_deg=np.degrees(angles)) - curve(angles, 4.0 * np.pi))
-            )
-        )
-    assert errors[0] < 2e-3 * 9e6
-    assert errors[1] < errors[0] / 14.0
-
-
-@pytest.mark.parametrize(("strokes", "peak"), [(2, -5.0), (4, -5.0), (2, 12.0), (4, 300.0)])
-def test_peak_lies_about_the_top(strokes, peak):
-    angles = np.radians(np.arange(0.0, 180.0 * strokes, 1.0))
-    values = 2e5 + 1e5 * np.cos((angles - np.radians(peak)) * 2.0 / strokes)
-    found = gas_pressure(values, strokes, angles_deg=np.degrees(angles))
-    assert found.peak_angle_deg == close(peak)
-    assert found.peak_pressure == close(3e5)
-    assert found.lowest == close(1e5)
 
 
 def test_uneven_samples_are_made_even_on_their_curve_and_said():
@@ -139,11 +75,6 @@ def test_angles_printed_rounded_are_moved_to_even_places():
     found = gas_pressure(curve(np.radians(angles), 4.0 * np.pi), angles_deg=angles)
     assert np.radians(found.angles_deg) == close(4.0 * np.pi / 540 * np.arange(540), abs=1e-12)
     assert found.remarks == ("Angles were moved by up to 0.0033 deg to their even places.",)
-
-
-def test_arrays_are_closed_to_writing():
-    with pytest.raises(ValueError, match="read-only"):
-        even(360, 4).pressure[0] = 1.0
 
 
 DEGREES = np.arange(0.0, 360.0, 5.0)
@@ -198,36 +129,6 @@ def rows(angles, values):
 
 def table(angles, values, header=BAR, comments="# Engine X\n# Indicated at rated load\n"):
     return f"{comments}{header}\n{rows(angles, values)}"
-
-
-@pytest.mark.parametrize(
-    ("start", "cycle"), [(0.0, 720.0), (-360.0, 720.0), (-180.0, 360.0), (0.0, 360.0)]
-)
-@pytest.mark.parametrize("closed", [False, True])
-def test_cycle_may_start_anywhere_and_may_be_closed(written, start, cycle, closed):
-    angles = np.arange(start, start + cycle + (1.0 if closed else 0.0), 1.0)
-    found = read_pressure_table(written(table(angles, bar(angles, cycle))))
-    assert found.strokes == cycle / 180.0
-    assert found.source == "Engine X\nIndicated at rated load"
-    assert found.pressure.size == cycle
-    assert found.peak_pressure == close(120e5)
-    assert found.peak_angle_deg == close(8.0)
-    assert found.pressure == close(1e5 * bar(found.angles_deg, cycle))
-    dropped = (f"The closing sample at {start + cycle:g} deg was dropped.",)
-    assert found.remarks == (dropped if closed else ())
-
-
-@pytest.mark.parametrize(("unit", "size"), [("bar", 1e5), ("MPa", 1e6), ("kPa", 1e3), ("Pa", 1.0)])
-@pytest.mark.parametrize("kind", ["absolute", "gauge"])
-def test_units_and_kinds_of_pressure_give_the_same(written, unit, size, kind):
-    angles = np.arange(-360.0, 360.0, 2.0)
-    pascal = 1e5 * bar(angles) - (101325.0 if kind == "gauge" else 0.0)
-    header = f"crank_angle_deg,{kind}_pressure_{unit}"
-    found = read_pressure_table(written(table(angles, pascal / size, header)))
-    # Round-off of unit and atmosphere, at the least pressure.
-    assert found.pressure == close(1e5 * bar(found.angles_deg), rel=1e-12)
-    said = ("101325 Pa of atmosphere were added to the gauge pressure.",)
-    assert found.remarks == (said if kind == "gauge" else ())
 
 
 def test_uneven_angles_are_resampled_and_said(written):
@@ -343,26 +244,6 @@ def indicated_even(count, strokes=4):
     return np.pi * strokes / count * np.arange(count)
 
 
-@given(st.floats(0.0, 1e6), st.floats(-1e6, 1e6), st.floats(-1e6, 1e6), st.sampled_from((2, 4)))
-def test_work_of_a_harmonic_pressure(mean, cosine, sine, strokes):
-    """p = p0 + a cos x + b sin x on dV = v sin x dx does the work pi b v in each turn."""
-    angle = indicated_even(90, strokes)
-    pressure = mean + cosine * np.cos(angle) + sine * np.sin(angle)
-    work = indicated_work(pressure, 1e-3 * np.sin(angle), strokes)
-    # Round-off of 90 terms of up to 3e6 Pa times 1e-3 m^3.
-    assert work == close(strokes / 2 * np.pi * 1e-3 * sine, rel=1e-12, abs=1e-10)
-
-
-@given(st.floats(-1e6, 1e6), st.lists(st.floats(1e4, 2e7), min_size=72, max_size=144))
-def test_constant_pressure_under_the_piston_does_no_work(under, values):
-    angle = indicated_even(len(values))
-    slope = -AREA * position_slope(angle)
-    whole = indicated_work(values, slope)
-    # Round-off of the largest term, pressure times slope.
-    most = (abs(under) + max(values)) * np.max(np.abs(slope))
-    assert indicated_work(np.array(values) - under, slope) == close(whole, abs=1e-13 * most)
-
-
 @given(st.lists(st.floats(1e4, 2e7), min_size=72, max_size=144), st.floats(0.0, 2e5))
 def test_gas_torque_does_the_indicated_work(values, under):
     """Torque by the paper's P sin(alpha + beta) / cos(beta) R, work from p dV."""
@@ -412,8 +293,6 @@ def test_unusable_arrays_are_refused(call, message):
 
 PER_MINUTE = math.pi / 30.0
 MAP_ANGLES = np.radians(np.arange(0.0, 720.0, 2.0))
-ROD = ConnectingRod(0.25, 2.0, 0.08, 0.02, 0.004)
-ENGINE = EngineLayout(0.07, [EngineCylinder(0.13, 2.0, ROD)], [1])
 ORDERS = np.arange(0.5, 12.1, 0.5)
 
 
@@ -454,24 +333,6 @@ def test_held_out_points_of_a_family_are_met(method, worst):
         assert missing < 2.0 * error * at.peak_pressure
         again = np.fft.rfft(at.pressure)[1:25] * 2.0 / at.pressure.size
         assert phasors[:, place] == close(again, abs=1e-9 * np.abs(again).max())
-
-
-def test_forces_are_those_of_the_interpolated_diagram():
-    found = grid(np.linspace(80.0, 240.0, 4), np.linspace(0.25, 1.0, 4))
-    speeds = np.linspace(125.0, 235.0, 5)
-    load = propeller_load(240.0)
-    forces = cylinder_forces(ENGINE, speeds, 12.0, found, load=load)
-    for place in (0, 3):
-        own = found.at(float(speeds[place]), float(load(speeds)[place]))
-        single = cylinder_forces(ENGINE, speeds[place : place + 1], 12.0, own)
-        # Between its samples a diagram is a shape-preserving cubic, which is not linear in them:
-        # measured 1.1e-6.
-        assert forces.tangential[:, place] == close(
-            single.tangential[:, 0], abs=3e-6 * np.abs(single.tangential).max()
-        )
-    assert forces.remarks == ()
-    constant = cylinder_forces(ENGINE, speeds, 12.0, found, load=0.5)
-    assert np.abs(constant.tangential[:, -1]).max() < np.abs(forces.tangential[:, -1]).max()
 
 
 def test_a_map_along_a_curve_takes_no_load():

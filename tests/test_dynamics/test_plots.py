@@ -1069,13 +1069,6 @@ def test_campbell_diagram_has_a_dot_at_each_resonance():
     assert axes.get_xlabel() == "crankshaft speed [1/min]"
 
 
-def test_units_follow_what_the_values_are():
-    assert response().to_xarray("twist").motion.attrs["units"] == "rad"
-    assert loads().elastic.to_xarray("force")["values"].attrs["units"] == "N"
-    assert run().to_xarray("displacement").motion.attrs["units"] == "m"
-    assert Hodograph(1, 1.0, 1.0).to_pandas("N m").attrs["units"]["y"] == "N m"
-
-
 def test_lists_of_records_become_tables():
     found = resonances(response())
     frame = table_of(found)
@@ -1170,19 +1163,6 @@ def test_labels_of_a_polar_curve_touch_neither_it_nor_each_other():
             assert max(apart) >= 2.0 * (1.0 - 1e-12)
         assert low[0] < spot.real - half[0] < spot.real + half[0] < high[0]
         assert low[1] < spot.imag - half[1] < spot.imag + half[1] < high[1]
-
-
-def test_a_label_goes_outwards_where_nothing_is_in_the_way():
-    curve = np.exp(2j * np.pi * np.arange(360) / 360)
-    (spot,) = label_spots(curve, curve[60:61], 2.32)
-    step = spot - curve[60]
-    half = 2.32 * np.array(LABEL_HALF)
-    # An ellipse of the label's own shape, in the direction away from the middle.
-    assert np.degrees(np.arctan2(step.imag / half[1], step.real / half[0])) == close(60.0)
-    assert abs(spot) > 1.0
-    # Along a line that fills the square there is no room.
-    comb = np.ravel([[x + 0j, x + 1j, x + 0.01 + 1j, x + 0.01] for x in np.arange(0.0, 1.0, 0.02)])
-    assert label_spots(comb, comb[40:41] + 0.5j, 1.16) == [None]
 
 
 def test_orders_of_a_campbell_diagram_are_labeled_where_there_is_room():

@@ -10,10 +10,9 @@ from hypothesis import strategies as st
 from comparing import close
 from crankbase.errors import InputError
 from dynamics.engine import ROD_MODELS
-from dynamics.engine.forces import gas_forces, mechanism_forces, pin_groups, summed
+from dynamics.engine.forces import gas_forces, mechanism_forces, pin_groups
 from dynamics.engine.layout import EngineCylinder, EngineLayout, SlavePin
-from dynamics.engine.motions import cylinder_motion
-from dynamics.engine.rods import REACH, ConnectingRod
+from dynamics.engine.rods import ConnectingRod
 
 unit = st.floats(0.05, 0.95)
 
@@ -89,26 +88,6 @@ def test_without_offset_the_three_mass_model_is_the_rigid_rod(rod):
     assert model.inertia == close(rigid.inertia, rel=1e-12)
 
 
-@settings(max_examples=30, deadline=None)
-@given(rods(), st.floats(0.01, 100.0), st.floats(0.01, 100.0))
-def test_other_units_give_the_same_models(rod, longer, heavier):
-    scaled = ConnectingRod(
-        longer * rod.length,
-        heavier * rod.mass,
-        longer * rod.center_distance,
-        heavier * longer**2 * rod.inertia,
-        longer * rod.center_offset,
-    )
-    for name in ROD_MODELS:
-        ours, theirs = rod.model(name), scaled.model(name)
-        np.testing.assert_allclose(
-            theirs.masses, heavier * np.array(ours.masses), rtol=1e-12, atol=1e-12 * scaled.mass
-        )
-        assert theirs.added_inertia == close(
-            heavier * longer**2 * ours.added_inertia, abs=1e-12 * scaled.mass * scaled.length**2
-        )
-
-
 def test_two_masses_with_the_inertia_they_have_lack_none():
     rod = ConnectingRod(0.265, 5.0, 0.097, 5.0 * 0.097 * 0.168)
     assert rod.model("two-mass with inertia").added_inertia == close(0.0, abs=1e-15)
@@ -126,21 +105,6 @@ def test_no_body_within_reach_is_refused_for_its_inertia(parts):
     if not 0.0 < center.real < length or inertia < 1e-12:
         return
     ConnectingRod(length, float(masses.sum()), center.real, inertia, center.imag)
-
-
-def test_the_largest_inertia_is_that_of_masses_at_the_corners():
-    length, mass, center = 0.265, 5.0, 0.097 + 0.009j
-    side = REACH * length
-    low, high = -side, length + side
-    right, up = (center.real - low) / (high - low), (center.imag + side) / (2.0 * side)
-    corners = np.array([low - 1j * side, high - 1j * side, low + 1j * side, high + 1j * side])
-    shares = np.outer([1.0 - up, up], [1.0 - right, right]).ravel()
-    assert complex(np.dot(shares, corners)) == close(center)
-    largest = mass * float(np.dot(shares, np.abs(corners - center) ** 2))
-    rod = ConnectingRod(length, mass, center.real, 0.99999 * largest, center.imag)
-    assert rod.largest_inertia == close(largest, rel=1e-13)
-    with pytest.raises(InputError, match=r"rod inertia: given .* because no mass of 5 kg"):
-        ConnectingRod(length, mass, center.real, 1.00001 * largest, center.imag)
 
 
 GOOD = {"length": 0.265, "mass": 5.0, "center_distance": 0.097, "inertia": 0.07}
@@ -229,37 +193,6 @@ def test_with_lateral_offset_only_the_rigid_rod_is_the_rigid_rod():
         assert apart > 0.01 * size
 
 
-def test_a_static_pair_is_enough_for_the_inertia_that_it_has():
-    """J = M l_shk l_shp: all four models are one."""
-    engine = single(ConnectingRod(0.265, 5.0, 0.097, 5.0 * 0.097 * 0.168))
-    rigid = mechanism_forces(engine, SPEED, GAS[0], shaft_angles_deg=np.degrees(ANGLES)).crankpin
-    for name in ROD_MODELS[1:]:
-        other = mechanism_forces(
-            engine, SPEED, GAS[0], model=name, shaft_angles_deg=np.degrees(ANGLES)
-        ).crankpin
-        np.testing.assert_allclose(other, rigid, rtol=0.0, atol=1e-12 * largest(rigid))
-
-
-def test_a_rod_without_mass_gives_the_forces_of_the_textbook():
-    """N = P tan b, T = P sin(a + b) / cos b, Z = P cos(a + b) / cos b, P towards the shaft."""
-    engine = single(ConnectingRod(0.265, 1e-12, 0.097, 1e-14))
-    forces = mechanism_forces(
-        engine, SPEED, GAS[0], friction=700.0, shaft_angles_deg=np.degrees(ANGLES)
-    )
-    drive = cylinder_motion(engine, 1, shaft_angles_deg=np.degrees(ANGLES))
-    push = GAS[0] - 700.0 + 4.0 * SPEED**2 * drive.piston.second.real
-    lean = np.arcsin(0.07 / 0.265 * np.sin(ANGLES))
-    size = largest(push)
-    for ours, wanted in (
-        (forces.side[0], push * np.tan(lean)),
-        (forces.tangential[0], push * np.sin(ANGLES + lean) / np.cos(lean)),
-        (forces.radial[0], push * np.cos(ANGLES + lean) / np.cos(lean)),
-        (forces.torque[0], 0.07 * push * np.sin(ANGLES + lean) / np.cos(lean)),
-    ):
-        np.testing.assert_allclose(ours, wanted, rtol=0.0, atol=1e-11 * size)
-    np.testing.assert_array_equal(forces.gas, [GAS[0]])
-
-
 def test_a_rod_hinged_at_the_crankpin_stands_beside_the_main_rod():
     """With the slave pin at 1e-9 m what the main rod's wall adds is gone, to 1e-9 / 0.265."""
     rod = ConnectingRod(0.265, 5.0, 0.097, 0.069, 0.009)
@@ -284,40 +217,6 @@ def test_a_rod_hinged_at_the_crankpin_stands_beside_the_main_rod():
     np.testing.assert_allclose(theirs.crankpin, ours.crankpin, rtol=0.0, atol=1e-7 * size)
     assert pin_groups(side_by_side) == ((1,), (2,))
     assert pin_groups(hinged) == ((1, 2),)
-
-
-def test_groups_name_the_main_cylinder_first():
-    rod = ConnectingRod(0.265, 5.0, 0.097, 0.069)
-    hinged = EngineCylinder(
-        0.13,
-        4.0,
-        rod,
-        bank_angle_deg=math.degrees(0.8),
-        slave_pin=SlavePin(2, 0.06, angle_deg=math.degrees(-0.8)),
-    )
-    engine = EngineLayout(
-        0.07, [hinged, EngineCylinder(0.13, 4.0, rod, bank_angle_deg=math.degrees(1.6))], [1, 2]
-    )
-    assert pin_groups(engine) == ((2, 1),)
-    forces = mechanism_forces(engine, SPEED, GAS, shaft_angles_deg=np.degrees(ANGLES))
-    np.testing.assert_allclose(summed(forces, (2, 1)), forces.crankpin.sum(axis=0), rtol=1e-14)
-
-
-def test_speed_and_acceleration_may_change_from_angle_to_angle():
-    engine = single(ConnectingRod(0.265, 5.0, 0.097, 0.069, 0.009))
-    speeds, gains = np.linspace(100.0, 200.0, 24), np.linspace(-3e3, 5e3, 24)
-    whole = mechanism_forces(
-        engine, speeds, GAS[0], crank_acceleration=gains, shaft_angles_deg=np.degrees(ANGLES)
-    )
-    for place in (0, 11):
-        one = mechanism_forces(
-            engine,
-            float(speeds[place]),
-            float(GAS[0, place]),
-            crank_acceleration=float(gains[place]),
-            shaft_angles_deg=np.degrees(ANGLES[place : place + 1]),
-        )
-        assert whole.crankpin[0, place] == close(one.crankpin[0, 0], rel=1e-14)
 
 
 def test_each_cylinder_takes_its_pressure_from_its_own_firing_top():

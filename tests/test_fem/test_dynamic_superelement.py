@@ -22,7 +22,7 @@ from fem.modes import free_modes, frequencies_of
 from fem.shaft import assemble_shaft, shaft_compliances, sharing_sections
 from fem.solver import factorize
 from fem.superelement import combine_classes, superelement_of_end_forces
-from fem.supports import Neighbors, end_motions, reactions, support_throw
+from fem.supports import Neighbors, reactions
 from fem.symmetry import (
     KEPT,
     SectionMotions,
@@ -33,9 +33,7 @@ from fem.symmetry import (
     section_turn,
     symmetry_classes,
 )
-from geometry.mass import mass_properties
 from geometry.mesh import mesh_throw
-from geometry.shapes import element_quadrature
 from geometry.solid import LEFT_END, RIGHT_END
 
 HIGHEST = 2500.0
@@ -121,29 +119,6 @@ def of_free_throw(superelement):
     return natural_modes(superelement.stiffness, superelement.mass)[0][6:]
 
 
-def rigid_matrix(points, volumes):
-    """Mass, static moment and inertia (6, 6) about the origin, from quadrature points."""
-    motions = np.zeros((len(points), 3, 6))
-    motions[:, :, :3] = np.eye(3)
-    for axis in range(3):
-        motions[:, :, 3 + axis] = np.cross(np.eye(3)[axis], points)
-    return STEEL.density * np.einsum("q,qai,qaj->ij", volumes, motions, motions)
-
-
-def test_rigid_motions_have_the_throws_masses(dynamic, coarse, whole, rigid_motions, throw):
-    """About the left end's center; a finer rule than the mass matrix's gives what is expected."""
-    where, volumes = element_quadrature(whole.mesh.points, whole.mesh.elements, 9)
-    scale = np.repeat([1.0, 1.0 / throw.crank_radius], 3)
-    expected = rigid_matrix(where, volumes) * np.outer(scale, scale)
-    found = rigid_motions.T @ dynamic.mass[:12, :12] @ rigid_motions
-    # The static fields follow rigid motions of the ends within the solver's 1e-12.
-    assert found == close(expected, abs=1e-10 * expected.max())
-    mass, moment = expected[0, 0], expected[1, 3] * throw.crank_radius
-    # The coarse mesh has the solid's volume within what meshing allows.
-    assert mass == close(mass_properties(coarse, STEEL.density).mass, rel=1e-3)
-    assert moment == close(-mass * throw.length / 2.0, rel=1e-9)
-
-
 def test_matrices_are_those_of_the_displacement_fields(whole, condensed):
     """The whole mesh has one class and no shares or copies: stiffness and mass by their definition."""
     classes, static = condensed(whole.mesh)
@@ -192,45 +167,6 @@ def test_each_part_gives_the_same(coarse, mirror, condensed, dynamic, whole):
         assert of_free_throw(other) == close(of_free_throw(dynamic), rel=1e-8)
 
 
-def test_symmetric_and_definite_with_six_rigid_motions(dynamic, rigid_motions):
-    assert np.array_equal(dynamic.mass, dynamic.mass.T)
-    assert np.array_equal(dynamic.stiffness, dynamic.stiffness.T)
-    size = np.sqrt(np.diag(dynamic.mass))
-    assert np.linalg.eigvalsh(dynamic.mass / np.outer(size, size)).min() > 1e-4
-    frequencies, shapes = natural_modes(dynamic.stiffness, dynamic.mass)
-    assert frequencies[5] < 1e-3 * frequencies[6]
-    assert shapes.T @ dynamic.mass @ shapes == close(np.eye(len(shapes)), abs=1e-9)
-
-
-def test_frequencies_of_the_free_throw(dynamic, truth):
-    """Never below those of the whole mesh; measured are up to 5e-5 above, up to 2500 Hz."""
-    found = of_free_throw(dynamic)
-    wanted = truth[truth <= HIGHEST]
-    assert len(wanted) == 5
-    error = found[:5] / wanted - 1.0
-    assert error.min() > -1e-9
-    assert error.max() < 2e-4
-    assert dynamic.natural == np.count_nonzero(dynamic.frequencies <= 1.5 * HIGHEST)
-    assert len(dynamic.frequencies) == dynamic.natural + 12
-    assert np.all(dynamic.frequencies[dynamic.natural :] > 1.5 * HIGHEST)
-
-
-def test_converges_from_above_as_modes_are_added(plain, truth):
-    """Each mode more can only lower each frequency (Rayleigh and Ritz)."""
-    before = np.full(6, np.inf)
-    errors = []
-    for count in (0, 2, 4, 8, 16, plain.natural):
-        found = of_free_throw(plain.with_modes(count))[:6]
-        assert np.all(found <= before[: len(found)] * (1.0 + 1e-12))
-        assert np.all(found >= truth[:6] * (1.0 - 1e-9))
-        errors.append(float(np.max(found / truth[:6] - 1.0)))
-        before = found
-    # Guyan's superelement is 50 % off in one of these modes, that of 35 modes 0.3 %.
-    assert errors[0] == close(0.5, abs=0.05)
-    assert errors[-1] < 0.004
-    assert errors == sorted(errors, reverse=True)
-
-
 def test_corrections_are_worth_many_modes(coarse, coarse_classes, plain, truth):
     """Twelve corrections and no mode leave 4e-5 in the first two frequencies, twelve modes 4e-3."""
     alone = dynamic_superelement(coarse, STEEL, coarse_classes, 500.0)
@@ -260,20 +196,6 @@ def test_no_highest_frequency_is_guyans(coarse, coarse_classes, dynamic, monkeyp
     assert np.array_equal(cut.mass, guyan.mass)
     assert np.array_equal(cut.stiffness, guyan.stiffness)
     assert np.array_equal(cut.pin_loads, guyan.pin_loads)
-
-
-def test_turning(dynamic):
-    turned = dynamic.turned(angle_deg=np.degrees(0.7)).turned(angle_deg=np.degrees(0.5))
-    once = dynamic.turned(angle_deg=np.degrees(1.2))
-    for name in ("stiffness", "mass", "pin_loads"):
-        wanted = getattr(once, name)
-        assert getattr(turned, name) == close(wanted, abs=1e-12 * np.abs(wanted).max())
-    assert of_free_throw(once) == close(of_free_throw(dynamic), rel=1e-9)
-    # After a quarter turn the crank points along -x: what was y is -x.
-    quarter = dynamic.turned(angle_deg=np.degrees(np.pi / 2.0))
-    assert quarter.mass[0, 0] == close(dynamic.mass[1, 1], rel=1e-12)
-    assert quarter.mass[0, 12:] == close(-dynamic.mass[1, 12:], abs=1e-9)
-    assert np.array_equal(once.frequencies, dynamic.frequencies)
 
 
 def test_shaft_of_throws(dynamic, plain, coarse_classes):
@@ -370,36 +292,11 @@ def motions(request, bore):
     return SectionMotions(request.param, 0.11, bore)
 
 
-def test_amplitudes_of_rigid_motions_are_means(motions):
-    """Means over the ring, by adding up a fine grid of places: an integration of its own."""
-    radii = np.sqrt(np.linspace(motions.bore**2, motions.radius**2, 400, endpoint=False))
-    radii = np.sqrt(radii**2 + 0.5 * (motions.radius**2 - motions.bore**2) / 400)
-    angles = 2.0 * np.pi * np.arange(64) / 64
-    places = np.stack(
-        [np.outer(radii, np.cos(angles)), np.outer(radii, np.sin(angles))], axis=-1
-    ).reshape(-1, 2)
-    fields = motions.fields(places)
-    products = np.einsum("qak,qal->kl", fields, fields) / len(places)
-    beyond = products[6:, 6:]
-    assert beyond == close(np.eye(len(beyond)), abs=1e-4)
-    sizes = np.sqrt(np.diag(products)[:6])
-    assert products[:6, 6:] / sizes[:, None] == close(np.zeros((6, len(beyond))), abs=1e-4)
-
-
 def test_all_polynomials_and_no_more(motions):
     count = 3 * (motions.degree + 1) * (motions.degree + 2) // 2
     fields = motions.fields(np.random.default_rng(0).uniform(-0.1, 0.1, (200, 2))).reshape(600, -1)
     assert fields.shape[1] == motions.count == count
     assert np.linalg.matrix_rank(fields / np.linalg.norm(fields, axis=0), tol=1e-7) == count
-
-
-def test_degrees_are_nested(bore):
-    whole = SectionMotions(4, 0.11, bore)
-    for sections in (1, 2):
-        lower = whole.up_to(sections)
-        assert np.array_equal(
-            whole.fields(PLACES)[:, :, : lower.count], lower.fields(PLACES)
-        ) or whole.fields(PLACES)[:, :, : lower.count] == close(lower.fields(PLACES), abs=1e-9)
 
 
 def test_mirrors_keep_motions_or_reverse_them(motions):
@@ -494,30 +391,6 @@ def test_parts_have_the_same_superelement(solved, part):
     sizes = np.sqrt(np.diag(own.stiffness))
     assert np.abs(own.stiffness - other.stiffness).max() <= 1e-8 * sizes.max() ** 2
     assert other.pin_loads == close(own.pin_loads, abs=1e-7)
-
-
-@pytest.mark.slow
-def test_more_motions_soften(solved):
-    for step in (0.0, 60.0, 180.0):
-        axial = [
-            support_throw(
-                solved["quarter", 4][1].with_sections(sections), Neighbors(step, step)
-            ).axial
-            for sections in ("rigid", *DEGREES)
-        ]
-        assert np.all(np.diff(axial) > -ROUND_OFF * axial[0])
-        assert 1e-3 < axial[-1] / axial[0] - 1.0 < 0.03
-
-
-@pytest.mark.slow
-def test_helix_is_a_long_chain(solved):
-    found = solved["quarter", 2][1]
-    for support in (Neighbors(120.0, 120.0), Neighbors(120.0, 120.0 + 1e-9)):
-        answers = support_throw(found, support)
-        assert answers.axial == close(support_throw(found, Neighbors(120.0, 120.0)).axial, rel=1e-8)
-        assert end_motions(found, support).shape == (12, 8)
-    shaft = shaft_compliances([found] * 15, crank_angles_deg=120.0 * np.arange(15))
-    assert shaft.axial[7] == close(answers.axial, rel=1e-3)
 
 
 @pytest.mark.slow

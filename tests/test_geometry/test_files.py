@@ -26,7 +26,6 @@ from crankbase.outputs import (
     write_user_file,
 )
 from geometry.crankshaft import Crankshaft, ShaftEnds
-from geometry.gmsh_session import gmsh_session
 from geometry.imported import import_throw
 from geometry.mesh import mesh_throw
 from geometry.recognition import opened_part
@@ -286,19 +285,6 @@ def test_only_a_run_takes_a_runs_place(file):
     assert files_listed(file.parent) == []
 
 
-def test_many_programs_write_into_one_folder(tmp_path):
-    threads = [
-        threading.Thread(target=write_text, args=(tmp_path / f"{n}.csv", "x", "table"))
-        for n in range(20)
-    ]
-    for thread in threads:
-        thread.start()
-    for thread in threads:
-        thread.join()
-    listed = json.loads((tmp_path / LISTED).read_text(encoding="utf-8"))
-    assert set(listed["files"]) == {f"{n}.csv" for n in range(20)}
-
-
 def test_what_is_handed_over_is_the_users(file):
     write_user_file(file, b"a template", "input file")
     assert names(file.parent) == ["a.csv"]
@@ -330,21 +316,6 @@ def test_solid_formats_keep_nodes_elements_and_surfaces(mesh, tmp_path, ending):
     assert volume == close(mesh.solid.volume, rel=1e-3)
     triangles = sum(len(b.data) for b in read.cells if b.type == "triangle6")
     assert triangles == sum(len(corners) for corners in mesh.surfaces.values())
-
-
-def test_gmsh_reads_its_own_format_with_names(mesh, tmp_path):
-    path = write_mesh(mesh, tmp_path / "throw.msh")
-    with gmsh_session("read") as gmsh:
-        gmsh.merge(str(path))
-        groups = gmsh.model.getPhysicalGroups()
-        names = {gmsh.model.getPhysicalName(*group) for group in groups}
-        kinds, _, _ = gmsh.model.mesh.getElements(3)
-        # gmsh's own check of orientation and order: signed inverse condition numbers.
-        _, tags, _ = gmsh.model.mesh.getElements(3)
-        quality = gmsh.model.mesh.getElementQualities(tags[0], "minSJ")
-    assert names == {"throw", *(n for n, corners in mesh.surfaces.items() if len(corners))}
-    assert list(kinds) == [11]
-    assert min(quality) > 0.0
 
 
 def test_sets_of_abaqus_files_have_names(mesh, tmp_path):

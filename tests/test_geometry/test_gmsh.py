@@ -4,7 +4,6 @@ import os
 import signal
 import subprocess
 import sys
-import threading
 import time
 from pathlib import Path
 from unittest import mock
@@ -206,25 +205,6 @@ def same(first, second):
             np.array_equal(first.surfaces[name], second.surfaces[name]) for name in first.surfaces
         )
     )
-
-
-@pytest.mark.slow
-def test_the_mesh_is_bit_identical_to_that_of_this_process(dimensions, process):
-    throw = CrankThrow(**dimensions, pin_bore=0.06)
-    here = mesh_throw(throw, 1.5)
-    assert same(mesh_isolated(throw, 1.5, process=process), here)
-    assert same(mesh_isolated(throw, 1.5, process=process), here)
-    threads: list[object] = []
-    runners = [
-        threading.Thread(target=lambda: threads.append(mesh_isolated(throw, 1.5, process=process)))
-        for _ in range(3)
-    ]
-    for runner in runners:
-        runner.start()
-    for runner in runners:
-        runner.join()
-    assert len(threads) == 3
-    assert all(same(mesh, here) for mesh in threads)
 
 
 def test_errors_come_back_as_they_are(dimensions, process):

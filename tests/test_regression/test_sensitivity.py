@@ -19,7 +19,6 @@ from regression.fits.forms import FittedForm
 from regression.fits.sensitivity import (
     constrained_indices,
     elasticities,
-    nominal_values,
     region_sample,
     sobol_indices,
 )
@@ -27,15 +26,6 @@ from regression.plans.factors import Factor
 
 A, B = Factor("a", "m", 1.0, 2.0), Factor("b", "m", 1.0, 3.0)
 KIND = Factor.of_labels("kind", ("x", "y", "z"))
-
-
-def test_elasticities_of_a_power_law_are_its_exponents():
-    def law(x):
-        return 1e-9 * x[:, 0] ** -2.5 * x[:, 1] ** 0.75 * (1 + x[:, 2])
-
-    found = elasticities(law, (A, B, KIND), (1.5, 2.0, 1.0))
-    # The difference quotient's error is about 1e-4 squared.
-    assert found == close([-2.5, 0.75], rel=1e-6)
 
 
 def test_elasticities_of_a_fitted_form_are_its_derivatives():
@@ -82,32 +72,6 @@ def test_sobol_indices_of_ishigami():
     assert found.names == ("a", "b", "c")
     assert found.first == close([v1 / total, v2 / total, 0.0], abs=0.01)
     assert found.total == close([(v1 + v13) / total, v2 / total, v13 / total], abs=0.01)
-
-
-def test_sobol_indices_of_a_product_with_a_category():
-    """Of a product, first index i is (v_i / m_i^2) / (prod (1 + v / m^2) - 1)."""
-
-    def product(x):
-        return 1e-9 * x[:, 0] * x[:, 1] * (1 + x[:, 2])
-
-    # Variance over squared mean: of a uniform a ... b (b - a)^2 / 12, of 1, 2, 3 two thirds.
-    ratios = np.array([1 / 12 / 1.5**2, 4 / 12 / 2**2, 2 / 3 / 2**2])
-    whole = np.prod(1 + ratios) - 1
-    found = sobol_indices(product, (A, B, KIND))
-    assert found.first == close(ratios / whole, abs=0.01)
-    total = [ratios[i] * np.prod(np.delete(1 + ratios, i)) / whole for i in range(3)]
-    assert found.total == close(total, abs=0.01)
-    assert sum(found.first) <= 1.0
-
-
-def test_what_does_not_vary_has_no_indices():
-    assert sobol_indices(lambda x: np.full(len(x), 2e-9), (A, B)) is None
-
-
-def test_nominal_values():
-    factors = (A, B, KIND)
-    assert nominal_values(factors, (1.2, 5.0, 2.0)) == [1.2, 2.0, 2.0]
-    assert nominal_values(factors, (None, 1.0, None)) == [1.5, 1.0, 0.0]
 
 
 def test_one_factor_has_all_of_the_variance():
@@ -216,35 +180,12 @@ def posterior(equation, ratio, variance, runs):
     return covariance[:count, :count] - cross @ np.linalg.solve(at_runs, cross.T)
 
 
-def test_expected_errors_are_those_of_a_normal_distribution(monkeypatch):
-    monkeypatch.setattr(module, "_likeliest", lambda *_: (0.01, 0.3))
-    equation = judged()
-    found = expected_errors(equation)
-    # Relative errors are errors by the size of 2; the prior of a hundred million is not endless.
-    expected = posterior(equation, 0.01, 0.3, RUNS) / 4.0
-    assert found.left @ found.right.T == close(expected, rel=1e-4, abs=1e-5)
-    assert found.squares == close(np.diag(expected), rel=1e-4)
-
-
 def test_a_run_changes_them_by_what_it_tells(monkeypatch):
     monkeypatch.setattr(module, "_likeliest", lambda *_: (0.01, 0.3))
     equation = judged()
     found = expected_errors(equation).after_run(4)
     expected = posterior(equation, 0.01, 0.3, np.vstack([RUNS, PLACES[4:5]])) / 4.0
     assert found.squares == close(np.diag(expected), rel=1e-4)
-
-
-def test_the_ratio_is_where_the_restricted_likelihood_is_largest():
-    """Data drawn with a ratio of 0.1 and a variance of 4, over 400 runs: both are found within a factor."""
-    rng = np.random.default_rng(5)
-    x = rng.uniform(-1.0, 1.0, 400)
-    own = np.column_stack([np.ones(400), x])
-    further = rng.standard_normal((400, 60))
-    target = own @ [3.0, -2.0] + 2.0 * further @ rng.standard_normal(60)
-    target += np.sqrt(0.4) * rng.standard_normal(400)
-    ratio, variance = module._likeliest(own, further, target)
-    assert 0.03 < ratio < 0.33
-    assert 2.0 < variance < 8.0
 
 
 @pytest.mark.parametrize("form", ["linear", "quadratic"])
@@ -256,14 +197,6 @@ def test_the_worst_places_lie_outside_the_runs_and_apart(form):
     assert on_edge.all()
     distances = np.linalg.norm(chosen[:, None] - chosen, axis=2)
     assert distances[~np.eye(4, dtype=bool)].min() > 0.5
-
-
-def test_an_exact_equation_is_worst_nowhere():
-    runs = RUNS
-    fit = fit_form("linear", ("a", "b"), runs, np.ones(len(runs)))
-    equation = JudgedEquation(fit, runs, np.ones(len(runs)), PLACES, np.ones(len(PLACES)))
-    assert expected_errors(equation).squares == close(np.zeros(6), abs=1e-12)
-    assert len(set(worst_places([equation], 3))) == 3
 
 
 def test_as_many_runs_as_coefficients_tell_nothing_of_the_error():

@@ -211,7 +211,7 @@ def match_nominal(case, chain):
 def test_sweep_is_that_of_chains_and_shafts_one_by_one(case, figure):
     engine, analysis = case.engine, case.analysis
     each = chains_over_bearings(engine, analysis)
-    found = bearing_sweep(engine, each, analysis, case.whole)
+    found = bearing_sweep(engine, each, case.whole)
     held = bearing_stiffness(engine)
     assert (found.stiffness[0], found.stiffness[3], found.stiffness[-1]) == close(
         (held.lowest, held.nominal, held.highest)
