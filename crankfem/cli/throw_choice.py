@@ -10,7 +10,7 @@ from crankfem.files.reading.toml_file import TomlFile
 from fem.material import STEEL, Material
 from geometry.imported import import_throw
 from geometry.mesher import Throw
-from geometry.solid_files import ENDINGS
+from geometry.solid_files import STEP_ENDINGS
 from geometry.throw import CrankThrow
 
 
@@ -61,7 +61,7 @@ def select_part(
     ------
     InputError
     """
-    if Path(engine).suffix.lower() not in ENDINGS:
+    if Path(engine).suffix.lower() not in STEP_ENDINGS:
         if pins:
             raise InputError(
                 f"--pin: given {pins[0]!r}; allowed only with a STEP file, whose faces have names."

@@ -22,7 +22,7 @@ from crankfem.service.job_store import JobStore
 from crankfem.service.problems import ProblemError
 from crankfem.service.responses import JSON, answer, described
 from crankfem.service.tasks import REPORT, RESULT
-from geometry.isolated import IsolatedProcess
+from geometry.gmsh_session import IsolatedProcess
 
 MOST_LISTED = 100
 RETRY_SECONDS = "5"

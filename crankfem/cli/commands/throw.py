@@ -75,8 +75,8 @@ def throw(
     from crankfem.cli.throw_choice import select_part
     from crankfem.jobs.run_records import UNIT_RADIAL_FORCE
     from fem.analysis import analyze_throw
-    from fem.class_modes import MOST_MODES
-    from fem.section_motions import degree_of
+    from fem.modes import MOST_MODES
+    from fem.symmetry import degree_of
     from geometry.throw import CrankThrow
 
     angle = None if gamma is None else parse_gamma(gamma, out.quiet)

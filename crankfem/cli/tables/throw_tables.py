@@ -13,7 +13,7 @@ from crankfem.analyses.throw.throw_record import (
     section_sentence,
 )
 from crankfem.cli.console import print_line, print_notes, print_table
-from fem.rule_mesh import (
+from fem.fillet_peaks import (
     ACROSS_WEB,
     LARGEST_NORMAL,
     LARGEST_SIZE,
