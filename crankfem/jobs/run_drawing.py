@@ -10,10 +10,10 @@ from crankfem.analyses.throw.pictures.surface import write_vtu
 from crankfem.jobs.run_computation import RunComputation
 from crankfem.jobs.run_files import MESH_FILE, PICTURES
 from crankfem.jobs.run_pictures import Pictures, Renderings
+from crankfem.report.figures import ANGLES, STUDY, TORQUE
 from crankfem.report.interactive.mechanism import MECHANISM
 from crankfem.report.interactive.throw_view import throw_view
 from crankfem.report.interactive.vibration import VIBRATION
-from crankfem.report.plots import ANGLES, STUDY, TORQUE
 
 # Of the responses of a study, the one that is pictured.
 PICTURED = "axial_compliance"

@@ -7,8 +7,7 @@ import numpy as np
 
 from crankbase.checks.arrays import FloatArray
 from crankbase.checks.scalars import whole_number
-from crankbase.drawing.diagram_style import new_axes
-from crankbase.drawing.legends import write_title
+from crankbase.diagrams import new_axes, write_title
 from crankbase.library_types import Axes, DataFrame, Dataset
 from crankbase.summaries import summarized
 from crankbase.tables.frames import grid, table

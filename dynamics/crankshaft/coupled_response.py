@@ -9,9 +9,17 @@ from numpy.typing import ArrayLike, NDArray
 
 from crankbase.checks.arrays import ComplexArray, FloatArray
 from crankbase.checks.scalars import is_whole_within
-from crankbase.drawing.curves import Curves, Series, draw_curves
-from crankbase.drawing.diagram_style import BLUE, ORANGE, new_axes, with_gaps
-from crankbase.drawing.legends import legend_inside, write_title
+from crankbase.diagrams import (
+    BLUE,
+    ORANGE,
+    Curves,
+    Series,
+    draw_curves,
+    legend_inside,
+    new_axes,
+    with_gaps,
+    write_title,
+)
 from crankbase.errors import InputError
 from crankbase.library_types import Axes, Dataset
 from crankbase.summaries import summarized

@@ -7,8 +7,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from crankbase.checks.arrays import ComplexArray, FloatArray, finite_vector, positive_number
-from crankbase.drawing.diagram_style import new_axes
-from crankbase.drawing.legends import write_title
+from crankbase.diagrams import new_axes, write_title
 from crankbase.errors import InputError
 from crankbase.library_types import Axes, DataFrame
 from crankbase.summaries import summarized

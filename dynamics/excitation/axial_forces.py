@@ -15,9 +15,18 @@ from crankbase.checks.arrays import (
     turning_speeds,
 )
 from crankbase.checks.scalars import whole_number, whole_within
-from crankbase.drawing.curves import Curves, Series, draw_curves
-from crankbase.drawing.diagram_style import BLUE, COLORS, GRAY, new_axes
-from crankbase.drawing.legends import legend_below, legend_inside, write_title
+from crankbase.diagrams import (
+    BLUE,
+    COLORS,
+    GRAY,
+    Curves,
+    Series,
+    draw_curves,
+    legend_below,
+    legend_inside,
+    new_axes,
+    write_title,
+)
 from crankbase.errors import InputError
 from crankbase.library_types import Axes, DataFrame
 from crankbase.summaries import summarized

@@ -20,8 +20,7 @@ from crankbase.checks.arrays import (
 )
 from crankbase.checks.choices import check_choice
 from crankbase.checks.scalars import whole_number, whole_within
-from crankbase.drawing.diagram_style import new_axes
-from crankbase.drawing.legends import legend_inside, write_title
+from crankbase.diagrams import legend_inside, new_axes, write_title
 from crankbase.errors import InputError
 from crankbase.library_types import Axes, Dataset
 from crankbase.summaries import summarized

@@ -18,8 +18,7 @@ from crankbase.checks.arrays import (
     turning_speeds,
 )
 from crankbase.checks.choices import check_choice
-from crankbase.drawing.diagram_style import new_axes
-from crankbase.drawing.legends import legend_below, write_title
+from crankbase.diagrams import legend_below, new_axes, write_title
 from crankbase.errors import InputError
 from crankbase.library_types import Axes
 from crankbase.summaries import summarized

@@ -17,8 +17,7 @@ from crankbase.checks.arrays import (
     read_only,
 )
 from crankbase.checks.choices import check_choice
-from crankbase.drawing.diagram_style import BLUE, GRAY, RED, new_axes
-from crankbase.drawing.legends import legend_inside, write_title
+from crankbase.diagrams import BLUE, GRAY, RED, legend_inside, new_axes, write_title
 from crankbase.errors import InputError
 from crankbase.library_types import Axes, DataFrame
 from crankbase.summaries import summarized

@@ -9,8 +9,7 @@ from numpy.typing import NDArray
 
 from crankbase.checks.arrays import ComplexArray, FloatArray, positive_number
 from crankbase.checks.choices import check_choice
-from crankbase.drawing.diagram_style import COLORS, GRAY, new_axes
-from crankbase.drawing.legends import legend_below, legend_inside, write_title
+from crankbase.diagrams import COLORS, GRAY, legend_below, legend_inside, new_axes, write_title
 from crankbase.errors import InputError
 from crankbase.library_types import Axes
 from crankbase.units.number_formats import format_number

@@ -17,8 +17,7 @@ from crankbase.checks.arrays import (
     positive_vector,
 )
 from crankbase.checks.scalars import whole_number
-from crankbase.drawing.diagram_style import new_axes
-from crankbase.drawing.legends import write_title
+from crankbase.diagrams import new_axes, write_title
 from crankbase.errors import InputError
 from crankbase.library_types import Axes
 from crankbase.summaries import summarized

@@ -13,9 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 from crankbase.checks.angles import radians_of
 from crankbase.checks.arrays import ComplexArray, FloatArray, checked_range, regular_array
 from crankbase.checks.scalars import whole_number, whole_within
-from crankbase.drawing.curves import Curves
-from crankbase.drawing.diagram_style import new_axes
-from crankbase.drawing.legends import write_title
+from crankbase.diagrams import Curves, new_axes, write_title
 from crankbase.errors import InputError, quoted
 from crankbase.library_types import Axes, Dataset
 from crankbase.summaries import summarized

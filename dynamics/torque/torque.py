@@ -11,8 +11,7 @@ from numpy.typing import ArrayLike
 from crankbase.checks.arrays import FloatArray, finite_array, nonnegative_number, read_only
 from crankbase.checks.choices import check_choice
 from crankbase.checks.scalars import is_whole, whole_number, whole_within
-from crankbase.drawing.diagram_style import BLUE, COLORS, ORANGE
-from crankbase.drawing.legends import legend_above
+from crankbase.diagrams import BLUE, COLORS, ORANGE, legend_above
 from crankbase.errors import InputError, SolveError
 from crankbase.library_types import Axes, DataFrame, Dataset
 from crankbase.summaries import summarized

@@ -10,8 +10,7 @@ from numpy.typing import ArrayLike
 from crankbase.checks.arrays import ComplexArray, FloatArray, finite_array
 from crankbase.checks.choices import check_choice
 from crankbase.checks.scalars import whole_number
-from crankbase.drawing.diagram_style import new_axes
-from crankbase.drawing.legends import write_title
+from crankbase.diagrams import new_axes, write_title
 from crankbase.errors import InputError
 from crankbase.library_types import Axes, Dataset
 from crankbase.summaries import summarized

@@ -8,8 +8,7 @@ import numpy as np
 
 from crankbase.checks.arrays import FloatArray, finite_array, positive_number, read_only
 from crankbase.checks.scalars import whole_number
-from crankbase.drawing.diagram_style import new_axes
-from crankbase.drawing.legends import write_title
+from crankbase.diagrams import new_axes, write_title
 from crankbase.errors import InputError, quoted
 from crankbase.library_types import Axes, DataFrame
 from crankbase.summaries import summarized
