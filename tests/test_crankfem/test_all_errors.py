@@ -9,7 +9,7 @@ from crankfem.files.chain.chain_file import load_chain
 from crankfem.files.engine.engine_file import load_engine
 from crankfem.files.engine.mechanism_file import load_mechanism
 from crankfem.files.engine.throw_file import load_throw_file
-from crankfem.files.hinge.hinge_file import load_hinge
+from crankfem.files.hinge_file import load_hinge
 from crankfem.files.reading.data_files import input_path
 
 UNEQUAL = Path(__file__).parents[1] / "data" / "unequal-three.toml"

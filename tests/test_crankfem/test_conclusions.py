@@ -12,7 +12,7 @@ from comparing import close
 from crankfem.analyses.vibration.tables import factor_range, misfiring_table, mode_table
 from crankfem.cli import console
 from crankfem.cli.commands.run import _print
-from crankfem.cli.tables.run_tables import print_verdict
+from crankfem.cli.tables.vibration_tables import print_verdict
 from crankfem.report.conclusions import conclusions, failed_checks, headline, verdict_line
 from crankfem.report.engine_schematic import engine_schematic
 from crankfem.report.summary import engine_facts, summary, uncertain_sentence, worst_of_each

@@ -9,7 +9,7 @@ import pytest
 from comparing import close
 from crankbase.errors import InputError
 from crankfem.analyses.hinge.hinge_run import run_hinge
-from crankfem.files.hinge.hinge_file import load_hinge
+from crankfem.files.hinge_file import load_hinge
 from crankfem.files.reading.data_files import input_path
 from dynamics.hinge.profile import GasSpring
 

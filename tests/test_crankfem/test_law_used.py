@@ -22,7 +22,7 @@ from crankfem.analyses.throw.law_record import (
     law_record,
     law_sentence,
 )
-from crankfem.cli.law_arguments import law_throw
+from crankfem.cli.arguments import law_throw
 from crankfem.files.engine.engine_file import load_engine
 from crankfem.files.engine.throw_file import load_throw
 from crankfem.files.reading.data_files import input_path

@@ -14,9 +14,8 @@ from comparing import close
 from crankbase.errors import InputError
 from crankfem.analyses.shaft.chains import engine_torsional_chain
 from crankfem.analyses.study.frequency_limits import EngineFrequencies, frequency_limit
-from crankfem.cli.commands import optimum as optimum_command
-from crankfem.cli.commands.lookup import lookup
-from crankfem.cli.commands.optimum import optimum
+from crankfem.cli.commands import lookup as optimum_command
+from crankfem.cli.commands.lookup import lookup, optimum
 from crankfem.files.engine.engine_file import load_engine
 from crankfem.files.engine.throw_file import load_throw
 from crankfem.files.reading.data_files import input_path

@@ -7,7 +7,7 @@ import pytest
 
 from comparing import close
 from crankfem.files.engine.engine_file import SECTIONS, load_engine
-from crankfem.files.engine.engine_template import FIRING_ORDERS, engine_template
+from crankfem.files.engine.file_kinds import FIRING_ORDERS, engine_template
 from crankfem.files.reading.data_files import input_path
 
 TEMPLATE = engine_template()

@@ -19,7 +19,7 @@ from crankfem.analyses.vibration.engine_excitation import (
     forces_over_speeds,
 )
 from crankfem.analyses.vibration.engine_limits import compared_quantities, rule_of
-from crankfem.jobs.run_inputs import read_inputs
+from crankfem.jobs.run_computation import read_inputs
 from strategies.engine_changes import WHOLE, changed_engines
 
 QUICK = tuple(path for path in WHOLE if path.stem in ("6chn18-22", "6chn18-22-set", "cat-3116"))

@@ -16,10 +16,10 @@ from crankfem.analyses.vibration.engine_excitation import (
 )
 from crankfem.analyses.vibration.records import load_record
 from crankfem.cli.tables.vibration_tables import print_load
-from crankfem.files.engine.mechanism_load import pressures_at
+from crankfem.files.engine.mechanism_file import pressures_at
 from crankfem.files.reading.data_files import InputFiles
+from crankfem.files.sections.cylinder_pressures import LoadSection
 from crankfem.files.sections.excitation_sections import GasMap
-from crankfem.files.sections.load_section import LoadSection
 
 RPM = np.pi / 30.0
 POINTS = [

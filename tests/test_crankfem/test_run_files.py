@@ -11,6 +11,7 @@ import pytest
 
 from crankbase.errors import InputError, SolveError
 from crankbase.outputs import LISTED, recording_run_files, replacing_files, write_text
+from crankfem.jobs.run_computation import read_inputs
 from crankfem.jobs.run_files import (
     MODEL,
     REPORT,
@@ -22,7 +23,6 @@ from crankfem.jobs.run_files import (
     results_text,
     write_results,
 )
-from crankfem.jobs.run_inputs import read_inputs
 from crankfem.report.writing import write_report_text
 
 STORED = Path(__file__).with_name("report_results.json")

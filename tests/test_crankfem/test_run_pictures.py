@@ -6,7 +6,7 @@ from crankbase.errors import InputError, MissingLibraryError, RenderError
 from crankbase.outputs import atomic_file
 from crankfem.analyses.throw.pictures import offscreen
 from crankfem.analyses.throw.pictures.offscreen import ADVICE, OffscreenProcess, render_failure
-from crankfem.jobs.run_pictures import Pictures, Renderings
+from crankfem.jobs.run_drawing import Pictures, Renderings
 from crankfem.report.interactive.plot import Plot, Plots
 
 

@@ -5,7 +5,7 @@ import json
 import pytest
 
 from comparing import close
-from crankfem.jobs.run_inputs import read_inputs
+from crankfem.jobs.run_computation import read_inputs
 from fitted_models import known_model
 
 VALUES = {"axial_compliance": 1.3e-9, "torsional_compliance": 4.1e-8}

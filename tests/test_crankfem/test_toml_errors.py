@@ -3,8 +3,7 @@
 import pytest
 
 from crankbase.errors import InputError
-from crankfem.files.reading.toml_file import read_toml
-from crankfem.files.reading.toml_places import line_of, place_of
+from crankfem.files.reading.toml_file import line_of, place_of, read_toml
 
 
 @pytest.mark.parametrize(

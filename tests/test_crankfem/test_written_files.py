@@ -13,7 +13,7 @@ from crankbase.outputs import LISTED
 from crankfem.analyses.hinge.hinge_run import run_hinge
 from crankfem.analyses.throw.pictures import stress_picture
 from crankfem.analyses.vibration.run import engine_vibration
-from crankfem.files.hinge.hinge_file import load_hinge
+from crankfem.files.hinge_file import load_hinge
 from crankfem.files.reading.data_files import data_folder, input_path
 from regression.models.compliance_model import ComplianceModel
 from stand_ins import put_everywhere

@@ -6,9 +6,8 @@ import time
 
 import pytest
 
-from crankfem.service import followers
-from crankfem.service.followers import Followers
-from crankfem.service.job_store import FULL, JobStore, StoreError
+from crankfem.service import job_store
+from crankfem.service.job_store import FULL, Followers, JobStore, StoreError
 
 
 @pytest.fixture
@@ -49,7 +48,7 @@ def test_every_follower_gets_every_change_and_the_end(store, monkeypatch):
 
     began = time.monotonic()
     assert followed(store, name, change, 100) == [["queued", "running", "done"]] * 100
-    assert len(looks) <= 2 + (time.monotonic() - began) / followers.LOOK  # one for all of them
+    assert len(looks) <= 2 + (time.monotonic() - began) / job_store.LOOK  # one for all of them
 
 
 def test_a_store_that_cannot_be_read_for_a_while_ends_no_stream(store, monkeypatch):
@@ -89,7 +88,7 @@ def test_streams_end_with_the_job_s_record_and_with_the_service(store):
 
 @pytest.mark.slow
 def test_a_follower_hears_from_time_to_time_that_nothing_changes(store, monkeypatch):
-    monkeypatch.setattr(followers, "PING", 0.2)
+    monkeypatch.setattr(job_store, "PING", 0.2)
     name = store.add("study", "mine", {}, 20)
 
     async def change():

@@ -11,7 +11,7 @@ from serving import STUDY
 
 
 def engine_text():
-    from crankfem.files.engine.engine_template import engine_template
+    from crankfem.files.engine.file_kinds import engine_template
 
     return engine_template("mine.toml", 3, 4)
 

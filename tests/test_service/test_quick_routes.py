@@ -8,8 +8,8 @@ from fastapi import APIRouter
 from starlette.responses import PlainTextResponse
 
 from crankbase.errors import InputError
-from crankfem.service.problems import ProblemError
-from crankfem.service.quick_routes import QuickRoutes
+from crankfem.service.asking import ProblemError
+from crankfem.service.model_routes import QuickRoutes
 
 routes = APIRouter()
 

@@ -11,10 +11,10 @@ import psutil
 import pytest
 
 from crankfem.service import job_runner
-from crankfem.service.bounds import Bounds
+from crankfem.service.asking import ProblemError
+from crankfem.service.guard import Bounds
 from crankfem.service.job_runner import STARTS, JobRunner
 from crankfem.service.job_store import FULL, GONE, JobStore, StoreError
-from crankfem.service.problems import ProblemError
 from serving import ROOT, THROW
 
 # A worker process that does with a job what the job says.
